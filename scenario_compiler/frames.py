@@ -1,4 +1,4 @@
-"""The only place that converts between OpenDRIVE's and CARLA's axes.
+"""Converts between the axes of OpenDRIVE and CARLA; no other module does.
 
 OpenDRIVE: x east, y north, z up; heading counter-clockwise, pitch positive with the nose down, roll positive with the
 left side up, in radians. CARLA: x east, y south, z up; yaw clockwise seen from above, pitch positive with the nose up,

@@ -1,4 +1,4 @@
-"""Files and folders out: whole or not there.
+"""Writes files and folders as a whole or not at all.
 
 What cannot be written is an OSError that names the file and says why, for the command line to tell in one line.
 """
@@ -103,7 +103,7 @@ def locked(path: Path) -> Iterator[None]:
 
 
 def _held(path: Path) -> BinaryIO:
-    """Return the lock's file, opened and locked; one that its holder has deleted meanwhile is made anew."""
+    """Return the lock's file, opened and locked; one that its holder has deleted meanwhile is made again."""
     while True:
         file = path.open("a+b")
         if not _lock(file):

@@ -57,7 +57,7 @@ def test_a_new_conflict_is_valid_and_runs() -> None:
 
 @pytest.mark.parametrize(
     ("name", "template", "said"),
-    [("mine", "blocked_lan", "did you mean 'blocked_lane'"), ("my case", "blocked_lane", "is no name")],
+    [("mine", "blocked_lan", "did you mean 'blocked_lane'"), ("my case", "blocked_lane", "is not a name")],
 )
 def test_what_cannot_begin_a_conflict_is_said_so(
     capsys: pytest.CaptureFixture[str], name: str, template: str, said: str
@@ -166,6 +166,6 @@ def test_a_boundary_and_a_minimum_are_searched_for(capsys: pytest.CaptureFixture
     command = ("sweep", LIBRARY / "conflicts" / "obstacle_ahead.xml", "--perception", "ideal", "--duration", "8")
     vary = ("--vary", "distance=uniform(60,350)")
     assert call(*command, *vary, "--boundary", "request", "--tolerance", "40", "-o", "boundary") == 0
-    assert "not at distance = " in capsys.readouterr().out
+    assert "request does not hold at distance = " in capsys.readouterr().out
     assert call(*command, *vary, "--minimise", "final_speed", "--evaluations", "5", "-o", "least") == 0
     assert "least final_speed" in capsys.readouterr().out

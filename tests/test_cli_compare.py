@@ -40,7 +40,7 @@ def test_runs_that_differ_are_told_where_and_how_much(runs: Path, capsys: pytest
     assert call("compare", runs / "one", runs / "faster") == 1
     out = capsys.readouterr().out
     assert "$speed" in out
-    assert "They part at 0 s: the speed of ego is 20 m/s in the first, 20.1 m/s in the second." in out
+    assert "The runs first differ at 0 s: the speed of ego is 20 m/s in the first, 20.1 m/s in the second." in out
     assert "final_speed" in out
     assert out.endswith("The runs differ.\n")
 

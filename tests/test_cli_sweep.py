@@ -164,12 +164,13 @@ def test_a_sweep_of_which_all_variants_fail_is_at_fault(capsys: pytest.CaptureFi
     assert sweep("--vary", "speed=values(40, 50, 60)", "--where", "speed > 1") == 1
     out, err = capsys.readouterr()
     assert "3 variants: 0 passed, 0 failed, 3 broken off; 0 without a request: " in out
-    assert "all variants broke off, most often: speed is 40, but must be at most 30" in err
+    assert "all variants broke off; the most frequent reason: speed is 40, but must be at most 30" in err
 
 
 def test_a_sweep_of_which_some_variants_fail_tells_their_number(capsys: pytest.CaptureFixture[str]) -> None:
     assert sweep("--vary", "speed=values(10, 20, 60)", "--where", "speed > 1") == 0
-    assert "1 of 3 variants broke off, most often: speed is 60, but must be at most 30" in capsys.readouterr().err
+    err = capsys.readouterr().err
+    assert "1 of 3 variants broke off; the most frequent reason: speed is 60, but must be at most 30" in err
 
 
 def test_the_summary_counts_what_the_table_holds(capsys: pytest.CaptureFixture[str]) -> None:

@@ -185,7 +185,7 @@ def test_an_interrupted_sweep_is_resumed(place: Path, number: str) -> None:
     command = COMMANDS["sweep in processes"]
     code, told = interrupted(place, command, events_of(place, "sweep in processes") * 3 // 4, number)
     assert code == 130, told
-    assert "interrupted; --resume does the rest" in told
+    assert "interrupted; --resume finishes the sweep" in told
     assert "Traceback" not in told
     code, told = interrupted(place, f"{command} --resume", 10**9)
     assert code == 0, told

@@ -213,7 +213,10 @@ def _page(
             ("runs", "number", "surrogate", "ideal"), [(a, str(b), f"{c:.0%}", f"{d:.0%}") for a, b, c, d in agreement]
         ),
         asked=asked,
-        alike=_table(("measure", "surrogate", "ideal"), [(f"`{a}`", f"{b:.3f}", f"{c:.3f}") for a, b, c in alike]),
+        alike=_table(
+            ("measure", "p-value, surrogate", "p-value, ideal"),
+            [(f"`{a}`", f"{b:.3f}", f"{c:.3f}") for a, b, c in alike],
+        ),
         left=f"{left:.0%}",
         left_so=f"{left_so:.0%}",
         missed="; ".join(missed) if missed else "none",
@@ -238,68 +241,72 @@ _TEXT = """\
 <!-- Written by `python tools/fit_surrogate.py judge`. -->
 # Surrogate perception: the camera in a sweep
 
-A camera in the loop takes seconds a run, ideal perception a millisecond, but ideal perception knows nothing of what
-a detector makes of worn paint, noise or a bend. `--perception surrogate` runs in the engine as ideal perception does,
-and answers as the camera with the classical detector would:
+A run with the camera takes seconds, a run with ideal perception a millisecond; but ideal perception does not know how
+a detector reacts to worn paint, noise or a bend. `--perception surrogate` runs in the engine, as ideal perception does,
+and gives the confidence that the camera with the classical detector would give:
 
     scenario-compiler sweep conflict.xml --vary from=uniform(100,400) --samples 10000 --perception surrogate
 
-For each side of the lane a network with {hidden} hidden units goes over {features} numbers that the engine knows: the
-paint's quality in five stretches ahead on this side and on the other, what kind of lines they are, the bend, the grade
-and the width of the lane, junctions, the light and the weather, the camera's noise and failures, the speed, the place
-in the lane, and whom the picture shows. It gives the confidence in that side and how far it draws the followed path off
-the lane's centre. The automation then drives as the [controller](controllers.md) `lane_detection` does, along that
-path. The sensor's health is that of ideal perception.
+For each side of the lane, a network with {hidden} hidden units takes {features} features that the engine knows: the
+quality of the paint in five stretches ahead on this side and on the other, the kinds of the lines, the bend, the grade
+and the width of the lane, junctions, the light and the weather, the camera's noise and failures, the speed, the
+position in the lane, and the vehicles in the picture. The network gives the confidence in that side, and the offset by
+which the side moves the followed path away from the lane's centre. The automation then drives along that path as the
+[controller](controllers.md) `lane_detection` does. The sensor's health is that of ideal perception.
 
-What the network leaves open belongs to the place: a camera that drives the same way twice sees the same, whatever the
-seed. It is noise that depends on the road, the lane, the side and the cell along the road alone, linear between cells:
-of deviation {noise} of the confidence's logit in cells of {cell} m, and of {path} m of the path in cells of
-{path_cell} m, as fitted to what the network leaves open.
+The part of the confidence and of the path that the features do not explain is modelled as noise that belongs to the
+place: a camera that drives along a road twice sees the same twice, whatever the seed. The noise depends only on the
+road, the lane, the side and the cell along the road, and is linear between cells. Fitted to the residuals of the
+network, its standard deviation is {noise} for the logit of the confidence, in cells of {cell} m, and {path} m for the
+path, in cells of {path_cell} m.
 
 ## How far it agrees
 
-It was fitted to {runs} runs with the camera, on drawn roads and on maps, with drawn wear, weather, noise, failures,
-traffic and speeds. The {judged} runs below took no part: variants of five conflicts of the library on maps that no run
-of the fit was on, drawn roads of other numbers, and lanes of other maps. They were looked at while the features were
-chosen, but never fitted to. The same answer is: no request in both, or requests within 0.5 s.
+The surrogate was fitted to {runs} runs with the camera, on randomly drawn roads and on maps, with randomly drawn wear,
+weather, noise, failures, traffic and speeds. The {judged} runs below were not used for the fit: variants of five
+conflicts of the library on maps without a run in the fit, randomly drawn roads with other seeds, and lanes of other
+maps. They were looked at when the features were chosen. The table shows the share of runs with the same answer as the
+camera: no request in either run, or requests within 0.5 s of each other.
 
 {agreement}
 
-There is no request in {asked} with the surrogate. Floors that are missed: {missed}.
+There is no request in {asked} with the surrogate. Aims that are missed: {missed}.
 
 ![Camera, surrogate and ideal perception](images/perception_surrogate.png)
 
-*The better side's confidence in the five conflicts as they are, dotted the requests; and when the judged runs ask.*
+*The confidence of the better side in the five conflicts as they are in the library, with dotted lines at the requests;
+last, the times of the requests in the runs of the table.*
 
-Kolmogorov and Smirnov's test compares the distributions of measures with those of the camera's runs; below 0.01 they
-differ:
+The Kolmogorov-Smirnov test compares the distribution of each measure with that in the runs with the camera. A p-value
+below 0.01 means that the distributions differ:
 
 {alike}
 
-Of the runs in which the driver does not answer, {left} leave the lane with the camera, {left_so} with the surrogate.
+Of the runs in which the driver does not respond, {left} leave the lane with the camera, {left_so} with the surrogate.
 
 ## What it costs
 
-Steps of a sweep in a CPU second, measured in one run, both perceptions in turn:
+Steps of a sweep per CPU second, with both perceptions measured alternately in one process:
 
 {rates}
 
-Together the surrogate has {total} of ideal perception's rate. A sweep of {variants} variants of `markings_missing` over
-where the paint begins to fade (100 to 400 m) and along which length (1 to 250 m) took {seconds} CPU seconds, the
-table of results included; the 5, 25, 50, 75 and 95 % quantiles of its request times are {quantiles} s.
+Over all five, the surrogate runs at {total} of the rate of ideal perception. A sweep of {variants} variants of
+`markings_missing`, with the start (100 to 400 m) and the length (1 to 250 m) of the stretch on which the paint fades,
+took {seconds} CPU seconds, including the table of results; the 5, 25, 50, 75 and 95 % quantiles of its request times
+are {quantiles} s.
 
-## What it is for
+## Where it is valid
 
-* The controller `lane_detection` with the classical detector and a camera mounted as by default. Another controller,
-  detector or mounting is refused (SC514), and so are motion blur and misalignment, which took no part in the fit.
-* The ranges below. Where one is left while the automation drives, the event `outside_domain` is logged, the table of a
-  sweep has the time in `outside_domain_time`, and the sweep's summary counts such variants. The value is then held at
-  the end of its range.
-* Secondary lines, colours of paint but yellow, drops on the windscreen and other lines beside the lane are not among
-  the features.
+* It stands for the controller `lane_detection` with the classical detector and the default camera mounting. Another
+  controller, detector or mounting is refused (SC514). So are motion blur and misalignment, which were not in the fit.
+* It is valid in the ranges below. If a feature leaves its range while the automation drives, the event `outside_domain`
+  is logged, the table of a sweep has the time in `outside_domain_time`, and the sweep's summary counts such variants.
+  The value is then limited to its range.
+* Secondary lines, colours of paint other than yellow, drops on the windscreen and other lines beside the lane are not
+  among the features.
 
-The file of coefficients keeps what the detector says of some pictures. A test makes them again: it fails where the
-renderer or the detector has come to another answer, and then the surrogate has to be fitted anew:
+The file of coefficients contains the detector's answers for some pictures. A test draws and detects these pictures
+again, and fails if the renderer or the detector now gives other answers. Then the surrogate has to be fitted again:
 
     python tools/fit_surrogate.py gather MAPS RUNS
     python tools/fit_surrogate.py fit RUNS
@@ -307,7 +314,7 @@ renderer or the detector has come to another answer, and then the surrogate has 
 
 {ranges}
 
-Shares are of 0 to 1, lengths in m, curvatures in 1/40 m, the contrast and the last two as logarithms, the speed in
-20 m/s, the heading in 1/5 rad, the pitch in 1/50 rad, the darkness in 10 degrees of the sun below the horizon, the
-noise in 40 grey levels.
+Shares are from 0 to 1, lengths are in m, and the contrast and the last two features are logarithms. The other units
+are 1/40 m for curvatures, 20 m/s for the speed, 1/5 rad for the heading, 1/50 rad for the pitch, 10 degrees of the sun
+below the horizon for the darkness, and 40 grey levels for the noise.
 """

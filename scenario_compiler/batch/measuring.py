@@ -1,4 +1,4 @@
-"""The row of a variant: its outcome and every measure, from what the engine added up, or from a recording.
+"""The row of a variant, with its outcome and all measures, from the engine's totals or from a recording.
 
 The measures and criteria are those of `recording`, so that a row says what `outcome.json` of the same run says.
 """

@@ -1,4 +1,4 @@
-"""What runs variants, in this process, a worker process or on a cluster: plans and values in, rows out.
+"""Runs variants in this process, a worker process or on a cluster: plans and values in, rows out.
 
 A part of a sweep comes as a `Part` of plain values, with the plans that the worker has not seen yet, and leaves as
 batches of rows. Nothing in a row depends on how a sweep is split.

@@ -1,4 +1,4 @@
-"""How many runs of a sweep came to what, and how far a sweep is."""
+"""Counts of the results of a sweep's runs, and the progress of a sweep."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands in a world that clients share: vehicles, walkers, props, sensors, lights, signs."""
+"""The actors of a world that clients share: vehicles, walkers, props, sensors, lights, signs."""
 
 from __future__ import annotations
 
@@ -123,6 +123,7 @@ class Car(Body):
         physics: The physics control that a client gave, or None.
         lights: Bits of its lights, as CARLA counts them.
         doors: Doors that are open.
+        turned: Angles to which a client has turned wheels, degrees, by the number of the wheel.
         constant: Speed that it keeps, m/s, or None.
         pushed: Change of speed that waits for the next step, m/s.
         gear: The gear it is in.
@@ -137,6 +138,7 @@ class Car(Body):
     physics: list[Any] | None = None
     lights: int = 0
     doors: set[int] = field(default_factory=set)
+    turned: dict[int, float] = field(default_factory=dict)
     constant: float | None = None
     pushed: float = 0.0
     gear: int = 1

@@ -1,4 +1,4 @@
-"""The server's state beyond one map: clock, settings, weather, who listens, and what happens in a tick."""
+"""The server's state that outlives a map: clock, settings, weather and listeners; and the work of a tick."""
 
 from __future__ import annotations
 
@@ -45,9 +45,13 @@ PREPARED = 60.0
 ready, s: a camera that is heard sends a picture of every tick, however busy the machine is.
 """
 
-BEGINNING = 0.3
-"""How long a new episode stands still in asynchronous mode after its first snapshot, s: a client then leaves the stream
-of snapshots and joins it anew. CARLA's own worlds begin more slowly.
+JOINING = 1.0
+"""How long a new episode waits at most for the client that has loaded it to join the stream of snapshots anew, s.
+
+A client leaves that stream when its call to load a map is answered, asks for the episode and joins it again. Only then
+may it see the new episode's first snapshot, as with CARLA's own worlds, which take long to load: on it, the client's
+Traffic Manager starts anew, and its process ends where it has no episode at that time
+(`Simulator::LoadEpisode`, `TrafficManagerLocal::Reset`).
 """
 
 SETTLING = 0.001
@@ -56,6 +60,16 @@ SETTLING = 0.001
 It asks in its own thread at the end of each step and then waits to be woken for the next one; LibCarla's
 `TrafficManagerLocal::SynchronousTick` wakes it without holding the lock under which it waits, so that a tick which
 comes just then is missed, and the client waits for ever. CARLA's own ticks take longer than that.
+"""
+
+HELD = 0.1
+SEEN = 2
+"""How long a vehicle that a client destroys in asynchronous mode waits at most for a Traffic Manager to be between two
+of its steps, s; and after how many snapshots it may go on.
+
+A client forgets a vehicle when the call is answered; its Traffic Manager, which is in the middle of a step with that
+vehicle, ends the process then. It asks for the settings at the beginning of each step (`TrafficManagerLocal::Run`), and
+is held there until the client has the next snapshot, which lacks the vehicle: until the one after that is sent.
 """
 
 PERCENT = (
@@ -132,6 +146,8 @@ class Host:
         log: Takes what is to be told of the server's work, a line each.
         stage: The world on the present map.
         streams: Who listens.
+        beginning: Waits until the episode begins that a client has loaded; None where none is about to begin.
+        gate: Opens when Traffic Managers that are held may go on; None where none is held.
     """
 
     version: str
@@ -151,12 +167,15 @@ class Host:
     recorder: Recorder | None = None
     replay: Replay | None = None
     told: set[str] = field(default_factory=set)
+    beginning: asyncio.Future[None] | None = None
+    gate: asyncio.Event | None = None
     _work: dict[int, Work] = field(default_factory=dict)
     _bits: int = 0
     _free: asyncio.Event = field(default_factory=asyncio.Event)
     _began: float = 0.0
     _asked: float = -math.inf
-    _begins: float = -math.inf
+    _held: bool = False
+    _held_for: int = 0
 
     def __post_init__(self) -> None:
         self.streams = Streams(self.knows, self.log)
@@ -209,23 +228,33 @@ class Host:
     def change_town(self, town: Town, *, reset: bool) -> None:
         """Begin a new episode on a map.
 
-        That the map has changed stands in the second snapshot only. On the first one a client leaves the stream; if it
-        has to ask for the map's lamps in the stream's own thread at the same time, as it does for a changed map, its
-        process may end (0.9.16: `streaming::detail::tcp::Client::ReadData`, one time in six).
+        That the map has changed stands in the second snapshot only: on the first one a client may still be busy with
+        joining the stream.
         """
         for number in list(self._work):
             self.dismiss(number)
-        self.stage = Stage(town, self.version)
+        before, self.stage = self.stage, Stage(town, self.version)
+        self.stage.remember(before)
         self.episode += 1
         self.recorder = self.replay = None
         if reset:
             self.settings = Settings()
             self._free.set()
-        self._begins = time.monotonic() + BEGINNING
-        asyncio.get_running_loop().run_in_executor(None, town.terrain)
-        asyncio.get_running_loop().run_in_executor(None, town.scene)
+        asyncio.get_running_loop().run_in_executor(None, town.prepare)
         self.tick()
         self._bits |= MAP_CHANGED
+
+    def change_town_when_joined(self, town: Town, *, reset: bool) -> None:
+        """Begin a new episode on a map as soon as the client that asked for it listens to the snapshots again."""
+        self.beginning = asyncio.ensure_future(self._change_later(town, reset))
+
+    async def _change_later(self, town: Town, reset: bool) -> None:
+        try:
+            if self.streams.heard(SNAPSHOTS):
+                await self.streams.wait_for_another(SNAPSHOTS, JOINING)
+            self.change_town(town, reset=reset)
+        finally:
+            self.beginning = None
 
     async def load(self, name: str) -> Town:
         """Load a map in a thread; an empty name is the present one."""
@@ -234,6 +263,20 @@ class Host:
     def note_question(self) -> None:
         """Note that a client has asked for the settings."""
         self._asked = time.monotonic()
+        self._held = True
+
+    async def hold_managers(self) -> None:
+        """Wait until a Traffic Manager is between two of its steps, where it stays for two snapshots."""
+        loop = asyncio.get_running_loop()
+        end = loop.time() + HELD
+        if self.gate is None:
+            self.gate = asyncio.Event()
+            self._held = False
+        self._held_for = SEEN
+        while not self._held and loop.time() < end:
+            await asyncio.sleep(0.001)
+            self._held_for = SEEN
+        self._held = True
 
     def note_lights(self) -> None:
         """Let the next snapshot say that lights have changed."""
@@ -269,7 +312,7 @@ class Host:
             await self._free.wait()
             due = max(due + self.step_length, loop.time() - self.step_length)
             await asyncio.sleep(max(due - loop.time(), 0.001))
-            if not self.settings.synchronous and time.monotonic() >= self._begins:
+            if not self.settings.synchronous and self.beginning is None:
                 try:
                     self.tick()
                 except Exception as fault:  # a fault of ours does not stop the clock
@@ -289,6 +332,11 @@ class Host:
         if self.recorder is not None:
             self.recorder.note(self.stage, self.frame, dt)
         self._send(dt)
+        if self.gate is not None:
+            self._held_for -= 1
+            if self._held_for <= 0:
+                self.gate.set()
+                self.gate = None
         return self.frame
 
     def _send(self, dt: float) -> None:

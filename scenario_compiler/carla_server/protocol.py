@@ -1,4 +1,4 @@
-"""The protocol: every call that a client can make, what it takes and gives, since when, and how it is answered.
+"""The protocol: every call of clients with its arguments, its result, its first version and its handler.
 
 This table checks the arguments of every call before anything else sees them, makes the page of what is served
 (docs/carla-server.md), and is what the fuzzing makes calls from. Names and layouts are LibCarla's
@@ -7,6 +7,7 @@ This table checks the arguments of every call before anything else sees them, ma
 
 from __future__ import annotations
 
+import asyncio
 import traceback
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
@@ -54,6 +55,7 @@ from scenario_compiler.carla_server.layouts import (
     array,
     struct,
 )
+from scenario_compiler.carla_server.transport import OVERTAKING
 
 How = Literal["answered", "refused", "ignored"]
 
@@ -213,7 +215,13 @@ CALLS = (
     Call("get_vehicle_light_states", (), array(struct("light state of a vehicle", U32, U32)), vehicles.all_lights),
     Call("open_vehicle_door", (U32, U8), NOTHING, vehicles.open_door, "kept, not drawn"),
     Call("close_vehicle_door", (U32, U8), NOTHING, vehicles.close_door, "kept, not drawn"),
-    ignored("set_wheel_steer_direction", "wheels are not drawn turned", U32, U8, REAL),
+    Call(
+        "set_wheel_steer_direction",
+        (U32, U8, REAL),
+        NOTHING,
+        vehicles.turn_wheel,
+        "kept while physics does not move the vehicle, not drawn",
+    ),
     Call("get_wheel_steer_angle", (U32, U8), REAL, vehicles.wheel_angle),
     ignored("set_wheel_pitch_angle", "wheels are not drawn turned", U32, U8, REAL, since="0.9.16"),
     refused("get_wheel_pitch_angle", "wheels do not turn about their axles here", (U32, U8), REAL, "0.9.16"),
@@ -282,7 +290,7 @@ CALLS = (
     Call("query_lights_state", (TEXT,), array(ANYTHING), looking.lamps, "a map has no street lamps"),
     ignored("update_lights_state", "a map has no street lamps", TEXT, array(ANYTHING), BOOL),
     ignored("update_day_night_cycle", "a map has no street lamps", TEXT, BOOL),
-    Call("get_all_level_BBs", (U8,), array(BOX), looking.level_boxes, "none"),
+    Call("get_all_level_BBs", (U8,), array(BOX), looking.level_boxes, "vehicles, walkers, props, traffic lights"),
     Call("get_environment_objects", (U8,), array(ANYTHING), looking.environment_objects, "none"),
     ignored("enable_environment_objects", "there are none", array(U64), BOOL),
     Call(
@@ -319,6 +327,8 @@ class Protocol:
         Returns:
             The response as it lies on the wire, or something to wait for that.
         """
+        if self.host.beginning is not None and name not in OVERTAKING:
+            return self._answer_in_new_episode(self.host.beginning, name, arguments)
         call = self.calls.get(name)
         if call is None:
             self.host.once(f"call '{name[:80]}' is not known")
@@ -343,6 +353,11 @@ class Protocol:
         if isinstance(found, Awaitable):
             return self._awaited(call, found)
         return _done(call, found)
+
+    async def _answer_in_new_episode(self, beginning: asyncio.Future[None], name: str, arguments: list[Any]) -> Any:
+        await asyncio.wait([beginning])
+        found = self.answer(name, arguments)
+        return await found if isinstance(found, Awaitable) else found
 
     async def _awaited(self, call: Call, found: Awaitable[Any]) -> Any:
         try:

@@ -79,8 +79,7 @@ async def serve(service: Service, ready: Callable[[str], None], log: Callable[[s
         calls = await loop.create_server(lambda: Calls(protocol.answer, connections, log), service.host, service.port)
     except OSError as fault:
         raise CannotServeError(f"cannot listen on {service.host}:{service.port}: {fault.strerror}") from None
-    loop.run_in_executor(None, town.terrain)
-    loop.run_in_executor(None, town.scene)
+    loop.run_in_executor(None, town.prepare)
     clock = asyncio.ensure_future(host.run_freely())
     clock.add_done_callback(lambda one: ended.set())
     ready(f"{service.host}:{calls.sockets[0].getsockname()[1]}")

@@ -1,9 +1,10 @@
-"""The world that clients share: actors on a map, moved by the engine, one step after the other."""
+"""The world that clients share: the actors on a map, which the engine moves step by step."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,21 @@ and for how long it falls at most, s.
 NO_FAILURE = 0
 GRAVITY = 9.81
 
+REMEMBERED = 1.0
+"""For how long box and physics control of a destroyed actor are known, s: clients ask for those of the actors that they
+see in the last snapshot, and a Traffic Manager does so in a thread, where an error ends the client.
+"""
+
 COLUMNS = ("x", "y", "z", "h", "pitch", "roll")
+
+
+@dataclass(frozen=True)
+class Gone:
+    """An actor that has been destroyed, its box on the wire, and until when it is remembered, s."""
+
+    actor: Actor
+    box: list[Any]
+    until: float
 
 
 class Stage:
@@ -104,7 +119,7 @@ class Stage:
         self._by_place: dict[int, Body] = {}
         self._stale = True
         self._leapt: set[int] = set()
-        self._gone: dict[int, list[Any]] = {}
+        self._gone: dict[int, Gone] = {}
         self._falling: dict[int, float] = {}
         self._triggers: list[Actor] = []
         self._attached: list[Actor] = []
@@ -173,7 +188,7 @@ class Stage:
             ground = self.town.ground_at(pose.x, pose.y)
             self.simulation.pose(place, Pose(pose.x, pose.y, ground.z if ground else 0.0, pose.heading, 0, 0), 0.0)
         touched = self.simulation.touched(place)
-        if touched is not None and touched in self._by_place:
+        if touched is not None and touched in self._by_place and not self._is_above(body, self._by_place[touched]):
             self.simulation.remove(place)
             self._places.append(place)
             raise CallError("Spawn failed because of collision at spawn position")
@@ -208,7 +223,7 @@ class Stage:
         if isinstance(actor, LightActor) or actor is self.spectator:
             raise CallError(f"unable to destroy actor: {actor.blueprint.name} belongs to the map")
         if len(self._gone) < MOST_ACTORS:
-            self._gone[number] = self.wire(actor)[3]
+            self._gone[number] = Gone(actor, self.wire(actor)[3], self.time + REMEMBERED)
         del self.actors[number]
         if actor in self._triggers:
             self._triggers.remove(actor)
@@ -225,15 +240,24 @@ class Stage:
         self._stale = True
 
     def box_of(self, number: int) -> list[Any]:
-        """Return an actor's box as it lies on the wire; also of one that clients still see in the last snapshot.
+        """Return an actor's box as it lies on the wire; also of one that has been destroyed a moment ago.
 
         Raises:
             CallError: There is none.
         """
-        if number in self._gone:
-            return self._gone[number]
+        if number not in self.actors and number in self._gone:
+            return self._gone[number].box
         found: list[Any] = self.wire(self.get(number))[3]
         return found
+
+    def gone(self, number: int) -> Actor | None:
+        """Return an actor that has been destroyed a moment ago; None for others."""
+        return self._gone[number].actor if number not in self.actors and number in self._gone else None
+
+    def remember(self, before: Stage) -> None:
+        """Remember the actors of an episode that has ended as those that have been destroyed."""
+        for actor in before.bodies():
+            self._gone[actor.id] = Gone(actor, before.wire(actor)[3], self.time + REMEMBERED)
 
     def bodies(self) -> Iterator[Body]:
         """Yield all bodies."""
@@ -277,13 +301,20 @@ class Stage:
         self._falling.pop(actor.place, None)
 
     def let_simulate(self, body: Body, simulates: bool) -> None:
-        """Say whether physics moves a body."""
+        """Say whether physics moves a body; one that has just been spawned then stays in the air."""
         if simulates == body.simulates:
             return
         body.simulates = simulates
-        self._falling.pop(body.place, None)
+        falls = self._falling.pop(body.place, None) is not None
         self.simulation.let_pose(body.place, posed=not simulates)
         self.simulation.state.v[body.place] = 0.0
+        if falls and not simulates:
+            self.put(body, body.spawned)
+
+    def _is_above(self, body: Body, other: Body) -> bool:
+        """Return whether a body that is being spawned is in the air over another one."""
+        top = self.transform_of(other).z - other.up + 2.0 * other.box[2]
+        return body.spawned.z - body.up > top
 
     def friction_at(self, at: CarlaTransform) -> float | None:
         """Return the friction of a friction trigger about a point, None where there is none; its extents are in cm."""
@@ -342,7 +373,7 @@ class Stage:
 
     def step(self, dt: float) -> None:
         """Move time and all bodies on, and take down what touches."""
-        self._gone.clear()
+        self._gone = {number: one for number, one in self._gone.items() if one.until > self.time}
         self._drive(dt)
         self.simulation.set_step(dt)
         self.simulation.step()
@@ -419,7 +450,7 @@ class Stage:
             self.collisions.append((one, other, (x, y, z)))
 
     def _arrange(self) -> None:
-        """Give every actor its row anew."""
+        """Give every actor its row again."""
         before = self.rows
         rows = Rows(len(self.actors))
         for row, actor in enumerate(self.actors.values()):

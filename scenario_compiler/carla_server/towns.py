@@ -1,4 +1,4 @@
-"""Maps as the server holds them: roads, OpenDRIVE text for clients, spawn points, the scene that cameras draw."""
+"""Maps of the server: roads, OpenDRIVE text for clients, spawn points, and the scene for cameras."""
 
 from __future__ import annotations
 
@@ -100,6 +100,11 @@ class Town:
         """
         with self._lock:
             return self._scene
+
+    def prepare(self) -> None:
+        """Make the ground and the scene, the ground first: it is the quicker one, and rays wait for it alone."""
+        self.terrain()
+        self.scene()
 
     def ground_at(self, x: float, y: float) -> Pose | None:
         """Return the pose of the road's surface at a point in OpenDRIVE's axes, or at the nearest lane's."""

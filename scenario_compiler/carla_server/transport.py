@@ -44,6 +44,16 @@ MOST_MISSED = 1000
 
 SIZE = struct.Struct("<I")
 
+OVERTAKING = frozenset(("version", "get_episode_info", "get_sensor_token"))
+"""Calls with which a client takes up the stream of snapshots. They are answered at once, also while their connection
+waits for the answer to another call: one of its Traffic Manager, which runs in a thread of its own.
+"""
+
+ASIDE = frozenset(("get_episode_settings", "destroy_actor"))
+"""Calls whose answers the others of their connection do not wait for: a Traffic Manager is held with the first, and the
+second waits for that.
+"""
+
 Answer = Callable[[str, list[Any]], Any]
 """Answers a call: its name and arguments in, what is sent back out, or something to wait for that."""
 
@@ -66,6 +76,7 @@ class Calls(asyncio.Protocol):
         self._packer = msgpack.Packer(use_bin_type=True, unicode_errors="surrogateescape")
         self._waiting: deque[Any] = deque()
         self._task: asyncio.Task[None] | None = None
+        self._aside: set[asyncio.Task[None]] = set()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take a connection up, unless there are too many."""
@@ -89,7 +100,10 @@ class Calls(asyncio.Protocol):
         try:
             self._unpacker.feed(data)
             for message in self._unpacker:
-                self._waiting.append(message)
+                if self._task is not None and _overtakes(message):
+                    self._take_up(message)
+                else:
+                    self._waiting.append(message)
         except (msgpack.UnpackException, ValueError) as fault:
             self._refuse(f"the message is not msgpack: {type(fault).__name__} {fault}".strip())
             return
@@ -111,26 +125,36 @@ class Calls(asyncio.Protocol):
 
     def _go_on(self) -> None:
         """Answer what waits, until an answer has to be waited for."""
-        while self._waiting and self._transport is not None:
-            message = self._waiting.popleft()
-            if type(message) is not list or len(message) not in (3, 4) or message[0] not in (REQUEST, NOTIFICATION):
-                self._refuse("the message is no call")
-                return
-            if message[0] == NOTIFICATION:
-                number, (name, arguments) = None, message[1:3]
-            else:
-                number, name, arguments = message[1], message[2], message[-1]
-            if len(message) == (4 if message[0] == NOTIFICATION else 3) or type(number) not in (int, type(None)):
-                self._refuse("the message is no call")
-                return
-            if type(name) is not str or type(arguments) is not list:
-                self._refuse("the message is no call")
-                return
-            found = self._answer(name, arguments)
-            if isinstance(found, Awaitable):
-                self._task = asyncio.ensure_future(self._wait_for(found, number))
-                return
+        while self._waiting and self._transport is not None and self._task is None:
+            self._take_up(self._waiting.popleft())
+
+    def _take_up(self, message: Any) -> None:
+        """Answer a call, now or when its answer is there."""
+        if type(message) is not list or len(message) not in (3, 4) or message[0] not in (REQUEST, NOTIFICATION):
+            self._refuse("the message is not a call")
+            return
+        if message[0] == NOTIFICATION:
+            number, (name, arguments) = None, message[1:3]
+        else:
+            number, name, arguments = message[1], message[2], message[-1]
+        if len(message) == (4 if message[0] == NOTIFICATION else 3) or type(number) not in (int, type(None)):
+            self._refuse("the message is not a call")
+            return
+        if type(name) is not str or type(arguments) is not list:
+            self._refuse("the message is not a call")
+            return
+        found = self._answer(name, arguments)
+        if not isinstance(found, Awaitable):
             self._send(number, found)
+        elif name in ASIDE:
+            aside = asyncio.ensure_future(self._answer_aside(found, number))
+            self._aside.add(aside)
+            aside.add_done_callback(self._aside.discard)
+        else:
+            self._task = asyncio.ensure_future(self._wait_for(found, number))
+
+    async def _answer_aside(self, found: Awaitable[Any], number: int | None) -> None:
+        self._send(number, await found)
 
     async def _wait_for(self, found: Awaitable[Any], number: int | None) -> None:
         try:
@@ -146,6 +170,10 @@ class Calls(asyncio.Protocol):
             self._transport.write(self._packer.pack([RESPONSE, number, None, found]))
 
 
+def _overtakes(message: Any) -> bool:
+    return type(message) is list and len(message) == 4 and type(message[2]) is str and message[2] in OVERTAKING
+
+
 class Streams:
     """Who listens to which stream."""
 
@@ -154,6 +182,7 @@ class Streams:
         self._knows, self._log = knows, log
         self._listeners: dict[int, set[asyncio.Transport]] = {}
         self._arrivals: dict[int, asyncio.Event] = {}
+        self._joins: dict[int, asyncio.Event] = {}
         self._missed: set[int] = set()
         self.open: set[asyncio.BaseTransport] = set()
 
@@ -179,6 +208,13 @@ class Streams:
                 one.cancel()
             self._arrivals.clear()
 
+    async def wait_for_another(self, number: int, seconds: float) -> None:
+        """Wait until somebody more listens to a stream, no longer than some seconds."""
+        event = self._joins.setdefault(number, asyncio.Event())
+        await asyncio.wait([asyncio.ensure_future(event.wait())], timeout=seconds)
+        event.set()  # lets the task end
+        self._joins.pop(number, None)
+
     @property
     def announced(self) -> bool:
         """Whether somebody is about to listen."""
@@ -190,15 +226,16 @@ class Streams:
             return False
         self._listeners.setdefault(number, set()).add(transport)
         arrived = self._arrivals.pop(number, None)
-        if arrived is not None:
-            arrived.set()
+        for event in (arrived, self._joins.get(number)):
+            if event is not None:
+                event.set()
         return True
 
     def note_missing(self, number: int) -> None:
         """Log, the first time only, that a stream was asked for that there is not."""
         if number not in self._missed and len(self._missed) < MOST_MISSED:
             self._missed.add(number)
-            self._log(f"stream {number} was asked for, and there is none")
+            self._log(f"stream {number} does not exist")
 
     def leave(self, transport: asyncio.Transport) -> None:
         """Forget a connection."""
@@ -254,7 +291,7 @@ class Stream(asyncio.Protocol):
             return
         self._begun += data[: SIZE.size + 1]
         if self._joined or len(self._begun) > SIZE.size:
-            self._refuse("a listener sends nothing but the number of its stream")
+            self._refuse("a listener may only send the number of its stream")
         elif len(self._begun) == SIZE.size:
             self._joined = self._streams.join(SIZE.unpack(self._begun)[0], self._transport)
             if not self._joined:

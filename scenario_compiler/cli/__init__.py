@@ -1,8 +1,8 @@
 """The command line, and the only package that prints.
 
-Exit codes: 0 fine (warnings too), 1 the input, the controller or the world is at fault or a run broke off, 2 wrong use,
-3 criteria failed under --strict, 130 interrupted. One module a group of commands: each has `add(commands)`, which
-declares them, and the functions that carry them out.
+Exit codes: 0 success (warnings are allowed), 1 the input, the controller or the world is at fault or a run broke off,
+2 wrong use, 3 criteria failed under --strict, 130 interrupted. Each group of commands is one module: `add(commands)`
+declares the commands, and other functions carry them out.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import argparse
 import gc
 import os
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from scenario_compiler.cli import (
     authoring,
@@ -55,14 +55,17 @@ GROUPS = (
     editor,
     carla,
 )
-"""Groups of commands, in the order of the help."""
+"""Groups of commands, in the order in which the help lists them."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command and return its exit code; without arguments, those of the program.
+    """Run a command and return its exit code.
+
+    Args:
+        arguments: The words of the command line after the program's name; None takes those of this process.
 
     Raises:
-        SystemExit: The arguments cannot be parsed, or ask for help.
+        SystemExit: The arguments cannot be parsed, or they ask for help or the version.
     """
     start_lightly()
     prepare_streams()
@@ -83,24 +86,56 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def start_lightly() -> None:
-    """Leave out what a command does not need: pydantic's search for plug-ins, and most rounds of the garbage collector.
+    """Turn off pydantic's search for plug-ins and most rounds of the garbage collector, which no command needs.
 
-    Both count in `validate` of one file; what a command loads and makes stays until its end anyhow.
+    Both take a noticeable part of the time of `validate` for one file. A command keeps nearly everything that it loads
+    until it ends, so collecting garbage frees little.
     """
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     gc.set_threshold(100_000, 50, 50)
 
 
+class HelpFormatter(argparse.HelpFormatter):
+    """Adds to the help of an option whether it may be repeated, or its default, where the text does not say so."""
+
+    def _get_help_string(self, action: argparse.Action) -> str:
+        text = action.help or ""
+        if isinstance(action, argparse._AppendAction):
+            return f"{text} (may be repeated)"
+        if action.nargs == 0 or action.default in (None, "", argparse.SUPPRESS) or "default" in text:
+            return text
+        return f"{text} (default: %(default)s)"
+
+
+class Subcommands(argparse._SubParsersAction):  # type: ignore[type-arg]
+    """Makes each command's summary the description in its own help too, unless it has a longer one."""
+
+    def add_parser(self, name: str, **settings: Any) -> argparse.ArgumentParser:
+        """Add the parser of a command; `help` is its summary, `description` what its own help says."""
+        settings.setdefault("description", as_sentence(settings["help"]))
+        parser: argparse.ArgumentParser = super().add_parser(name, **settings)
+        return parser
+
+
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaints are legible, whatever the arguments hold."""
+    """A parser whose error messages show control characters of the arguments as escapes."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**{"formatter_class": HelpFormatter, **settings})
+        self.register("action", "parsers", Subcommands)
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong with the arguments and exit with 2."""
+        """Print what is wrong with the arguments and exit with 2."""
         super().error(legible(message))
 
 
+def as_sentence(text: str) -> str:
+    """Return a help text with a capital letter and a full stop."""
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "!", "?")) else ".")
+
+
 class ShowVersion(argparse.Action):
-    """Prints the version and ends; it is looked up only then."""
+    """Prints the version and exits; the version is looked up only when it is asked for."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
         """Print the name and the version of the program."""
@@ -112,7 +147,11 @@ class ShowVersion(argparse.Action):
 
 def make_parser() -> argparse.ArgumentParser:
     """Return the parser of all commands."""
-    parser = Parser(prog="scenario-compiler", description="Compile, check and run conflicts for automated driving.")
+    parser = Parser(
+        prog="scenario-compiler",
+        description="Compile, check and run conflicts for automated driving.",
+        epilog="An extra, such as 'study', is installed by: pip install 'scenario-compiler[study]'",
+    )
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for group in GROUPS:

@@ -27,7 +27,7 @@ from scenario_compiler.cli.options import (
     new_sink,
     show,
     suggestion,
-    told,
+    text_stream,
 )
 from scenario_compiler.cli.terminal import put, put_table, tell
 from scenario_compiler.diagnostics import Diagnostics
@@ -40,8 +40,10 @@ if TYPE_CHECKING:
 
 def add(commands: Commands) -> None:
     """Declare the commands."""
-    listing = commands.add_parser("list", help="show the conflicts and templates of a library")
-    listing.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="file or folder; our library by default")
+    listing = commands.add_parser("list", help="list the conflicts and templates of a library")
+    listing.add_argument(
+        "paths", nargs="*", type=Path, metavar="PATH", help="file or folder; the packaged library by default"
+    )
     listing.add_argument(
         "--templates",
         action="append",
@@ -49,23 +51,27 @@ def add(commands: Commands) -> None:
         type=folder,
         default=[],
         metavar="DIR",
-        help="print each template with its parameters, their units and limits; those of a folder too",
+        help="print each template with its parameters, their units and limits; with DIR, also those of that folder",
     )
-    listing.add_argument("--html", type=Path, metavar="FILE.html", help="write a gallery with pictures instead")
+    listing.add_argument(
+        "--html", type=Path, metavar="FILE.html", help="write a gallery with pictures instead of printing"
+    )
     listing.set_defaults(command=list_command)
-    new = commands.add_parser("new", help="begin a conflict")
-    new.add_argument("name", metavar="NAME", help="name of the scenario; NAME.xml is written")
-    new.add_argument("--from", dest="template", required=True, metavar="TEMPLATE")
-    new.add_argument("--force", action="store_true", help="write over a file that is there")
+    new = commands.add_parser("new", help="write a new conflict from a template")
+    new.add_argument("name", metavar="NAME", help="name of the scenario; the file is NAME.xml")
+    new.add_argument("--from", dest="template", required=True, metavar="TEMPLATE", help="template that it uses")
+    new.add_argument("--force", action="store_true", help="overwrite an existing file")
     new.set_defaults(command=new_command)
     preview = commands.add_parser("preview", help="draw a plan without running it")
     add_target(preview)
-    preview.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE.png|FILE.svg")
+    preview.add_argument(
+        "-o", dest="output", type=Path, required=True, metavar="FILE.png|FILE.svg", help="picture to write"
+    )
     add_scenario(preview)
     preview.set_defaults(command=preview_command)
-    convert = commands.add_parser("convert", help="write a file of the AISA toolkit in our language")
-    convert.add_argument("file", type=Path, metavar="FILE")
-    convert.add_argument("-o", dest="output", type=Path, required=True, metavar="OUT.xml")
+    convert = commands.add_parser("convert", help="convert a file of the AISA toolkit to the conflict language")
+    convert.add_argument("file", type=Path, metavar="FILE", help="file of the AISA toolkit")
+    convert.add_argument("-o", dest="output", type=Path, required=True, metavar="OUT.xml", help="conflict to write")
     convert.set_defaults(command=convert_command)
     for parser in (listing, preview):
         add_maps(parser)
@@ -76,14 +82,14 @@ def add(commands: Commands) -> None:
 
 
 def list_command(options: argparse.Namespace) -> int:
-    """Show what a library holds."""
+    """Print the conflicts and templates of a library."""
     sink = new_sink(options)
     if options.templates and options.html is None:
         return _list_templates(options, sink)
     listed = list(_listed(options, sink))
     if options.html is not None:
         return _write_gallery(options, listed, sink)
-    _print_tables(listed, told(options))
+    _print_tables(listed, text_stream(options))
     if not listed and not has_errors(sink, options):
         tell(f"no conflict and no template in {', '.join(map(str, options.paths))}")
     return AT_FAULT if show(sink, options) else FINE
@@ -103,12 +109,12 @@ def _list_templates(options: argparse.Namespace, sink: Diagnostics) -> int:
             (f"  {one.name}", parameter_kind(one), "(required)" if one.default is None else one.default, one.summary)
             for one in template.parameters
         ]
-    put_table(("template, parameters", "holds", "default", "what it does"), rows, told(options))
+    put_table(("template, parameters", "values", "default", "description"), rows, text_stream(options))
     return AT_FAULT if show(sink, options) else FINE
 
 
 def _print_tables(listed: list[Listed], file: TextIO) -> None:
-    """Print a table of the conflicts, one of the templates and one of what varies, those that have a row."""
+    """Print the conflicts, the templates and the varied parameters as tables, leaving out empty ones."""
 
     def rows_of(kind: str) -> list[tuple[str, ...]]:
         return [(one.name, _short(one.file), one.gold, one.map, one.summary) for one in listed if one.kind == kind]
@@ -121,7 +127,7 @@ def _print_tables(listed: list[Listed], file: TextIO) -> None:
 
 
 def _short(path: Path) -> str:
-    """Return a path from the current folder where it lies below that, else whole."""
+    """Return a path relative to the current folder if it lies below it, else the absolute path."""
     whole = path.resolve()
     return str(whole.relative_to(Path.cwd())) if whole.is_relative_to(Path.cwd()) else str(whole)
 
@@ -143,7 +149,7 @@ def _write_gallery(options: argparse.Namespace, listed: list[Listed], sink: Diag
     keep_inputs([*options.paths, *(one.target for one in listed if one.kind == "conflict")], options.html)
     write_gallery(_cards(options, listed, sink), options.html)
     failed = show(sink, options)
-    put(f"gallery: {options.html}", told(options))
+    put(f"gallery: {options.html}", text_stream(options))
     return AT_FAULT if failed else FINE
 
 
@@ -163,7 +169,7 @@ def _cards(options: argparse.Namespace, listed: list[Listed], sink: Diagnostics)
 
 
 def _command(one: Listed) -> str:
-    """Return the command that runs a conflict: by its name where it is of our library, else from its file's folder."""
+    """Return the command that runs a conflict: by name for a packaged one, else as it is run from its file's folder."""
     from scenario_compiler.resources import library_folder
 
     ours = one.file.resolve().is_relative_to(library_folder().resolve())
@@ -178,10 +184,10 @@ def new_command(options: argparse.Namespace) -> int:
     from scenario_compiler.vocabulary.word import IDENTIFIER
 
     if not re.fullmatch(IDENTIFIER, options.name):
-        raise WrongUse(f"'{options.name}' is no name: letters, digits and _ only, and no digit first")
+        raise WrongUse(f"'{options.name}' is not a name: use letters, digits and _ only, and no digit at the start")
     file = Path(f"{options.name}.xml")
     if file.exists() and not options.force:
-        raise WrongUse(f"{file} is there already; --force writes over it")
+        raise WrongUse(f"{file} exists already; --force overwrites it")
     sink = new_sink(options)
     templates = {one.name: one for one in list_templates(sink)}
     chosen = templates.get(options.template)
@@ -189,12 +195,12 @@ def new_command(options: argparse.Namespace) -> int:
         raise WrongUse(f"there is no template '{options.template}'{suggestion(options.template, templates)}")
     keep_inputs((one for folder in template_folders() for one in folder.rglob("*.xml")), file)
     write_whole(file, new_conflict(options.name, chosen.name, chosen.summary, chosen.parameters))
-    put(file, told(options))
+    put(file, text_stream(options))
     return AT_FAULT if show(sink, options) else FINE
 
 
 def preview_command(options: argparse.Namespace) -> int:
-    """Draw the plan: the part of the map, the entities, the way, what happens when."""
+    """Draw the plan: its part of the map, the entities, the route, and when what happens."""
     if options.output.suffix not in (".png", ".svg"):
         raise WrongUse(f"{options.output}: a plan is drawn as .png or .svg")
     sink = new_sink(options)
@@ -209,7 +215,7 @@ def preview_command(options: argparse.Namespace) -> int:
 
 
 def convert_command(options: argparse.Namespace) -> int:
-    """Write a file of the AISA toolkit in our language."""
+    """Convert a file of the AISA toolkit to the conflict language."""
     from scenario_compiler.compiler import read_source
     from scenario_compiler.source.aisa_conversion import convert_aisa
     from scenario_compiler.source.aisa_file import AisaConfig
@@ -221,7 +227,7 @@ def convert_command(options: argparse.Namespace) -> int:
         show(sink, options)
         return AT_FAULT
     if not isinstance(read[1], AisaConfig):
-        raise WrongUse(f"{options.file} is no file of the AISA toolkit")
+        raise WrongUse(f"{options.file} is not a file of the AISA toolkit")
     text = convert_aisa(read[1], sink)
     if show(sink, options):
         return AT_FAULT

@@ -1,4 +1,4 @@
-"""`calibrate`: what lane detection's confidence is worth, on maps of one's own too."""
+"""`calibrate`: how well lane detection's confidence agrees with its errors, on any maps."""
 
 from __future__ import annotations
 
@@ -14,60 +14,68 @@ from scenario_compiler.perception.detectors import DETECTORS, create_detector
 from scenario_compiler.resources import maps_folder
 
 CLIPS, PICTURES = 480, 60
-"""Clips of each map and pictures of each situation; with the shipped maps some three minutes on two cores."""
+"""Clips of each map and pictures of each situation; the packaged maps take about three minutes on two cores."""
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("calibrate", help="measure lane detection's confidence, and fit it")
-    parser.add_argument(
-        "maps", nargs="*", type=Path, metavar="MAP", help="road file, or folder of such; the shipped maps when left out"
+    parser = commands.add_parser(
+        "calibrate", help="measure how well lane detection's confidence is calibrated, and fit it"
     )
-    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="DIR", help="folder for the page")
     parser.add_argument(
-        "--detector", choices=list(DETECTORS), default="classical", help="which detector, the classical one if left out"
+        "maps",
+        nargs="*",
+        type=Path,
+        metavar="MAP",
+        help="road file, or folder with road files; the packaged maps by default",
     )
+    parser.add_argument(
+        "-o", dest="output", type=Path, required=True, metavar="DIR", help="folder for the page of results"
+    )
+    parser.add_argument("--detector", choices=list(DETECTORS), default="classical", help="lane detector")
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     parser.add_argument(
         "--leave-out",
         action="append",
         default=[],
         metavar="NAME",
-        help="judge this map by a fit to all others; the tables are of such maps alone",
+        help="evaluate this map with a confidence fitted on all other maps; the tables then have such maps only",
     )
-    parser.add_argument("--fit", action="store_true", help="fit the confidence, and write it beside the page")
-    parser.add_argument(
-        "--clips", type=_count, default=CLIPS, metavar="N", help=f"clips of each map, {CLIPS} if left out"
-    )
+    parser.add_argument("--fit", action="store_true", help="fit the confidence, and write the fit beside the page")
+    parser.add_argument("--clips", type=_count, default=CLIPS, metavar="N", help="number of clips of each map")
     parser.add_argument(
         "--pictures",
         type=_count,
         default=PICTURES,
         metavar="N",
-        help=f"pictures of a situation, {PICTURES} if left out",
+        help="number of pictures of each situation",
     )
     parser.add_argument(
-        "--jobs", type=int, default=available_cores(), metavar="N", help="processes; one for each core when left out"
+        "--jobs",
+        type=int,
+        default=available_cores(),
+        metavar="N",
+        help="number of processes (default: one for each core)",
     )
     parser.set_defaults(command=calibrate_command)
 
 
 def calibrate_command(options: argparse.Namespace) -> int:
-    """Measure, and write the page."""
+    """Measure the calibration, and write the page."""
     from scenario_compiler.perception.calibration.figures import figures_of, fitted
     from scenario_compiler.perception.calibration.gather import gather
     from scenario_compiler.perception.confidence import confidence_text
     from scenario_compiler.report.perception_page import PAGES, Measured, write_perception_page
 
     if not options.force and is_filled(options.output):
-        raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
+        raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
     maps = _road_files(options.maps)
     began = time.monotonic()
     progress = _shown if sys.stderr.isatty() else None
     gathered = gather(options.detector, maps, options.clips, options.pictures, options.jobs, progress)
     missing = sorted(set(options.leave_out) - set(gathered.maps))
     if missing or not gathered.maps:
-        complain(f"no lane to drive on in {', '.join(missing) or 'any map'}")
+        complain(f"there is no driving lane in {', '.join(missing) or 'any map'}")
         return AT_FAULT
     confidence = fitted(gathered) if options.fit else None
     figures = figures_of(gathered, options.leave_out, confidence)

@@ -1,4 +1,4 @@
-"""`serve-carla`: our world behind CARLA's wire protocol."""
+"""`serve-carla`: the built-in world served by CARLA's network protocol."""
 
 from __future__ import annotations
 
@@ -9,38 +9,40 @@ from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, su
 from scenario_compiler.cli.terminal import complain, flush_streams, put
 
 PORT = 2000
-"""The port that CARLA's clients ask at if they are not told another."""
+"""CARLA's default port."""
 
 TOWN = "town_grid"
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("serve-carla", help="answer CARLA's clients (the extra carla)")
-    parser.add_argument(
-        "--port", type=int, default=PORT, help="port of the calls; the streams use the next one (default: %(default)s)"
-    )
-    parser.add_argument("--map", default=TOWN, metavar="NAME", help="the first map (default: %(default)s)")
+    parser = commands.add_parser("serve-carla", help="run a server for CARLA clients (needs the extra 'carla')")
+    parser.add_argument("--port", type=int, default=PORT, help="port for calls; sensor streams use the next port")
+    parser.add_argument("--map", default=TOWN, metavar="NAME", help="map that is loaded at the start")
     parser.add_argument(
         "--host",
         default="127.0.0.1",
-        help="address to listen on; the protocol knows no password (default: %(default)s)",
+        help="address to listen on; the protocol has no password",
     )
     parser.add_argument(
         "--carla-version",
         choices=("0.9.15", "0.9.16"),
         default="0.9.16",
-        help="version of the clients (default: %(default)s)",
+        help="CARLA version of the clients",
     )
     parser.add_argument(
-        "--recordings", type=Path, default=Path("carla-recordings"), metavar="DIR", help="folder of recordings"
+        "--recordings",
+        type=Path,
+        default=Path("carla-recordings"),
+        metavar="DIR",
+        help="folder for the recordings that clients start",
     )
     add_maps(parser)
     parser.set_defaults(command=serve_command)
 
 
 def serve_command(options: argparse.Namespace) -> int:
-    """Serve until Ctrl-C."""
+    """Serve clients until Ctrl-C."""
     import asyncio
 
     try:
@@ -56,13 +58,13 @@ def serve_command(options: argparse.Namespace) -> int:
     if options.map not in towns and options.map.removesuffix("_Opt") not in towns:
         raise WrongUse(f"there is no map '{options.map}'{suggestion(options.map, towns)}")
     if options.host not in LOOPBACK:
-        complain(f"warning: on {options.host} whoever reaches this machine can use the server: it knows no password")
+        complain(f"warning: anyone who can reach {options.host} can use this server, which has no password")
     service = Service(
         options.carla_version, options.host, options.port, options.map, tuple(options.maps), options.recordings
     )
 
     def ready(place: str) -> None:
-        put(f"CARLA {options.carla_version} is served on {place} (map {options.map}); Ctrl-C ends it")
+        put(f"CARLA {options.carla_version} is served on {place} (map {options.map}); press Ctrl-C to end it")
         flush_streams()
 
     try:

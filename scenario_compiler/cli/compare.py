@@ -1,4 +1,4 @@
-"""`compare`: two runs side by side."""
+"""`compare`: the differences between two runs."""
 
 from __future__ import annotations
 
@@ -23,16 +23,17 @@ if TYPE_CHECKING:
     from scenario_compiler.recording.recording import Recording
 
 MOST_EVENTS = 40
-"""Events that are printed, at most; --format json has all."""
+"""Greatest number of events that are printed; --format json has all."""
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "compare",
-        help="compare two runs: where they part, how far apart they get, what happened in one alone",
-        description="Compare two runs. Exit 0 when the same happened in both, 1 when not: plans, seeds and versions "
-        "are shown, but may differ.",
+        help="compare two runs: when they begin to differ, by how much, and which events are in one of them only",
+        description="Compare two runs: when they begin to differ, by how much, and which events are in one of them "
+        "only. The exit code is 0 if the same happened in both, else 1. Differences between plans, seeds and versions "
+        "are shown, but do not count.",
     )
     for name in ("first", "second"):
         parser.add_argument(
@@ -42,11 +43,15 @@ def add(commands: Commands) -> None:
         "--tolerance",
         type=distance,
         metavar="X",
-        help="positions may be X m apart, events and ends a step; without it all is equal to the bit",
+        help="allow differences of X m in positions and of one step in the times of events and ends; by default "
+        "every bit counts",
     )
-    parser.add_argument("--format", choices=("text", "json"), default="text", help="format of what is printed")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="format of the output")
     parser.add_argument(
-        "--html", type=Path, metavar="FILE.html", help="write a page with both runs in one player; takes run folders"
+        "--html",
+        type=Path,
+        metavar="FILE.html",
+        help="write a page that plays both runs together; both must be run folders",
     )
     parser.add_argument("--camera", action="store_true", help="draw first-person pictures of both runs into the page")
     add_maps(parser)
@@ -62,7 +67,7 @@ def distance(text: str) -> float:
 
 
 def compare_command(options: argparse.Namespace) -> int:
-    """Print two runs side by side."""
+    """Print the differences between two runs."""
     from scenario_compiler.recording.comparison import compare
 
     (first, outcome), (second, other) = read_run(options.first), read_run(options.second)
@@ -78,7 +83,7 @@ def compare_command(options: argparse.Namespace) -> int:
 
 
 def _write_page(found: Comparison, options: argparse.Namespace) -> None:
-    """Write the page of both runs; WrongUse where one is no run folder that can be read."""
+    """Write the page of both runs; raise WrongUse if one of them is not a readable run folder."""
     from scenario_compiler.cli.report import pictures_to_show, read_files, stored_run
     from scenario_compiler.report.compare_page import write_comparison
 
@@ -95,7 +100,7 @@ def _write_page(found: Comparison, options: argparse.Namespace) -> None:
 
 
 def read_run(path: Path) -> tuple[Recording, Outcome | None]:
-    """Return the recording of a run and, where there is one, its outcome; WrongUse when it is not a run."""
+    """Return the recording of a run and its outcome, if it has one; raise WrongUse if `path` is not a run."""
     from scenario_compiler.recording.outcome import OutcomeError, read_outcome
     from scenario_compiler.recording.store import RecordingError, read_recording
     from scenario_compiler.recording.trajectory import TrajectoryError, read_trajectory
@@ -116,7 +121,7 @@ def as_json(found: Comparison) -> str:
 
 
 def print_comparison(found: Comparison, tolerance: float | None) -> None:
-    """Print a comparison as tables, without those that would be empty."""
+    """Print a comparison as tables, leaving out empty ones, and in sentences."""
     put_table(
         ("", "first", "second"),
         [
@@ -155,32 +160,32 @@ def print_comparison(found: Comparison, tolerance: float | None) -> None:
 
 
 def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
-    """Yield what the comparison comes to, in sentences."""
+    """Yield the result of the comparison, in sentences."""
     parting = found.parting
     if parting is not None:
         name, unit = _called(parting.column)
         whose = f"the {name} of {parting.entity}" if parting.entity else f"the {name}"
-        told = f"{parting.first}{unit} in the first, {parting.second}{unit} in the second"
-        yield f"They part at {parting.t:.6g} s: {whose} is {told}."
+        values = f"{parting.first}{unit} in the first, {parting.second}{unit} in the second"
+        yield f"The runs first differ at {parting.t:.6g} s: {whose} is {values}."
     if not found.same_times:
-        yield f"They do not have the same rows: {found.rows} are at times that both have."
+        yield f"The runs have different rows: {found.rows} rows are at times that both have."
     for fact in found.facts:
         if fact.counts and fact.first != fact.second:
-            yield f"They differ in: {fact.what}."
+            yield f"The runs differ in: {fact.what}."
     if found.events:
-        yield f"Events that are not alike: {len(found.events)}."
+        yield f"Events that differ: {len(found.events)}."
     within = "" if tolerance is None else f" within {tolerance:g} m"
     yield f"The same happened in both{within}." if found.equal else "The runs differ."
 
 
 def _called(column: str) -> tuple[str, str]:
-    """Return what a column of a recording is called in a sentence, and its unit after a space."""
+    """Return the name of a recording's column for a sentence, and its unit after a space."""
     from scenario_compiler.recording.recording import COLUMNS
     from scenario_compiler.report.wording import unit_words
 
     known = {one.name: one for one in COLUMNS}.get(column)
     unit = unit_words(known.unit) if known is not None else "m" if column == "x, y" else ""
-    name = {"x, y": "place", "v": "speed", "a": "acceleration", "h": "heading"}.get(column, column.replace("_", " "))
+    name = {"x, y": "position", "v": "speed", "a": "acceleration", "h": "heading"}.get(column, column.replace("_", " "))
     return name, f" {unit}" if unit else ""
 
 

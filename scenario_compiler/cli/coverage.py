@@ -1,4 +1,4 @@
-"""`coverage`: what of each language is read, executed and exported."""
+"""`coverage`: which parts of each language are read, executed and exported."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("coverage", help="show what of each language is read, executed and exported")
-    parser.add_argument("languages", nargs="*", metavar="LANGUAGE", help=f"{', '.join(TABLES)}; all when left out")
-    parser.add_argument("--format", choices=("text", "json"), default="text", help="form of the tables")
+    parser = commands.add_parser("coverage", help="show which parts of each language are read, executed and exported")
+    parser.add_argument("languages", nargs="*", metavar="LANGUAGE", help=f"{', '.join(TABLES)}; all by default")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="format of the tables")
     parser.set_defaults(command=coverage_command)
 
 
 def coverage_command(options: argparse.Namespace) -> int:
-    """Print the tables of languages."""
+    """Print the coverage tables of languages."""
     from scenario_compiler.coverage import table_of
 
     for language in options.languages:
@@ -40,7 +40,7 @@ def coverage_command(options: argparse.Namespace) -> int:
 
 
 def _print(table: Table) -> None:
-    """Print a table: folded to a terminal's width, else one line a row for a program that searches lines."""
+    """Print a table, folded to the width of a terminal; without a terminal each row is one line, for programs."""
     if sys.stdout.isatty():
         _print_folded(table)
         return

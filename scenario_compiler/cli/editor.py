@@ -1,4 +1,4 @@
-"""`schema` and `lsp`: what editors need of our languages."""
+"""`schema` and `lsp`: the XML schemas and the language server for editors."""
 
 from __future__ import annotations
 
@@ -12,13 +12,19 @@ from scenario_compiler.cli.terminal import put_raw
 
 def add(commands: Commands) -> None:
     """Declare the commands."""
-    schema = commands.add_parser("schema", help="print the XML schema of the conflict language, or of studies")
-    schema.add_argument("language", nargs="?", choices=("conflict", "study"), default="conflict", help="which language")
+    schema = commands.add_parser("schema", help="print the XML schema of the conflict language or of studies")
+    schema.add_argument(
+        "language", nargs="?", choices=("conflict", "study"), default="conflict", help="language of the schema"
+    )
     schema.set_defaults(command=schema_command)
     server = commands.add_parser(
-        "lsp", help="serve editors by the language server protocol, on stdin and stdout (the extra editor)"
+        "lsp", help="run the language server for an editor on stdin and stdout (needs the extra 'editor')"
     )
-    server.add_argument("--stdio", action="store_true", help="what is done anyhow: some editors say it")
+    server.add_argument(
+        "--stdio",
+        action="store_true",
+        help="accepted because some editors pass it; the server always uses stdin and stdout",
+    )
     add_maps(server)
     add_templates(server)
     server.set_defaults(command=lsp_command)
@@ -33,7 +39,7 @@ def schema_command(options: argparse.Namespace) -> int:
 
 
 def lsp_command(options: argparse.Namespace) -> int:
-    """Serve one editor until it says goodbye."""
+    """Serve one editor until it ends the connection."""
     try:
         from scenario_compiler.editor.server import make_server
     except ModuleNotFoundError as missing:

@@ -1,4 +1,4 @@
-"""`explain`: the page of a diagnostic's code."""
+"""`explain`: the explanation of a diagnostic code."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from scenario_compiler.diagnostics import CODES, code_named
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("explain", help="explain a diagnostic's code")
-    parser.add_argument("code", metavar="CODE")
+    parser = commands.add_parser("explain", help="explain a diagnostic code")
+    parser.add_argument("code", metavar="CODE", help="code such as SC101")
     parser.set_defaults(command=explain_command)
 
 
 def explain_command(options: argparse.Namespace) -> int:
-    """Print the page of a diagnostic's code."""
+    """Print the explanation of a diagnostic code."""
     code = code_named(options.code)
     if code is None:
         raise WrongUse(f"there is no code '{options.code}'{suggestion(options.code.upper(), CODES)}")

@@ -21,7 +21,7 @@ from scenario_compiler.cli.options import (
     keep_inputs,
     new_sink,
     show,
-    told,
+    text_stream,
 )
 from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostics
@@ -38,11 +38,13 @@ VERSIONS = ("1.0", "1.1", "1.2", "1.3")
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("export", help="write a conflict or a plan as OpenSCENARIO, its road beside it")
+    parser = commands.add_parser(
+        "export", help="write a conflict or a plan as an OpenSCENARIO file, with its road file beside it"
+    )
     add_target(parser, "FILE[#name]|NAME|PLAN.json")
-    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="OUT.xosc")
+    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="OUT.xosc", help="file to write")
     parser.add_argument("--version", choices=VERSIONS, default=VERSIONS[-1], help="version of OpenSCENARIO")
-    parser.add_argument("--force", action="store_true", help="write over files that are there")
+    parser.add_argument("--force", action="store_true", help="overwrite existing files")
     add_scenario(parser)
     add_maps(parser)
     add_templates(parser)
@@ -51,7 +53,7 @@ def add(commands: Commands) -> None:
 
 
 def export_command(options: argparse.Namespace) -> int:
-    """Write the scenario, its road file, and how it varies; report what OpenSCENARIO cannot express."""
+    """Write the scenario, its road file and its variations; report what OpenSCENARIO cannot express."""
     sink = new_sink(options)
     found = _planned(options, sink)
     if found is None:
@@ -67,13 +69,13 @@ def export_command(options: argparse.Namespace) -> int:
     changed = [path for path, content in files.items() if path.exists() and path.read_bytes() != content]
     keep_inputs([options.target, *inputs_of(plan)], *changed)
     if changed and not options.force:
-        raise WrongUse(f"{changed[0]} is there already and differs; --force writes over it")
+        raise WrongUse(f"{changed[0]} exists already and differs; --force overwrites it")
     with put_off():  # all of them, or none
         for path, content in files.items():
             make_folder(path.parent)
             write_whole(path, content)
     for path in files:
-        put(path, told(options))
+        put(path, text_stream(options))
     return FINE
 
 

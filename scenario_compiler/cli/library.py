@@ -1,4 +1,4 @@
-"""`library`: what a library of scenarios covers."""
+"""`library`: which situations a library of scenarios covers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from scenario_compiler.cli.options import (
     is_filled,
     new_sink,
     show,
-    told,
+    text_stream,
 )
 from scenario_compiler.cli.terminal import put, put_table, shown_progress
 from scenario_compiler.cli.validate import available_cores
@@ -29,8 +29,10 @@ if TYPE_CHECKING:
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("library", help="show what a library of scenarios covers, and what it lacks")
-    parser.add_argument("folder", type=Path, metavar="DIR", help="folder or file")
+    parser = commands.add_parser(
+        "library", help="show which situations a library of scenarios covers, and which it lacks"
+    )
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of scenario files, or one file")
     parser.add_argument(
         "-o", dest="output", type=Path, metavar="DIR", help="folder for library.html, library.json and openlabel/"
     )
@@ -40,22 +42,27 @@ def add(commands: Commands) -> None:
         type=_count,
         default=0,
         metavar="N",
-        help="run each N times with ideal perception; not at all by default",
+        help="run each scenario N times with ideal perception",
     )
     parser.add_argument(
         "--separation",
         type=Path,
         metavar="PAGE",
-        help="run each with an attentive, a slow, an absent and a reference driver, and write the table as Markdown",
+        help="run each scenario with an attentive, a slow, an absent and a reference driver, and write the table to "
+        "PAGE as Markdown",
     )
     parser.add_argument(
         "--perception",
         choices=PERCEPTIONS,
         default="ideal",
-        help="what tells the automation of its lane in the runs of --separation",
+        help="source of the lane confidence in the runs of --separation",
     )
     parser.add_argument(
-        "--jobs", type=int, default=available_cores(), metavar="N", help="processes; one for each core when left out"
+        "--jobs",
+        type=int,
+        default=available_cores(),
+        metavar="N",
+        help="number of processes (default: one for each core)",
     )
     add_maps(parser)
     add_templates(parser)
@@ -64,32 +71,32 @@ def add(commands: Commands) -> None:
 
 
 def library_command(options: argparse.Namespace) -> int:
-    """Survey a library; print what it covers, and write the page and its data."""
+    """Survey a library, print what it covers, and write the page and its data."""
     from scenario_compiler.survey.survey import survey
 
     if not options.folder.exists():
         raise WrongUse(f"there is no file or folder '{options.folder}'")
     if options.output is not None and not options.force and is_filled(options.output):
-        raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
+        raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
     sink = new_sink(options)
     with shown_progress("scenarios") as progress:
         found = survey(
             options.folder, sink, runs=options.runs, processes=options.jobs, maps=options.maps, progress=progress
         )
     failed = show(sink, options)
-    _print(found, told(options))
+    _print(found, text_stream(options))
     if options.output is not None:
         from scenario_compiler.survey.page import PAGE, write_survey
 
         write_survey(found, options.output)
-        put(f"page: {options.output / PAGE}", told(options))
+        put(f"page: {options.output / PAGE}", text_stream(options))
     if options.separation is not None:
         _separate(found, options)
     return AT_FAULT if failed or found.broken else FINE
 
 
 def _print(found: Survey, file: TextIO) -> None:
-    """Print how much of each taxonomy is shown, the near-duplicates, what the runs say, and what is missing."""
+    """Print the coverage of each taxonomy, near-duplicates, the result of the runs, and what is missing."""
     rows = []
     for taxonomy in found.taxonomies:
         shown = sum(bool(one.scenarios) for one in taxonomy.situations)
@@ -100,9 +107,9 @@ def _print(found: Survey, file: TextIO) -> None:
         if one.fault:
             put(f"at fault: {one.target}: {one.fault}", file)
     for group in found.alike:
-        put(f"alike but for {len(group.differ)} numbers: {', '.join(group.scenarios)}", file)
+        put(f"the same except for {len(group.differ)} numbers: {', '.join(group.scenarios)}", file)
     if found.runs:
-        put(f"never ask: {', '.join(found.never_ask) or 'none'}", file)
+        put(f"never request a takeover: {', '.join(found.never_ask) or 'none'}", file)
         put(f"never fail: {', '.join(found.never_fail) or 'none'}", file)
     for sentence in found.missing:
         put(sentence, file)
@@ -126,8 +133,8 @@ def _separate(found: Survey, options: argparse.Namespace) -> None:
         separated = list(runs)
     write_whole(options.separation, separation_page(separated, options.perception))
     apart = sum(one.separates for one in separated)
-    put(f"{apart} of {len(separated)} fail for the slow or the absent driver", told(options))
-    put(f"page: {options.separation}", told(options))
+    put(f"{apart} of {len(separated)} fail for the slow or the absent driver", text_stream(options))
+    put(f"page: {options.separation}", text_stream(options))
 
 
 def _count(text: str) -> int:

@@ -23,7 +23,7 @@ from scenario_compiler.cli.options import (
     is_filled,
     new_sink,
     show,
-    told,
+    text_stream,
     trust_of,
 )
 from scenario_compiler.cli.terminal import flush_streams, put
@@ -37,23 +37,25 @@ if TYPE_CHECKING:
     from scenario_compiler.worlds import WorldFinding
 
 STEP = 0.02
-"""Length of a time step of what is driven or watched, s, unless --dt gives another."""
+"""Default length of a time step for `drive`, `study` and `run --watch`, s."""
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "drive",
-        help="take over and drive a scenario in a browser (the extra study)",
-        description="Open a page in which a person takes the place of the driver: keyboard, gamepad, wheel or touch. "
-        "Every run is kept in a folder of its own below -o. Ctrl-C ends the command.",
+        help="drive a scenario in a browser and take over from the automation (needs the extra 'study')",
+        description="Serve a page in which a person takes the driver's place, with keyboard, gamepad, steering wheel "
+        "or touch. Every run gets a folder of its own in the folder of -o. Ctrl-C ends the command.",
     )
     add_target(parser)
     parser.add_argument(
-        "-o", dest="output", type=Path, metavar="DIR", help="folder for the runs; none are kept without"
+        "-o", dest="output", type=Path, metavar="DIR", help="folder for the runs; without it no run is kept"
     )
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the first run; later ones count on")
+    parser.add_argument(
+        "--seed", type=int, default=1, metavar="N", help="seed of the first run; each later run takes the next number"
+    )
     add_world(parser)
     add_address(parser)
     add_scenario(parser)
@@ -64,14 +66,14 @@ def add(commands: Commands) -> None:
 
 
 def add_address(parser: argparse.ArgumentParser) -> None:
-    """Add where the page is served."""
+    """Add the options for the address of the page."""
     parser.add_argument(
         "--host",
         default="127.0.0.1",
         metavar="ADDRESS",
-        help="address of the page; on another than this machine's own, pages need the token that is printed",
+        help="address to listen on; if other machines can reach it, the page needs the token that is printed",
     )
-    parser.add_argument("--port", type=int, default=8000, metavar="N", help="port of the page; 0 takes a free one")
+    parser.add_argument("--port", type=int, default=8000, metavar="N", help="port of the page; 0 chooses a free one")
 
 
 def drive_command(options: argparse.Namespace) -> int:
@@ -80,7 +82,7 @@ def drive_command(options: argparse.Namespace) -> int:
 
     of_world = world_options(options)
     if options.output is not None and not options.force and is_filled(options.output):
-        raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
+        raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
     options.dt = options.dt or STEP
     sink = new_sink(options)
     compilation = compiled(options, sink)
@@ -100,7 +102,7 @@ def drive_command(options: argparse.Namespace) -> int:
 
 @contextmanager
 def serving() -> Iterator[None]:
-    """Say which extra installs what a server of pages needs and is missing."""
+    """Turn a missing package of the page server into WrongUse that names the extra which installs it."""
     try:
         yield
     except ModuleNotFoundError as missing:
@@ -117,9 +119,22 @@ def serve_plan(
     sink: Diagnostics,
     watches: Callable[[Run], None] | None = None,
 ) -> str:
-    """Serve a plan's page and return how the last run ended; WrongUse where the server's packages are missing.
+    """Serve the page of a plan until it is closed or interrupted, and report where the world deviates from the plan.
 
-    Where `watches` takes the run, nobody drives, and it is the only one. What the world does otherwise is reported.
+    Args:
+        plan: What is driven.
+        network: The plan's map.
+        options: Of the command: address, world, seed, folder and trusted code.
+        of_world: Options of the world.
+        sink: Takes what is reported.
+        watches: Takes the finished run of `run --watch`, which nobody drives; None lets a person drive any number of
+            runs.
+
+    Returns:
+        How the last run ended, in words.
+
+    Raises:
+        WrongUse: The server's packages are not installed.
     """
     watched = watches is not None
     with serving():
@@ -143,5 +158,5 @@ def serve_plan(
 
 
 def _print_address(address: str, options: argparse.Namespace) -> None:
-    put(f"page: {address}", told(options))
+    put(f"page: {address}", text_stream(options))
     flush_streams()

@@ -1,4 +1,4 @@
-"""`map`: look into road files, draw them, write them for other programs."""
+"""`map`: summarise, check and draw road files, and export them for other programs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from scenario_compiler.cli.options import (
     keep_inputs,
     show,
     suggestion,
-    told,
+    text_stream,
 )
 from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostics
@@ -30,20 +30,24 @@ if TYPE_CHECKING:
 
 def add(commands: Commands) -> None:
     """Declare the commands."""
-    actions = commands.add_parser("map", help="look into road files").add_subparsers(required=True, metavar="ACTION")
-    info = actions.add_parser("info", help="sum a map up")
+    actions = commands.add_parser("map", help="summarise, check, draw or export road files").add_subparsers(
+        required=True, metavar="ACTION"
+    )
+    info = actions.add_parser("info", help="print a summary of a map")
     info.set_defaults(command=map_info_command)
-    check = actions.add_parser("check", help="find what is wrong in a road file")
-    check.add_argument("--xsd", type=Path, metavar="DIR", help="folder with ASAM's schemas")
+    check = actions.add_parser("check", help="report the faults of a road file")
+    check.add_argument("--xsd", type=Path, metavar="DIR", help="check against ASAM's schemas in this folder too")
     check.set_defaults(command=map_check_command)
     plot = actions.add_parser("plot", help="draw a map")
-    plot.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE.png|FILE.svg")
+    plot.add_argument(
+        "-o", dest="output", type=Path, required=True, metavar="FILE.png|FILE.svg", help="picture to write"
+    )
     plot.set_defaults(command=map_plot_command)
-    export = actions.add_parser("export", help="write a map for another program")
+    export = actions.add_parser("export", help="export a map for other programs")
     form = export.add_mutually_exclusive_group(required=True)
-    form.add_argument("--for", choices=("carla",), dest="client", help="OpenDRIVE that the CARLA clients load")
-    form.add_argument("--mesh", action="store_true", help="surfaces and marks as .gltf, .glb or .obj")
-    export.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE")
+    form.add_argument("--for", choices=("carla",), dest="client", help="write OpenDRIVE that CARLA can load")
+    form.add_argument("--mesh", action="store_true", help="write the surfaces and road marks as .gltf, .glb or .obj")
+    export.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE", help="file to write")
     export.set_defaults(command=map_export_command)
     for parser in (info, check, plot, export):
         parser.add_argument("file", metavar="FILE", help="OpenDRIVE file, or the name of a map on the search path")
@@ -71,7 +75,7 @@ def _loaded_map(options: argparse.Namespace, sink: Diagnostics) -> tuple[Documen
 
 
 def map_info_command(options: argparse.Namespace) -> int:
-    """Print what a map holds."""
+    """Print a summary of a map."""
     from dataclasses import fields
 
     from scenario_compiler.roads.describe import describe_network
@@ -83,7 +87,7 @@ def map_info_command(options: argparse.Namespace) -> int:
         return AT_FAULT
     description = describe_network(loaded[1])
     for one in fields(description):
-        put(f"{one.name.replace('_', ' '):<26}{_listed(getattr(description, one.name))}", told(options))
+        put(f"{one.name.replace('_', ' '):<26}{_listed(getattr(description, one.name))}", text_stream(options))
     return FINE
 
 
@@ -96,7 +100,7 @@ def _listed(value: object) -> str:
 
 
 def map_check_command(options: argparse.Namespace) -> int:
-    """Print everything that is wrong in a road file."""
+    """Print the faults of a road file, and the elements and attributes of it that are not read."""
     from scenario_compiler.document import read_document
     from scenario_compiler.roads.check import check_file
     from scenario_compiler.roads.check.unread import unread

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from scenario_compiler.plan.model import Plan
 
 PERCEPTIONS = ("camera", "ideal", "surrogate")
-"""What the lane confidence may come from, as `vocabulary.sensors.Perception`, which need not be loaded for this."""
+"""Sources of the lane confidence, as in `vocabulary.sensors.Perception`, which takes too long to load for help."""
 
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
@@ -42,25 +42,25 @@ class WrongUse(Exception):
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
-    """Return what to put behind a word that is not known: what may be meant, in brackets; nothing where none is."""
+    """Return the likely spelling of an unknown word, in brackets and to follow it; "" if no known word is similar."""
     hint = did_you_mean(word, known)
     return f" ({hint})" if hint else ""
 
 
 def reason_of(fault: OSError) -> str:
-    """Return what could not be read or written and why, in one line; without a file's name it is what is printed."""
+    """Return in one line which file could not be read or written, and why; without a file it is the output."""
     return f"{fault.filename or 'output'}: {fault.strerror or fault}"
 
 
 def keep_inputs(inputs: Iterable[str | Path], *outputs: Path | None) -> None:
-    """Refuse to write over what is read.
+    """Refuse to overwrite a file that the command reads.
 
     Args:
-        inputs: Files that are read; what stands behind a # is the name of a scenario in them.
-        outputs: Files that are to be written, None for those that are not.
+        inputs: Files that the command reads; the part after a # is the name of a scenario in the file.
+        outputs: Files that the command will write; None stands for an output that was not asked for.
 
     Raises:
-        WrongUse: One of them is an input.
+        WrongUse: An output is also an input.
     """
     read = [Path(str(one).partition("#")[0]) for one in inputs]
     for output in outputs:
@@ -77,48 +77,63 @@ def inputs_of(plan: Plan) -> Iterator[str]:
 def add_scenario(parser: argparse.ArgumentParser) -> None:
     """Add the options that change a scenario."""
     parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="give a parameter a value", dest="settings"
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="set a parameter of the scenario",
+        dest="settings",
     )
-    parser.add_argument("--perception", choices=PERCEPTIONS, help="what the lane confidence comes from")
+    parser.add_argument("--perception", choices=PERCEPTIONS, help="source of the lane confidence")
     parser.add_argument(
         "--controller",
         metavar="NAME|package.module:Class|file.py:Class",
-        help="what drives the ego vehicle; code of your own that is named here is trusted",
+        help="controller that drives the ego; your own code is trusted if you name it here",
     )
     add_trust(parser)
-    parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step")
-    parser.add_argument("--duration", type=positive, metavar="S", help="when the run ends at the latest")
+    parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step, s")
+    parser.add_argument("--duration", type=positive, metavar="S", help="latest end of the run, s")
 
 
 def add_trust(parser: argparse.ArgumentParser) -> None:
-    """Add what code of their own scenarios may run."""
+    """Add the option that names the code that scenarios may run."""
     parser.add_argument(
         "--trust",
         action="append",
         default=[],
         metavar="NAME|FILE",
-        help="trust code that scenarios name: a class (package.module:Class), a module, a Python file, or all that a "
-        "scenario's FILE names; code that is not trusted is never imported",
+        help="trust code that scenarios name: a class (package.module:Class), a module, a Python file, or a scenario's "
+        "FILE with all the code that it names; code that is not trusted is never imported",
     )
 
 
 def trust_of(options: argparse.Namespace) -> Trust:
-    """Return what a command's options trust; code that they name is looked for beside the scenario too."""
+    """Return which code a command's options trust; it is looked for in the scenario's folder too."""
     named = [*options.trust, *([options.controller] if options.controller else [])]
     return Trust(tuple(named), Path(split_target(options.target)[0]).parent)
 
 
 def add_maps(parser: argparse.ArgumentParser) -> None:
-    """Add the folders of maps."""
+    """Add the option for folders of maps."""
     parser.add_argument(
-        "--maps", action="append", type=Path, default=[], metavar="DIR", help="look for maps here first"
+        "--maps",
+        action="append",
+        type=Path,
+        default=[],
+        metavar="DIR",
+        help="folder in which maps are looked for first",
     )
 
 
 def add_templates(parser: argparse.ArgumentParser) -> None:
-    """Add the folders of templates."""
+    """Add the option for folders of templates."""
     parser.add_argument(
-        "--templates", action="append", type=folder, default=[], metavar="DIR", help="look for templates here first"
+        "--templates",
+        action="append",
+        type=folder,
+        default=[],
+        metavar="DIR",
+        help="folder in which templates are looked for first",
     )
 
 
@@ -130,17 +145,17 @@ def folder(text: str) -> Path:
 
 
 def is_filled(output: Path) -> bool:
-    """Return whether something lies in a folder already, or in its place."""
+    """Return whether a folder for output has files in it, or a file stands in its place."""
     return output.exists() and (not output.is_dir() or any(output.iterdir()))
 
 
 def add_diagnostics(parser: argparse.ArgumentParser) -> None:
-    """Add how diagnostics are shown and weighed."""
+    """Add the options for the format and the severity of diagnostics."""
     parser.add_argument(
         "--format",
         choices=FORMATS,
         default="text",
-        help="format of the diagnostics; all but text are printed on stdout, and on stderr what else there is to tell",
+        help="format of the diagnostics; every format but text goes to stdout, and all other output then to stderr",
     )
     parser.add_argument(
         "--error",
@@ -148,10 +163,15 @@ def add_diagnostics(parser: argparse.ArgumentParser) -> None:
         type=code_or_all,
         default=[],
         metavar="CODE|all",
-        help="make a warning an error: that of a code even where a file allows it, or all that no file allows",
+        help="turn warnings into errors: those with this code, even if a file allows them, or all that no file allows",
     )
     parser.add_argument(
-        "--allow", action="append", type=code_id, default=[], metavar="CODE", help="do not report it unless an error"
+        "--allow",
+        action="append",
+        type=code_id,
+        default=[],
+        metavar="CODE",
+        help="do not report warnings with this code",
     )
 
 
@@ -169,7 +189,7 @@ def code_or_all(text: str) -> str:
 
 
 def new_sink(options: argparse.Namespace) -> Diagnostics:
-    """Return a sink that keeps the warnings that --error names, whatever the file allows."""
+    """Return a sink that keeps the warnings that --error names, even if the file allows them."""
     return Diagnostics(insisted=frozenset(options.error))
 
 
@@ -190,13 +210,13 @@ def step_length(text: str) -> float:
 
 
 def judged(found: Iterable[Diagnostic], options: argparse.Namespace) -> list[Diagnostic]:
-    """Return the findings as --error, --allow and --strict want them weighed."""
+    """Return the findings with the severities that --error, --allow and --strict give them."""
     strict = getattr(options, "strict_warnings", False)
     return list(weighed(found, options.error, options.allow, strict=strict))
 
 
 def show(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
-    """Print diagnostics, text on stderr and everything else on stdout; return whether one is an error."""
+    """Print diagnostics, as text on stderr, in other formats on stdout; return whether one of them is an error."""
     weighed = judged(found, options)
     text = formatted(weighed, options.format)
     if text:
@@ -205,12 +225,12 @@ def show(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
 
 
 def has_errors(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
-    """Return whether one of the diagnostics is an error, by what the command line says of their codes."""
+    """Return whether one of the diagnostics is an error under the options of the command line."""
     return any(d.severity is Severity.ERROR for d in judged(found, options))
 
 
-def told(options: argparse.Namespace) -> TextIO:
-    """Return where what is for people to read goes: stderr where stdout holds diagnostics for a program."""
+def text_stream(options: argparse.Namespace) -> TextIO:
+    """Return the stream for people: stdout, or stderr when stdout holds diagnostics in a format for programs."""
     return sys.stdout if options.format == "text" else sys.stderr
 
 
@@ -220,21 +240,21 @@ def settings_of(texts: Sequence[str]) -> dict[str, str]:
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals or not name.strip():
-            raise WrongUse(f"--set wants NAME=VALUE, not '{text}'")
+            raise WrongUse(f"--set needs NAME=VALUE, not '{text}'")
         settings[name.strip()] = value.strip()
     return settings
 
 
 def keep_loaded() -> None:
-    """Spare the garbage collector what has been loaded: looking through it as the process ends takes 40 ms and more.
+    """Exempt everything loaded so far from garbage collection, which would take 40 ms or more as the process ends.
 
-    Called before anything of the user's is loaded: of that, what is not closed is closed by the collector in the end.
+    It is called before any code of the user's is loaded, so that the collector still closes what that leaves open.
     """
     gc.freeze()
 
 
 def library_target(text: str) -> str:
-    """Return FILE#name of a conflict of the library that a bare name names; anything else stays as it is.
+    """Return FILE#name for the bare name of a conflict of the library; any other text is returned unchanged.
 
     Raises:
         WrongUse: There is neither a file nor a conflict of that name.
@@ -253,16 +273,19 @@ def library_target(text: str) -> str:
 
 
 IDENTIFIER = r"[A-Za-z_]\w*"
-"""What a bare name of a conflict looks like: no folder, no ending."""
+"""Pattern of a bare name of a conflict: it has no folder and no suffix."""
 
 
 def add_target(parser: argparse.ArgumentParser, metavar: str = "FILE[#name]|NAME") -> None:
-    """Add the scenario that a command is about: a file, one of its scenarios, or a conflict of the library by name."""
-    parser.add_argument("target", metavar=metavar, help="a scenario's file, or the name of a conflict of the library")
+    """Add the scenario that a command works on: a file, one scenario of a file, or the name of a library conflict."""
+    plan = "; or a plan that `compile` wrote" if "PLAN" in metavar else ""
+    parser.add_argument(
+        "target", metavar=metavar, help=f"a scenario file, or the name of a conflict of the library{plan}"
+    )
 
 
 def compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | None:
-    """Compile what a command names, with the changes that its options make."""
+    """Compile the scenario that a command names, with the changes that its options make; None if it has errors."""
     from scenario_compiler.compiler import Overrides, compile_target
     from scenario_compiler.languages import ScenarioNameNeededError
 

@@ -1,4 +1,4 @@
-"""The page on the commands (docs/commands.md), made from what their parser declares."""
+"""The page on the commands (docs/commands.md), made from the command line's parsers."""
 
 from __future__ import annotations
 
@@ -10,93 +10,97 @@ from dataclasses import dataclass
 from scenario_compiler.cli import make_parser
 
 SHARED_BY = 3
-"""Commands that must have the very same option for it to be described once for all."""
+"""Number of commands from which on an identical option is described once for all of them."""
 
 _HEAD = """# Commands
 
-Made from the program's own help by `make generate`; `scenario-compiler COMMAND --help` says the same.
-`python -m scenario_compiler` is the same program.
+This page is made from the program's help by `make generate`; `scenario-compiler COMMAND --help` shows the same text.
+`python -m scenario_compiler` starts the same program.
 
-`FILE` is a conflict, an OpenSCENARIO file or the AISA toolkit's; `FILE#name` is one scenario of a file that holds
-several, `NAME` a conflict of the library (`list` shows them), and `PLAN.json` what `compile` has written.
+`FILE` is a conflict, an OpenSCENARIO file or a file of the AISA toolkit. `FILE#name` is one scenario of a file with
+several scenarios, `NAME` is a conflict of the library (`list` shows them), and `PLAN.json` is a plan that `compile` has
+written.
 
 ## Exit codes
 
-| code | means |
+| code | meaning |
 |---|---|
-| 0 | fine; warnings may have been told |
-| 1 | the input, the controller or the world is at fault, or a run broke off, and the diagnostics say how; \
-`compare`: the runs differ; `sweep`: all variants failed, or it broke off |
-| 2 | wrong use: an option that there is not, a name that is missing, \
-a folder that is not empty, a file that cannot be written |
-| 3 | `run --strict`: a criterion failed |
-| 130 | interrupted by Ctrl-C or SIGTERM: one line says so, and nothing is left half written; a sweep keeps what is \
-done for `--resume` |
+| 0 | success; there may have been warnings |
+| 1 | the input, the controller or the world is at fault, or a run broke off; the diagnostics say why. \
+`compare`: the runs differ. `sweep`: all variants broke off, or the sweep itself did. |
+| 2 | wrong use: an unknown option, a missing name, a folder that is not empty, a file that cannot be written |
+| 3 | `run --strict`: a criterion failed; `sweep --pass-rate`: too few variants passed |
+| 130 | interrupted by Ctrl-C or SIGTERM: one line says so, and no file is left half written; a sweep keeps its \
+finished variants for `--resume` |
 
 ## Diagnostics
 
-As text they go to stderr, so that stdout holds results alone; as `json`, `sarif` or `github` they go to stdout, which
-then holds nothing else: what is said about results goes to stderr.
-`explain CODE` tells what a code means and what to do. Of each file, code and severity 100 are listed and the rest is
-counted. Whatever files and their names hold, no control character, no mark that turns the direction of writing and no
-line that a build service would take for a command is printed: they are shown as escapes.
+As text, diagnostics go to stderr, so that stdout holds nothing but results. In every other format of `--format` they
+go to stdout, and all other output goes to stderr.
+`explain CODE` explains a code and says what to do about it. At most 100 diagnostics of the same file, code and severity
+are listed; the rest are counted. Control characters, characters that change the direction of writing, and lines that a
+build service would take for a command are never printed, even if files or their names contain them: they are shown as
+escapes.
 
-`--error CODE` makes a warning an error, also where a file allows it with `<allow>`; `--error all` every one that no
-file allows.
-`--allow CODE` leaves a warning out; errors stay. `--strict` means two things: `validate --strict` takes every warning
-for an error (exit 1); `run --strict` runs all the same, and exits with 3 when a criterion fails.
+`--error CODE` turns warnings with this code into errors, even if a file allows them with `<allow>`; `--error all` does
+so for all warnings that no file allows. `--allow CODE` leaves out warnings with this code; errors stay. `--strict`
+differs between commands: `validate --strict` treats every warning as an error (exit code 1); `run --strict` runs the
+scenario in any case, and exits with 3 if a criterion fails.
 
 `validate` of an OpenSCENARIO or OpenDRIVE file exits with 1 if and only if the file is not well-formed or its structure
-is not that of its own version: what else is found are warnings. `run` makes errors of what it cannot use.
+is not that of its own version; everything else that it finds is a warning. `run` reports an error for whatever it
+cannot use.
 
 ## Code that files name
 
-A scenario may name code of its author's own as the controller: `package.module:Class` or `file.py:Class`. Reading a
-file never runs it: `validate`, `compile`, `export`, `preview` and `list` check the spelling of the name, and warn that
-the controller's properties were not checked (SC507). `run` and `sweep` refuse it with the same code, unless you say
-that you trust it. What you name is trusted:
+A scenario may name code of its author's as the controller: `package.module:Class` or `file.py:Class`. Reading a
+file never runs that code: `validate`, `compile`, `export`, `preview` and `list` check the spelling of the name, and
+warn that the controller's properties were not checked (SC507). `run`, `sweep`, `drive` and `study` refuse the code with
+the same diagnostic unless you trust it. You can trust code in three ways:
 
-- `--controller NAME`: that controller, in place of the scenario's;
-- `--trust NAME|FILE`: a class (`our_lab.steering:Mine`), a module or package with all that is in it (`our_lab`), a
-  Python file (`steering.py`), or a scenario's file with all that it names;
-- for good, the list in your configuration file, `scenario-compiler/config.toml` in `$XDG_CONFIG_HOME`, on Windows in
-  `%APPDATA%`, else in `~/.config`; never a file beside a scenario. Python files have absolute paths in it.
+- `--controller NAME` trusts that controller, and uses it in place of the scenario's;
+- `--trust NAME|FILE` trusts a class (`our_lab.steering:Mine`), a module or a package with everything in it (`our_lab`),
+  a Python file (`steering.py`), or a scenario file with all the code that it names;
+- the list in your configuration file trusts code permanently. The file is `scenario-compiler/config.toml` in
+  `$XDG_CONFIG_HOME`, on Windows in `%APPDATA%`, else in `~/.config`. A file beside a scenario is never read. Write the
+  absolute paths of Python files.
 
 ```toml
 trust = ["our_lab.steering", "/home/me/steering.py"]
 ```
 
-A module that the command line names is looked for in the current folder and beside the scenario too; one that only a
-file names is not. The path of a Python file starts from the current folder on the command line, and from the scenario's
-folder in a scenario. So does a path in a property that the controller's `Params` declare as a `pathlib.Path`.
+A module that the command line names is looked for in the current folder and in the scenario's folder too; a module that
+only a file names is not. The relative path of a Python file starts from the current folder on the command line, and
+from the scenario's folder in a scenario. The same holds for a path in a property that the controller's `Params` declare
+as a `pathlib.Path`.
 
 ## Files
 
-What a command writes is whole or not there, and never what it reads. `run` and `sweep` want a folder that is new or
-empty, `new` and `export` files that are not there yet, unless `--force` is given (`sweep`: `--resume`, for a folder of
-its own); other commands replace the file that `-o` names. What lies in a run's folder: [run-folder.md](run-folder.md);
-in a sweep's: [sweeps.md](sweeps.md).
+A command writes a file as a whole or not at all, and never overwrites a file that it reads. The folder of `run` and
+`sweep` must be new or empty, and the files of `new` and `export` must not exist yet, unless `--force` is given (for
+`sweep`: `--resume`, which continues in the folder of the same sweep). Other commands replace the file that `-o` names.
+[run-folder.md](run-folder.md) describes the folder of a run, [sweeps.md](sweeps.md) that of a sweep.
 
 ## Environment
 
-A map is looked for beside the file that names it, then in the folders of `--maps`, then here. A template is looked for
-in the file that uses it and in what that includes, then in the folders of `--templates`, then here, then in the
-library, and at last in installed packages ([sharing templates](sharing-templates.md)):
+A map is looked for in these places, in this order: beside the file that names it, in the folders of `--maps`, in those
+of `SCENARIO_COMPILER_MAPS`, in `CARLA_ROOT`, and among the packaged maps. A template is looked for in the file that
+uses it and in the files that this file includes, in the folders of `--templates`, in those of
+`SCENARIO_COMPILER_TEMPLATES`, in the library, and in installed packages ([sharing templates](sharing-templates.md)).
 
-| variable | is |
+| variable | meaning |
 |---|---|
-| `SCENARIO_COMPILER_MAPS` | folders, separated as in `PATH` |
-| `SCENARIO_COMPILER_TEMPLATES` | folders of templates, looked in after those of `--templates` |
-| `CARLA_ROOT` | CARLA's folder: its maps in `CarlaUE4/Content/Carla/Maps/OpenDrive`; \
-at last come the maps of this program |
-| `SCENARIO_COMPILER_CACHE` | folder for read maps, which belongs to the user alone, else \
-`scenario-compiler` in `$XDG_CACHE_HOME` or `~/.cache` |
+| `SCENARIO_COMPILER_MAPS` | folders of maps, separated as in `PATH` |
+| `SCENARIO_COMPILER_TEMPLATES` | folders of templates, separated as in `PATH` |
+| `CARLA_ROOT` | CARLA's folder; its maps are in `CarlaUE4/Content/Carla/Maps/OpenDrive` |
+| `SCENARIO_COMPILER_CACHE` | cache folder for maps that have been read, which only the user can write; \
+by default `scenario-compiler` in `$XDG_CACHE_HOME` or `~/.cache` |
 """
 
 
 @dataclass(frozen=True)
 class _Row:
-    """An argument as the page shows it: how it is written, and what it is; both as Markdown."""
+    """An argument on the page: its spelling and its description, both as Markdown."""
 
     spelling: str
     text: str
@@ -105,7 +109,7 @@ class _Row:
 
 @dataclass(frozen=True)
 class _Command:
-    """A command as the page shows it: its words, what it does, its arguments, what excludes what."""
+    """A command on the page: its name, its description, its arguments, and which of them exclude each other."""
 
     name: str
     text: str
@@ -119,52 +123,41 @@ def commands_page() -> str:
     counts = Counter(row for command in commands for row in command.rows if row.is_option)
     shared = [row for row in counts if counts[row] >= SHARED_BY]
     parts = [_HEAD, "## Options of several commands\n", _table(shared)]
-    parts.append("In the tables below, what must be given is bold.\n")
+    parts.append("In the tables below, required arguments are bold.\n")
     parts += [_section(command, shared) for command in commands]
     return "\n".join(parts)
 
 
 def _commands(parser: argparse.ArgumentParser, before: str) -> Iterator[_Command]:
-    """Yield the commands below a parser, those of a group in place of the group."""
+    """Yield the commands of a parser; a group such as `map` is replaced by its commands."""
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
-            told = {one.dest: one.help or "" for one in action._get_subactions()}
             for name, inner in action.choices.items():
                 if any(isinstance(one, argparse._SubParsersAction) for one in inner._actions):
                     yield from _commands(inner, f"{before}{name} ")
                 else:
-                    yield _command(inner, f"{before}{name}", told.get(name, ""))
+                    yield _command(inner, f"{before}{name}")
 
 
-def _command(parser: argparse.ArgumentParser, name: str, summary: str) -> _Command:
+def _command(parser: argparse.ArgumentParser, name: str) -> _Command:
     actions = [one for one in parser._actions if not isinstance(one, argparse._HelpAction)]
     actions.sort(key=lambda one: bool(one.option_strings))
-    texts = (summary, parser.description, parser.epilog)
-    about = " ".join(_sentence(" ".join(text.split())) for text in dict.fromkeys(texts) if text)
+    about = parser.description or ""
     expand = parser._get_formatter()._expand_help
-    rows = tuple(_row(one, expand(one) if one.help else "") for one in actions if one.help != argparse.SUPPRESS)
+    rows = tuple(_row(one, expand(one)) for one in actions if one.help != argparse.SUPPRESS)
     return _Command(name, about, rows, tuple(_exclusions(parser)))
 
 
 def _exclusions(parser: argparse.ArgumentParser) -> Iterator[str]:
     for group in parser._mutually_exclusive_groups:
         names = " and ".join(f"`{one.option_strings[-1]}`" for one in group._group_actions)
-        yield f"One of {names} is given." if group.required else f"At most one of {names} is given."
+        yield f"Exactly one of {names} must be given." if group.required else f"At most one of {names} can be given."
 
 
-def _row(action: argparse.Action, told: str) -> _Row:
-    text = "; ".join(part for part in (" ".join(told.split()), *_notes(action, told)) if part)
+def _row(action: argparse.Action, text: str) -> _Row:
     spelling = f"`{_spelling(action)}`"
     is_needed = action.required and action.nargs != "*"
     return _Row(f"**{spelling}**" if is_needed else spelling, text, bool(action.option_strings))
-
-
-def _notes(action: argparse.Action, told: str) -> Iterator[str]:
-    """Yield what the help of an option may not say: that it can be given more than once, and its default."""
-    if isinstance(action, argparse._AppendAction):
-        yield "any number of times"
-    elif action.nargs != 0 and action.default not in (None, "") and "left out" not in told and "default" not in told:
-        yield f"`{action.default}` when left out"
 
 
 def _spelling(action: argparse.Action) -> str:
@@ -185,19 +178,14 @@ def _section(command: _Command, shared: list[_Row]) -> str:
         parts.append(_table(own))
     parts += [f"{text}\n" for text in command.exclusions]
     if others:
-        parts.append(f"And {', '.join(f'`{name}`' for name in others)}: see [above](#options-of-several-commands).\n")
+        parts.append(f"[Shared options](#options-of-several-commands): {', '.join(f'`{name}`' for name in others)}.\n")
     return "\n".join(parts)
 
 
 def _table(rows: Iterable[_Row]) -> str:
     lines = (f"| {_cell(row.spelling)} | {_cell(row.text)} |" for row in rows)
-    return "\n".join(["| argument | |", "|---|---|", *lines]) + "\n"
+    return "\n".join(["| argument | meaning |", "|---|---|", *lines]) + "\n"
 
 
 def _cell(text: str) -> str:
     return text.replace("|", "\\|")
-
-
-def _sentence(text: str) -> str:
-    """Return a help text as a sentence."""
-    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "!", "?")) else ".")

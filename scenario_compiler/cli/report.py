@@ -18,7 +18,7 @@ from scenario_compiler.cli.options import (
     keep_inputs,
     new_sink,
     show,
-    told,
+    text_stream,
 )
 from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
@@ -38,15 +38,17 @@ BAD_RECORDING = Code(
 )
 
 SHOWS = ("both", "view", "map")
-"""What a film can show; the first by default."""
+"""What a film can show; the first is the default."""
 
 EXTRAS = {"av": "video", "mcap": "mcap", "pylsl": "lsl", "rerun": "rerun"}
-"""Extra of this package by the package that it installs."""
+"""The extra that installs each optional package."""
 
 
 def add(commands: Commands) -> None:
     """Declare the commands."""
-    report = commands.add_parser("report", help="write the report of a run folder again, with pictures, or as a film")
+    report = commands.add_parser(
+        "report", help="write the report of a run folder again, with pictures, or a film of the run"
+    )
     _add_folder(report)
     report.add_argument("--camera", action="store_true", help="draw first-person pictures of the whole run into it")
     report.add_argument(
@@ -55,20 +57,20 @@ def add(commands: Commands) -> None:
         type=film_path,
         const=Path(),
         metavar="FILE.mp4|FILE.gif",
-        help="write a film of the run instead; DIR/video.mp4 when no file is named (the extra video)",
+        help="write a film of the run instead, by default DIR/video.mp4 (needs the extra 'video')",
     )
     add_shows(report)
     report.set_defaults(command=report_command)
-    frame = commands.add_parser("frame", help="draw the driver's view of a run at any time")
+    frame = commands.add_parser("frame", help="draw the driver's view of a run at a given time")
     _add_folder(frame)
-    frame.add_argument("--t", type=float, required=True, metavar="S", help="time from the start of the run")
-    frame.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE.png")
-    frame.add_argument("--plain", action="store_true", help="without state, speed and messages")
+    frame.add_argument("--t", type=float, required=True, metavar="S", help="time from the start of the run, s")
+    frame.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE.png", help="picture to write")
+    frame.add_argument("--plain", action="store_true", help="leave out the state, the speed and the messages")
     frame.set_defaults(command=frame_command)
-    export = commands.add_parser("export-run", help="write a run for Foxglove (MCAP) or the Rerun viewer")
+    export = commands.add_parser("export-run", help="write a run as a file for Foxglove (MCAP) or the Rerun viewer")
     _add_folder(export)
-    export.add_argument("--mcap", type=Path, metavar="FILE.mcap", help="write an MCAP file (the extra mcap)")
-    export.add_argument("--rerun", type=Path, metavar="FILE.rrd", help="write a file of Rerun (the extra rerun)")
+    export.add_argument("--mcap", type=Path, metavar="FILE.mcap", help="write an MCAP file (needs the extra 'mcap')")
+    export.add_argument("--rerun", type=Path, metavar="FILE.rrd", help="write a Rerun file (needs the extra 'rerun')")
     export.add_argument("--camera", action="store_true", help="draw first-person pictures of the whole run into it")
     export.set_defaults(command=export_command)
     for parser in (report, frame, export):
@@ -81,9 +83,12 @@ def _add_folder(parser: argparse.ArgumentParser) -> None:
 
 
 def add_shows(parser: argparse.ArgumentParser) -> None:
-    """Add what a film shows."""
+    """Add the option for what a film shows."""
     parser.add_argument(
-        "--video-shows", choices=SHOWS, default=SHOWS[0], help="the driver's view, the run from above, or both"
+        "--video-shows",
+        choices=SHOWS,
+        default=SHOWS[0],
+        help="what the film shows: the driver's view, the run on the map, or both",
     )
 
 
@@ -95,7 +100,7 @@ def film_path(text: str) -> Path:
 
 
 def stored_run(folder: Path, maps: Sequence[Path], sink: Diagnostics) -> Run | None:
-    """Return the run that a folder holds, judged again; None where it cannot be read, which is reported."""
+    """Return the run in a folder, judged again; if it cannot be read, report that and return None."""
     from scenario_compiler.plan.maps import open_plan_map
     from scenario_compiler.plan.store import read_plan
     from scenario_compiler.recording.outcome import judge
@@ -116,7 +121,7 @@ def stored_run(folder: Path, maps: Sequence[Path], sink: Diagnostics) -> Run | N
 
 
 def read_files(folder: Path) -> list[Path]:
-    """Return the files of a run folder that commands read."""
+    """Return the files of a run folder that commands may read."""
     return [folder / name for name in ("plan.json", "recording.parquet", "map.xodr", "outcome.json")]
 
 
@@ -129,17 +134,21 @@ def report_command(options: argparse.Namespace) -> int:
     if options.video is not None:
         path = options.video if options.video.name else options.folder / "video.mp4"
         write_film(run, path, options)
-        put(f"video: {path}", told(options))
+        put(f"video: {path}", text_stream(options))
         return FINE
     from scenario_compiler.report.html import write_report
 
     write_report([run], options.folder, pictures=[pictures_to_show(run, options)])
-    put(f"report: {options.folder / 'report.html'}", told(options))
+    put(f"report: {options.folder / 'report.html'}", text_stream(options))
     return FINE
 
 
 def write_film(run: Run, path: Path, options: argparse.Namespace) -> None:
-    """Write the film of a run; WrongUse where it has nothing to show or PyAV is missing."""
+    """Write the film of a run.
+
+    Raises:
+        WrongUse: The run has no pictures to show, or PyAV is not installed.
+    """
     _check_shown(run)
     with needing("av"):
         from scenario_compiler.report.video import write_video
@@ -170,7 +179,7 @@ def frame_command(options: argparse.Namespace) -> int:
 
 
 def export_command(options: argparse.Namespace) -> int:
-    """Write a run in the formats of other programs."""
+    """Write a run in the file formats of other programs."""
     if options.mcap is None and options.rerun is None:
         raise WrongUse("name a file: --mcap FILE.mcap, --rerun FILE.rrd, or both")
     keep_inputs(read_files(options.folder), options.mcap, options.rerun)
@@ -183,17 +192,17 @@ def export_command(options: argparse.Namespace) -> int:
         with needing("mcap"):
             from scenario_compiler.report.mcap_file import write_mcap
         write_mcap(run, options.mcap, pictures)
-        put(options.mcap, told(options))
+        put(options.mcap, text_stream(options))
     if options.rerun is not None:
         with needing("rerun"):
             from scenario_compiler.report.rerun_file import write_rerun
         write_rerun(run, options.rerun, pictures)
-        put(options.rerun, told(options))
+        put(options.rerun, text_stream(options))
     return FINE
 
 
 def pictures_to_show(run: Run, options: argparse.Namespace) -> Sequence[Picture]:
-    """Return the pictures that a run was recorded with, or those of the whole run where --camera asks for them."""
+    """Return the pictures in the recording, or pictures of the whole run if --camera asks for them."""
     from scenario_compiler.report.replay import pictures_of
 
     if not options.camera:
@@ -205,14 +214,14 @@ def pictures_to_show(run: Run, options: argparse.Namespace) -> Sequence[Picture]
 
 
 def _check_shown(run: Run) -> None:
-    """Refuse to draw a run whose first vehicle, from which pictures are taken, is not there all the time."""
+    """Refuse to draw a run in which the first vehicle, whose view is drawn, is absent for some time."""
     if not len(run.recording.t) or not run.recording.present[:, :1].all():
-        raise WrongUse("pictures are taken from the first vehicle, which is not in this run all the time")
+        raise WrongUse("pictures show the view of the first vehicle, which is absent for a part of this run")
 
 
 @contextmanager
 def needing(package: str) -> Iterator[None]:
-    """Say which extra installs a package that is missing."""
+    """Turn a missing optional package into WrongUse that names the extra which installs it."""
     try:
         yield
     except ModuleNotFoundError as missing:

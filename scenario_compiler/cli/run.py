@@ -27,7 +27,7 @@ from scenario_compiler.cli.options import (
     keep_inputs,
     new_sink,
     show,
-    told,
+    text_stream,
     trust_of,
 )
 from scenario_compiler.cli.report import add_shows, film_path, needing, write_film
@@ -56,7 +56,7 @@ def add(commands: Commands) -> None:
 def _add_compile(commands: Commands) -> None:
     parser = commands.add_parser("compile", help="compile a scenario to a plan")
     add_target(parser)
-    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="PLAN.json")
+    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="PLAN.json", help="file of the plan")
     add_scenario(parser)
     add_maps(parser)
     add_templates(parser)
@@ -67,21 +67,30 @@ def _add_compile(commands: Commands) -> None:
 def _add_run(commands: Commands) -> None:
     parser = commands.add_parser("run", help="run a scenario or a plan")
     add_target(parser, "FILE[#name]|NAME|PLAN.json")
-    parser.add_argument("-o", dest="output", type=Path, metavar="DIR", help="folder of the run")
-    parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
-    parser.add_argument("--seed", type=int, default=1, metavar="N")
-    parser.add_argument("--variant", type=int, default=0, metavar="N", help="number of the variant in a sweep")
-    add_world(parser)
-    parser.add_argument("--show", choices=("route",), help="draw the way to the destination into the folder, route.png")
-    parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write all trajectories")
     parser.add_argument(
-        "--video", type=film_path, metavar="FILE.mp4|FILE.gif", help="write a film of the run (the extra video)"
+        "-o", dest="output", type=Path, metavar="DIR", help="folder for the run: plan, recording, outcome, report"
+    )
+    parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all random draws")
+    parser.add_argument(
+        "--variant", type=int, default=0, metavar="N", help="number of the variant, as in a sweep with the same seed"
+    )
+    add_world(parser)
+    parser.add_argument(
+        "--show", choices=("route",), help="draw the route to the destination as route.png in the folder"
+    )
+    parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write the trajectories of all entities")
+    parser.add_argument(
+        "--video",
+        type=film_path,
+        metavar="FILE.mp4|FILE.gif",
+        help="write a film of the run (needs the extra 'video')",
     )
     add_shows(parser)
     parser.add_argument(
         "--watch",
         action="store_true",
-        help="show the run as it happens in a page, in step with the clock (the extra study)",
+        help="show the run in a browser page while it happens, in real time (needs the extra 'study')",
     )
     add_address(parser)
     parser.add_argument(
@@ -89,13 +98,16 @@ def _add_run(commands: Commands) -> None:
         dest="driven_by",
         action="store_const",
         const="model",
-        help="put the driver model in the place of a person at the wheel",
+        help="let the driver model answer where the plan has a person at the wheel",
     )
     parser.add_argument(
-        "--inputs", type=Path, metavar="DIR", help="let the person of a run's folder do again what was recorded"
+        "--inputs",
+        type=Path,
+        metavar="DIR",
+        help="folder of a run with a person at the wheel, whose recorded inputs are used again",
     )
-    parser.add_argument("--interpreted", action="store_true", help="run the interpreted engine, for a debugger")
-    parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
+    parser.add_argument("--interpreted", action="store_true", help="run the engine as plain Python, for a debugger")
+    parser.add_argument("--strict", action="store_true", help="exit with 3 if a criterion fails")
     add_scenario(parser)
     add_maps(parser)
     add_templates(parser)
@@ -125,14 +137,18 @@ def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Netw
 
 
 def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network] | None:
-    """Return the plan of a file and its map; WrongUse where options would have to compile it anew."""
+    """Return the plan of a file and its map, or None if it has errors.
+
+    Raises:
+        WrongUse: Options are given that only compiling a scenario can follow.
+    """
     from scenario_compiler.plan.maps import open_plan_map
     from scenario_compiler.plan.store import read_plan, sealed
     from scenario_compiler.runtime.runnable import check_runnable
 
     if options.settings or options.perception or options.controller or options.dt or options.duration:
         raise WrongUse(
-            "a plan is compiled already: give --set, --perception, --controller, --dt and --duration to compile"
+            "a plan is compiled already: give --set, --perception, --controller, --dt and --duration to `compile`"
         )
     plan = read_plan(options.target, sink)
     beside = Path(options.target).parent
@@ -146,7 +162,7 @@ def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, N
 
 
 def driven_by_model(plan: Plan) -> Plan:
-    """Return a plan whose driver model answers, where a person does."""
+    """Return the plan with the driver model in the place of a person at the wheel."""
     driver = plan.takeover.driver.model_copy(update={"by_person": None})
     return plan.model_copy(update={"takeover": plan.takeover.model_copy(update={"driver": driver})})
 
@@ -158,9 +174,9 @@ def run_command(options: argparse.Namespace) -> int:
 
     of_world = world_options(options)
     if options.output is not None and not options.force and is_filled(options.output):
-        raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
+        raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
     if options.show is not None and options.output is None:
-        raise WrongUse("--show draws into the folder of the run: give one with -o")
+        raise WrongUse("--show draws into the folder of the run: name one with -o")
     if options.video is not None:  # before a run that may take long
         with needing("av"):
             import scenario_compiler.report.video  # noqa: F401
@@ -177,7 +193,7 @@ def run_command(options: argparse.Namespace) -> int:
         sink = new_sink(options)
     plan, network = planned
     if plan.takeover.driver.by_person is not None and options.inputs is None:
-        raise WrongUse("a person is at the wheel of this run: `drive` opens the page, --pilot takes the driver model")
+        raise WrongUse("this plan has a person at the wheel: run it with `drive`, or with --pilot for the driver model")
     keep_inputs(inputs_of(plan), options.trajectory, options.video)
     try:
         with nullcontext() if options.output is None else whole_folder(options.output) as draft:
@@ -187,7 +203,7 @@ def run_command(options: argparse.Namespace) -> int:
         sink.add(fault.code, str(fault), FilePlace(split_target(options.target)[0]))
         show(sink, options)
         return AT_FAULT
-    print_run(finished, options.output, told(options))
+    print_run(finished, options.output, text_stream(options))
     note_failures(finished.recording, options, sink)
     if show(sink, options):
         return AT_FAULT
@@ -197,7 +213,7 @@ def run_command(options: argparse.Namespace) -> int:
 def _finished_run(
     plan: Plan, network: Network, options: argparse.Namespace, of_world: dict[str, object], sink: Diagnostics
 ) -> Run:
-    """Execute a plan in the world that the options name, and judge it; report what the world does otherwise."""
+    """Execute a plan in the named world, judge it, and report where the world deviates from the plan."""
     from scenario_compiler.recording.outcome import judge
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
@@ -215,16 +231,20 @@ def _finished_run(
 def _watched_run(
     plan: Plan, network: Network, options: argparse.Namespace, of_world: dict[str, object], sink: Diagnostics
 ) -> Run:
-    """Execute a plan in step with the clock, shown in a page; WrongUse where the run could not be made."""
+    """Execute a plan in real time while a page shows it.
+
+    Raises:
+        WrongUse: The run could not be made.
+    """
     runs: list[Run] = []
     ended = serve_plan(plan, network, options, of_world, sink, runs.append)
     if not runs:
-        raise WrongUse(ended or "nobody opened the page")
+        raise WrongUse(ended or "no browser opened the page")
     return runs[0]
 
 
 def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> None:
-    """Write what the options ask for of a run; its folder is a draft of the one that they name."""
+    """Write the files of a run that the options ask for; `folder` is a draft of the folder that they name."""
     if options.trajectory is not None:
         from scenario_compiler.recording.trajectory import write_trajectory
 
@@ -243,7 +263,7 @@ def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> No
 
 
 def note_failures(recording: Recording, options: argparse.Namespace, sink: Diagnostics) -> None:
-    """Report why a run could not go on, for each thing that ended it."""
+    """Report why a run broke off: one diagnostic for each event that ended it."""
     for event in recording.events:
         code = code_named(event.cause) if event.kind == "broken_off" else None
         if code is not None:
@@ -251,7 +271,7 @@ def note_failures(recording: Recording, options: argparse.Namespace, sink: Diagn
 
 
 def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> Recording:
-    """Run a plan, with a progress bar where stderr is a terminal."""
+    """Run a plan, with a progress bar if stderr is a terminal."""
     from scenario_compiler.runtime import run
 
     start = partial(
@@ -269,7 +289,7 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
 
 
 def _recorded_person(options: argparse.Namespace) -> Person | None:
-    """Return the person of the run that --inputs names; WrongUse where it cannot be read."""
+    """Return the recorded person of the run that --inputs names; raise WrongUse if the recording cannot be read."""
     folder = getattr(options, "inputs", None)
     if folder is None:
         return None
@@ -283,7 +303,7 @@ def _recorded_person(options: argparse.Namespace) -> Person | None:
 
 
 def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
-    """Print what a run came to."""
+    """Print the result of a run."""
     from scenario_compiler.report.wording import broken_criteria, summary_of
 
     summary = summary_of(run)
@@ -295,7 +315,7 @@ def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
     rows = (
         ("conflict", summary.name),
         ("result", summary.result),
-        *((f"broken: {name}", told_why) for name, told_why in broken_criteria(run.outcome)),
+        *((f"broken: {name}", reason) for name, reason in broken_criteria(run.outcome)),
         ("outcome", summary.outcome),
         *(() if run.plan.controller is None else of_takeover),
         ("minimum time to collision", _seconds(summary.minimum_ttc)),
@@ -308,5 +328,5 @@ def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
 
 
 def _seconds(text: str) -> str:
-    """Return a time that a summary gives with its unit; what there is no time for stays as it is."""
+    """Return a time of a summary with its unit; a text that is not a number is returned unchanged."""
     return f"{text} s" if text[:1].isdigit() else text

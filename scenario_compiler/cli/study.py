@@ -1,4 +1,4 @@
-"""`study`: participants go through a study in a browser, driver models pilot it, and its data become one table."""
+"""`study`: take participants through a study in a browser, pilot it with driver models, export its data."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from scenario_compiler.cli.options import (
     new_sink,
     show,
     step_length,
-    told,
+    text_stream,
 )
 from scenario_compiler.cli.report import needing
 from scenario_compiler.cli.terminal import flush_streams, put, shown_progress
@@ -35,32 +35,34 @@ if TYPE_CHECKING:
 
 
 SIZES = {"1280x720": (1280, 720), "960x540": (960, 540), "640x360": (640, 360)}
-"""Sizes of the view ahead: smaller ones for several participants at once."""
+"""Sizes of the view ahead, pixels; smaller ones suit several participants at once."""
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "study",
-        help="take participants through a study in a browser (the extra study), pilot it, export its data",
-        description="`study STUDY.xml -o DIR` opens a page for the participants and one for the experimenter; started "
-        "again, it goes on where it ended. `--pilot` lets driver models go through the study in place of people. "
-        "`study plan STUDY.xml` prints who meets which condition when. `study export DIR -o table.csv` makes one table "
-        "of all runs.",
-    )
-    parser.add_argument("action", nargs="?", choices=("run", "plan", "export"), default="run", help="what to do")
-    parser.add_argument(
-        "path", type=Path, metavar="STUDY.xml|DIR", help="the study; for export, the folder of its data"
+        help="take participants through a study in a browser, pilot it, export its data (needs the extra 'study')",
+        description="`study STUDY.xml -o DIR` serves a page for the participants and one for the experimenter; started "
+        "again, it continues where it ended. With `--pilot`, driver models go through the study in place of people. "
+        "`study plan STUDY.xml` prints the order of conditions for each participant. `study export DIR -o table.csv` "
+        "writes one table of all runs.",
     )
     parser.add_argument(
-        "-o", dest="output", type=Path, metavar="PATH", help="folder of the data; for export, the table"
+        "action", nargs="?", choices=("run", "plan", "export"), default="run", help="what to do with the study"
     )
-    parser.add_argument("--pilot", action="store_true", help="driver models take the place of the participants")
-    parser.add_argument("--perception", choices=PERCEPTIONS, help="what the lane confidence comes from")
-    parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step, s; 0.02 when left out")
-    parser.add_argument("--size", choices=SIZES, default="1280x720", help="size of the view ahead, pixels")
     parser.add_argument(
-        "--lsl", action="store_true", help="send what happens to the Lab Streaming Layer (the extra lsl)"
+        "path", type=Path, metavar="STUDY.xml|DIR", help="study file; for export, the folder of its data"
+    )
+    parser.add_argument(
+        "-o", dest="output", type=Path, metavar="PATH", help="folder for the data; for export, the table"
+    )
+    parser.add_argument("--pilot", action="store_true", help="let driver models take the place of the participants")
+    parser.add_argument("--perception", choices=PERCEPTIONS, help="source of the lane confidence")
+    parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step, s (default: 0.02)")
+    parser.add_argument("--size", choices=SIZES, default="1280x720", help="size of the view ahead in pixels")
+    parser.add_argument(
+        "--lsl", action="store_true", help="send events to the Lab Streaming Layer (needs the extra 'lsl')"
     )
     add_world(parser)
     add_address(parser)
@@ -72,7 +74,7 @@ def add(commands: Commands) -> None:
 
 
 def study_command(options: argparse.Namespace) -> int:
-    """Do what is asked with a study."""
+    """Run, plan, pilot or export a study."""
     from scenario_compiler.study.keeping import StudyError
 
     try:
@@ -115,7 +117,7 @@ def _compiled(options: argparse.Namespace, sink: Diagnostics) -> StudyCompilatio
         return None
     source = read[1]
     if not isinstance(source, StudyFile) or source.questionnaire is not None:
-        raise WrongUse(f"{options.path} is no study: its first element is not <study>")
+        raise WrongUse(f"{options.path} is not a study: its first element is not <study>")
     check_source(source, sink)
     compilation = compile_study(source, sink, maps=options.maps, overrides=overrides, trust=_trust(options))
     if compilation is not None:
@@ -125,7 +127,7 @@ def _compiled(options: argparse.Namespace, sink: Diagnostics) -> StudyCompilatio
 
 
 def _plan(compilation: StudyCompilation, options: argparse.Namespace) -> int:
-    """Print the runs of each participant and session in their order."""
+    """Print the runs of each participant and session in order."""
     from scenario_compiler.study.procedure import procedure
 
     study = compilation.study
@@ -134,7 +136,7 @@ def _plan(compilation: StudyCompilation, options: argparse.Namespace) -> int:
             steps = procedure(study, participant, session)
             runs = [one.trial for one in steps if one.trial is not None]
             names = [one.what if one.role == "trial" else f"{one.role} {one.what}" for one in runs]
-            put(f"sub-{participant:02d} ses-{session:02d}: {', '.join(names)}", told(options))
+            put(f"sub-{participant:02d} ses-{session:02d}: {', '.join(names)}", text_stream(options))
     return FINE
 
 
@@ -147,8 +149,8 @@ def _pilot(compilation: StudyCompilation, options: argparse.Namespace) -> int:
         with shown_progress("sessions") as progress:
             run_pilot(compilation, options.output, trust=_trust(options), progress=progress)
         page = write_effects(compilation, options.output)
-    put(f"data: {options.output}", told(options))
-    put(f"expected effects: {page}", told(options))
+    put(f"data: {options.output}", text_stream(options))
+    put(f"expected effects: {page}", text_stream(options))
     return FINE
 
 
@@ -159,8 +161,8 @@ def _serve(compilation: StudyCompilation, options: argparse.Namespace, of_world:
         from scenario_compiler.study.server import serve_study
 
     def tell(participants: str, experimenter: str) -> None:
-        put(f"participants: {participants}", told(options))
-        put(f"experimenter: {experimenter}", told(options))
+        put(f"participants: {participants}", text_stream(options))
+        put(f"experimenter: {experimenter}", text_stream(options))
         flush_streams()
 
     mark = None
@@ -190,5 +192,5 @@ def _export(options: argparse.Namespace) -> int:
     if options.output is None or options.output.suffix != ".csv":
         raise WrongUse("name the table with -o; it ends in .csv")
     count = write_tidy(options.path, options.output)
-    put(f"{count} runs: {options.output}", told(options))
+    put(f"{count} runs: {options.output}", text_stream(options))
     return FINE

@@ -27,7 +27,7 @@ from scenario_compiler.cli.options import (
     reason_of,
     settings_of,
     show,
-    told,
+    text_stream,
 )
 from scenario_compiler.cli.terminal import complain, put, tell
 from scenario_compiler.diagnostics import CompileError, Diagnostics
@@ -48,29 +48,59 @@ def add(commands: Commands) -> None:
     add_target(parser, "FILE[#name]|NAME|PLAN.json")
     parser.add_argument("-o", dest="output", type=Path, required=True, metavar="DIR", help="folder of the sweep")
     parser.add_argument(
-        "--vary", action="append", default=[], metavar="NAME=DISTRIBUTION", help="such as gap=uniform(5,40)"
+        "--vary",
+        action="append",
+        default=[],
+        metavar="NAME=DISTRIBUTION",
+        help="vary a parameter, as in gap=uniform(5,40)",
     )
-    parser.add_argument("--method", choices=METHODS, default="random", help="how the distributions are sampled")
-    parser.add_argument("--samples", type=int, metavar="N", help="number of draws, 1 where the scenario says none")
+    parser.add_argument("--method", choices=METHODS, default="random", help="way to sample the distributions")
     parser.add_argument(
-        "--repeat", type=int, default=1, metavar="N", help="runs of each draw or listed point, each with the next seed"
+        "--samples", type=int, metavar="N", help="number of draws (default: that of the scenario, else 1)"
     )
-    parser.add_argument("--where", action="append", default=[], metavar="EXPRESSION", help="what every variant fulfils")
-    parser.add_argument("--seed", type=int, metavar="N", help="seed of the draws, 1 where the scenario says none")
-    parser.add_argument("--traces", default="", metavar="worst:K|random:K|all", help="keep these variants' recordings")
-    parser.add_argument("--resume", action="store_true", help="do the rest of an interrupted sweep")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes; as many as pay by default")
-    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a Dask scheduler that runs the variants")
+    parser.add_argument(
+        "--repeat", type=int, default=1, metavar="N", help="runs of each draw or listed point, with successive seeds"
+    )
+    parser.add_argument(
+        "--where",
+        action="append",
+        default=[],
+        metavar="EXPRESSION",
+        help="condition on the parameters that every variant must meet",
+    )
+    parser.add_argument(
+        "--seed", type=int, metavar="N", help="seed of the draws (default: that of the scenario, else 1)"
+    )
+    parser.add_argument(
+        "--traces", default="", metavar="worst:K|random:K|all", help="variants whose recordings are kept"
+    )
+    parser.add_argument("--resume", action="store_true", help="finish an interrupted sweep")
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="number of processes (default: chosen by the work there is)"
+    )
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="run the variants through this Dask scheduler")
     search = parser.add_mutually_exclusive_group()
-    search.add_argument("--boundary", metavar="EXPRESSION", help="find where it begins to hold, such as collision")
-    search.add_argument("--minimise", metavar="MEASURE", help="find where a measure is least")
-    parser.add_argument("--tolerance", type=float, default=0.1, metavar="X", help="how closely a boundary is known")
-    parser.add_argument("--evaluations", type=int, default=100, metavar="N", help="runs of a minimisation, about")
-    parser.add_argument("--no-report", action="store_false", dest="report", help="write the table alone")
-    parser.add_argument(
-        "--pass-rate", type=share, metavar="SHARE", help="exit with 3 where a smaller share of the variants passes"
+    search.add_argument(
+        "--boundary",
+        metavar="EXPRESSION",
+        help="find the parameter value at which an expression, such as collision, begins to hold",
     )
-    parser.add_argument("--time-limit", type=positive, metavar="S", help="greatest time that a variant may take")
+    search.add_argument("--minimise", metavar="MEASURE", help="find the parameter values at which a measure is least")
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        default=0.1,
+        metavar="X",
+        help="width of the interval to which a boundary is narrowed down",
+    )
+    parser.add_argument(
+        "--evaluations", type=int, default=100, metavar="N", help="approximate number of runs of a minimisation"
+    )
+    parser.add_argument("--no-report", action="store_false", dest="report", help="write the table without a report")
+    parser.add_argument(
+        "--pass-rate", type=share, metavar="SHARE", help="exit with 3 if a smaller share of the variants passes"
+    )
+    parser.add_argument("--time-limit", type=positive, metavar="S", help="longest computing time of a variant, s")
     add_scenario(parser)
     add_maps(parser)
     add_templates(parser)
@@ -95,7 +125,7 @@ def sweep_command(options: argparse.Namespace) -> int:
         show(error.diagnostics, options)
         return AT_FAULT
     except ScenarioNameNeededError as needed:
-        raise WrongUse(f"name one of the scenarios as FILE#name: {', '.join(needed.names)}") from None
+        raise WrongUse(f"the file has several scenarios; name one as FILE#name: {', '.join(needed.names)}") from None
     except ValidationError as error:
         raise WrongUse("; ".join(str(fault["msg"]) for fault in error.errors(include_url=False))) from None
     except SweepError as error:
@@ -103,10 +133,10 @@ def sweep_command(options: argparse.Namespace) -> int:
     except OSError as error:
         if not (options.output / MANIFEST).is_file():
             raise
-        complain(f"{reason_of(error)}; --resume does the rest")
+        complain(f"{reason_of(error)}; --resume finishes the sweep")
         return AT_FAULT
     except KeyboardInterrupt:
-        complain("interrupted; --resume does the rest")
+        complain("interrupted; --resume finishes the sweep")
         return INTERRUPTED
 
 
@@ -154,26 +184,26 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
         )
     show(sink, options)
     tally = result.tally
-    put(f"{tally.runs} variants: {tally.in_words(automated=result.automated)}: {result.table}", told(options))
+    put(f"{tally.runs} variants: {tally.in_words(automated=result.automated)}: {result.table}", text_stream(options))
     if options.report:
-        put(f"report: {result.folder / 'report.html'}", told(options))
+        put(f"report: {result.folder / 'report.html'}", text_stream(options))
     if tally.broken_off:
         share = "all" if tally.broken_off == tally.runs else f"{tally.broken_off} of {tally.runs}"
-        complain(f"{share} variants broke off, most often: {result.commonest}")
+        complain(f"{share} variants broke off; the most frequent reason: {result.commonest}")
     if tally.broken_off == tally.runs:
         return AT_FAULT
     return FINE if options.pass_rate is None else _gate(tally, options)
 
 
 def _gate(tally: Tally, options: argparse.Namespace) -> int:
-    """Tell the share of variants that passed; return the exit code by the share that is asked for."""
+    """Print how many variants passed, and return the exit code for the share that --pass-rate asks for."""
     enough = tally.passed >= options.pass_rate * tally.runs
     comparison = "at least" if enough else "less than"
-    told_text = (
+    sentence = (
         f"{tally.passed} of {tally.runs} variants passed: {comparison} the share of {options.pass_rate:g} that is "
         "asked for"
     )
-    put(told_text, told(options) if enough else sys.stderr)
+    put(sentence, text_stream(options) if enough else sys.stderr)
     return FINE if enough else CRITERIA_FAILED
 
 
@@ -196,23 +226,24 @@ def _search(options: argparse.Namespace, sink: Diagnostics) -> int:
                 *where, when=options.boundary, tolerance=options.tolerance, progress=progress, **again
             )
         show(sink, options)
-        put(f"{options.boundary}: not at {found.name} = {found.without:g}, but at {found.with_it:g}", told(options))
+        values = f"{found.name} = {found.without:g} and holds at {found.name} = {found.with_it:g}"
+        put(f"{options.boundary} does not hold at {values}", text_stream(options))
         return FINE
     with shown_progress() as progress:
         least = minimise(*where, measure=options.minimise, evaluations=options.evaluations, progress=progress, **again)
     show(sink, options)
     values = ", ".join(f"{name} = {value:g}" for name, value in least.values.items())
-    put(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs", told(options))
+    put(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs", text_stream(options))
     return FINE
 
 
 def _first(*numbers: int | None) -> int:
-    """Return the first number that is given, 1 when none is."""
+    """Return the first number that is not None, or 1."""
     return next((number for number in numbers if number is not None), 1)
 
 
 def _written(options: argparse.Namespace) -> Vary:
-    """Return how the scenario itself says that it is varied."""
+    """Return the variation that the scenario itself declares."""
     from scenario_compiler.compiler import variation_of
     from scenario_compiler.vocabulary.variation import Vary
 
@@ -222,7 +253,7 @@ def _written(options: argparse.Namespace) -> Vary:
 
 
 EVERY = 30.0
-"""How often a line on progress is printed where stderr is no terminal, s."""
+"""Interval between lines on progress when stderr is not a terminal, s."""
 
 DOING: dict[Stage, str] = {
     "variants": "variants",
@@ -230,12 +261,12 @@ DOING: dict[Stage, str] = {
     "cases": "cases for the report",
     "evaluations": "runs of the search",
 }
-"""What a stage is called."""
+"""Name of each stage in the output."""
 
 
 @contextmanager
 def shown_progress() -> Iterator[OnProgress]:
-    """Yield what shows a sweep's progress: a bar with the time left; without a terminal lines, now and then."""
+    """Yield a function that shows a sweep's progress as a bar, or without a terminal as a line every `EVERY` s."""
     if not sys.stderr.isatty():
         yield _Lines().update
         return
@@ -271,7 +302,7 @@ def shown_progress() -> Iterator[OnProgress]:
 
 
 class _Lines:
-    """Prints how far a sweep is, for a log: a line now and then, with the time that is left at the pace so far."""
+    """Prints lines on a sweep's progress for a log, with the remaining time estimated from the pace so far."""
 
     def __init__(self) -> None:
         self._stage: Stage | None = None
@@ -279,7 +310,7 @@ class _Lines:
         self._first = 0
 
     def update(self, progress: Progress) -> None:
-        """Take in how far it is."""
+        """Print a line if the last one is old enough."""
         now = time.monotonic()
         if progress.stage != self._stage:
             self._stage, self._began, self._told, self._first = progress.stage, now, now, progress.done

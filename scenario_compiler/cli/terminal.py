@@ -1,7 +1,8 @@
-"""The one place that prints: lines that can be read, on streams that may be closed or broken.
+"""The one module that prints: legible lines, on streams that may be closed or broken.
 
-Nothing that a file or its name holds reaches a terminal or a log raw (see `legible`). That nobody reads what is printed
-is no fault: what is left is thrown away, and the command goes on to its own exit code.
+Text from a file, or a file's name, never reaches a terminal or a log without its control characters escaped (see
+`legible`). A reader that closes the pipe is not an error: the rest of the output is thrown away, and the command goes
+on to its own exit code.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ if TYPE_CHECKING:
 
 
 def prepare_streams() -> None:
-    """Open what is closed of the standard streams, to nowhere, and let them print what their encoding lacks as escapes.
+    """Redirect closed standard streams to the null device, and print characters that an encoding lacks as escapes.
 
-    A file that is opened while one of them is closed would get its number, and what is printed would go there.
+    A file that is opened while a standard stream is closed would get the stream's number, and output would go into it.
     """
     for number in (0, 1, 2):
         try:
@@ -38,7 +39,7 @@ def prepare_streams() -> None:
 
 
 def put(line: object = "", file: TextIO | None = None) -> None:
-    """Print one line, on stdout without a `file`."""
+    """Print one line to `file`, by default stdout."""
     put_raw(legible_line(str(line)), file)
 
 
@@ -48,12 +49,12 @@ def tell(line: object) -> None:
 
 
 def complain(line: object) -> None:
-    """Print one line on stderr that says what is wrong, with the program's name before it."""
+    """Print an error message in one line on stderr, with the program's name before it."""
     tell(f"scenario-compiler: {line}")
 
 
 def put_raw(text: str, file: TextIO | None = None) -> None:
-    """Print text that is legible already, such as diagnostics in one of their formats."""
+    """Print text whose control characters are escaped already, such as formatted diagnostics."""
     stream = sys.stdout if file is None else file
     try:
         print(text, file=stream)
@@ -62,9 +63,9 @@ def put_raw(text: str, file: TextIO | None = None) -> None:
 
 
 def put_table(headings: Sequence[str], rows: Sequence[Sequence[str]], file: TextIO | None = None) -> None:
-    """Print a table, on stdout without a `file`; nothing without a row.
+    """Print a table to `file`, by default stdout; a table without rows is not printed.
 
-    It folds to a terminal's width; for a program that searches lines each row is one.
+    On a terminal, cells are folded to its width; otherwise each row is one line, so that programs can search it.
     """
     from rich import box
     from rich.table import Column, Table
@@ -78,11 +79,11 @@ def put_table(headings: Sequence[str], rows: Sequence[Sequence[str]], file: Text
 
 
 WIDEST = 100_000
-"""Characters of a line where nothing folds."""
+"""Width of a line where cells are not folded, characters."""
 
 
 def put_rendered(shown: RenderableType, file: TextIO | None = None) -> None:
-    """Print what rich draws; the texts in it are legible already."""
+    """Print a renderable of rich, in whose texts control characters are escaped already."""
     from rich.console import Console
 
     stream = sys.stdout if file is None else file
@@ -94,7 +95,7 @@ def put_rendered(shown: RenderableType, file: TextIO | None = None) -> None:
 
 @contextmanager
 def shown_progress(what: str) -> Iterator[Callable[[float, float], None] | None]:
-    """Yield what shows how much is done, and of how much, with the time left; None where stderr is no terminal."""
+    """Yield a function that shows progress, given what is done and the total; None if stderr is not a terminal."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -108,7 +109,11 @@ def shown_progress(what: str) -> Iterator[Callable[[float, float], None] | None]
 
 
 def flush_streams() -> None:
-    """Print what is still held back; OSError where it cannot be, but for a reader that is gone."""
+    """Write all buffered output; a reader that has closed the pipe is not an error.
+
+    Raises:
+        OSError: The output cannot be written, as on a full disk.
+    """
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -120,7 +125,7 @@ def flush_streams() -> None:
 
 
 def _discard(stream: TextIO) -> None:
-    """Send what a stream still holds, and all that follows, to nowhere."""
+    """Send what a stream has buffered, and all later output, to the null device."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, stream.fileno())
     os.close(nowhere)

@@ -34,7 +34,7 @@ def available_cores() -> int:
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("validate", help="check scenario and road files")
-    parser.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="file or folder")
+    parser.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="file, or folder with files")
     add_maps(parser)
     add_templates(parser)
     add_trust(parser)
@@ -45,23 +45,27 @@ def add(commands: Commands) -> None:
         nargs="?",
         const=Schemas(),
         metavar="DIR",
-        help="judge OpenDRIVE and OpenSCENARIO by ASAM's schemas in a folder; without DIR, OpenSCENARIO by ASAM's "
-        "checker (the extra asam), with its rules",
+        help="check OpenDRIVE and OpenSCENARIO files against ASAM's schemas in DIR too; without DIR, check "
+        "OpenSCENARIO files by ASAM's own checker and its rules (needs the extra 'asam')",
     )
-    parser.add_argument("--strict", action="store_true", dest="strict_warnings", help="warnings are errors")
+    parser.add_argument("--strict", action="store_true", dest="strict_warnings", help="treat warnings as errors")
     parser.add_argument(
-        "--jobs", type=int, default=available_cores(), metavar="N", help="processes; one for each core when left out"
+        "--jobs",
+        type=int,
+        default=available_cores(),
+        metavar="N",
+        help="number of processes (default: one for each core)",
     )
     parser.set_defaults(command=validate_command)
 
 
 def validate_command(options: argparse.Namespace) -> int:
-    """Check files, or all files of folders."""
+    """Check files, and all files in folders."""
     from scenario_compiler.validation import files_below, validate_files
 
     keep_loaded()
     if not options.paths:
-        raise WrongUse("name the files or folders to check, before --xsd if that names no folder")
+        raise WrongUse("name the files or folders to check; if --xsd stands without DIR, put it after them")
     files = list(dict.fromkeys(file for path in options.paths for file in files_below(path)))
     if not files:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")
@@ -77,12 +81,12 @@ def validate_command(options: argparse.Namespace) -> int:
 def _schemas_in(folder: str) -> Schemas:
     """Return the schemas of a folder that --xsd names."""
     if not Path(folder).is_dir():
-        raise argparse.ArgumentTypeError(f"'{folder}' is no folder; write --xsd alone after the files, or --xsd DIR")
+        raise argparse.ArgumentTypeError(f"'{folder}' is not a folder; write --xsd DIR, or --xsd alone after the files")
     return Schemas(Path(folder))
 
 
 def summary(files: int, found: Sequence[Diagnostic]) -> str:
-    """Return one line on a number of files and what was found in them."""
+    """Return one line with the numbers of files, errors, warnings and faulty files."""
     errors = sum(one.severity is Severity.ERROR for one in found)
     warnings = sum(one.severity is Severity.WARNING for one in found)
     parts = [f"{files} file{'s' * (files != 1)} checked", f"{errors} error{'s' * (errors != 1)}"]

@@ -1,4 +1,4 @@
-"""Options that choose a world: where it is, and who moves and sees in it."""
+"""Options that choose a world and, for CARLA, its address, who moves the ego, and whose pictures are used."""
 
 from __future__ import annotations
 
@@ -20,26 +20,32 @@ CARLA_OPTIONS = {
     "camera": "camera",
     "carla_recording": "recording",
 }
-"""Options of commands to those of the world."""
+"""Option of the world for each option of the command."""
 
 
 def add_world(parser: argparse.ArgumentParser) -> None:
-    """Add the choice of a world, and the options of CARLA's."""
-    parser.add_argument("--world", default="kinematic", metavar="NAME", help="kinematic (built in) or carla")
-    carla = parser.add_argument_group("with --world carla (the extra carla)")
-    carla.add_argument("--carla-host", metavar="HOST", help="where the server is (default: 127.0.0.1)")
-    carla.add_argument("--carla-port", type=int, metavar="PORT", help="its port (default: 2000)")
-    carla.add_argument("--ego", choices=("physics", "kinematic"), help="who moves the ego (default: CARLA's physics)")
+    """Add the choice of a world, and the options of the CARLA world."""
+    parser.add_argument(
+        "--world", default="kinematic", metavar="NAME", help="world of the run: kinematic (built in) or carla"
+    )
+    carla = parser.add_argument_group("with --world carla (needs the extra 'carla')")
+    carla.add_argument("--carla-host", metavar="HOST", help="address of the CARLA server (default: 127.0.0.1)")
+    carla.add_argument("--carla-port", type=int, metavar="PORT", help="port of the CARLA server (default: 2000)")
+    carla.add_argument(
+        "--ego",
+        choices=("physics", "kinematic"),
+        help="what moves the ego: CARLA's physics or the kinematic model (default: physics)",
+    )
     carla.add_argument(
         "--camera",
         choices=("carla", "built-in"),
-        help="whose pictures count (default: CARLA's, unless paint is changed)",
+        help="camera whose pictures are used (default: carla, unless the scenario changes road marks)",
     )
-    carla.add_argument("--carla-recording", metavar="NAME", help="let the server record the run")
+    carla.add_argument("--carla-recording", metavar="NAME", help="let the CARLA server record the run under this name")
 
 
 def world_options(options: argparse.Namespace) -> dict[str, object]:
-    """Return the options of the world that are given; WrongUse where there is no such world, or it has none such."""
+    """Return the given options of the world; raise WrongUse for an unknown world, or options that it does not have."""
     from scenario_compiler.worlds import WORLDS
 
     if options.world not in WORLDS:
@@ -52,7 +58,7 @@ def world_options(options: argparse.Namespace) -> dict[str, object]:
 
 
 def note_findings(findings: Iterable[WorldFinding], plan: Plan, sink: Diagnostics) -> None:
-    """Report what a world does otherwise than the plan says, each with its line and once."""
+    """Report where a world deviates from the plan, each finding once and with its line in the scenario."""
     from scenario_compiler.plan.provenance import place_of
 
     for finding in dict.fromkeys(findings):

@@ -1,6 +1,7 @@
-"""The interface of everything that drives the ego vehicle from Python between steps.
+"""The interface of controllers, which drive the ego from Python at every control step.
 
-Method names are those of the AISA toolkit (HRI 2025): a controller written for it needs a base class and a `Params`.
+The method names are those of the AISA toolkit (HRI 2025): a controller that was written for the toolkit only needs the
+base class `ControllerModel` and a class `Params`.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ class ControllerParams(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class CameraMounting:
-    """The camera that the images come from, as in the plan; turned by yaw, then pitch, then roll.
+    """The mounting of the camera that takes the images, as in the plan; it is turned by yaw, then pitch, then roll.
 
     Attributes:
         width: Columns of the image, pixels.
@@ -56,7 +57,7 @@ class CameraMounting:
     roll: float = 0.0
 
     def camera(self) -> Camera:
-        """Return it as perception's camera."""
+        """Return the camera with this mounting."""
         from scenario_compiler.perception.camera import Camera
 
         return Camera(
@@ -77,16 +78,17 @@ class SensorData:
     """What the sensors deliver at a control step.
 
     Attributes:
-        t: Time of the image, s: that of the step before while the camera has taken no other.
+        t: Time of the image, s; it does not change until the camera takes the next image.
         image: (height, width, 3) uint8, BGR.
         camera: The camera that took it.
-        lead_gap: Distance from the front bumper to what the car is to keep its distance to, m: a leader or a queue
-            that the forward sensor sees, the line of a red signal, and from a request on what blocks the way; None
-            where there is nothing of the kind.
-        lead_speed: Its speed along the way, m/s.
-        route: The planned way ahead as a navigation knows it: points (x ahead, y left) of the rear axle, m, a metre
-            apart from beside it on; empty where the car is off every road.
-        junction: Distance along that way to the next junction, to the metre, 0 in one; None when none is in reach.
+        lead_gap: Distance from the front bumper to the nearest thing to which the ego must keep its distance, m: a
+            leader or a queue that the forward sensor sees, the line of a red signal, and from a request on also an
+            object that blocks the path; None if there is no such thing.
+        lead_speed: Speed of that thing along the path, m/s.
+        route: The planned route ahead, as a navigation system knows it: points (x ahead, y to the left) relative to
+            the rear axle, m, one metre apart, beginning beside the axle; empty if the ego is off every road.
+        junction: Distance along the route to the next junction, m, rounded to the metre, 0 inside a junction; None if
+            there is none on the known route.
     """
 
     t: float
@@ -100,7 +102,7 @@ class SensorData:
 
 @dataclass(frozen=True, slots=True)
 class VehicleState:
-    """The ego vehicle as its own odometry knows it.
+    """The ego's state and limits, from its own odometry.
 
     Attributes:
         x: x of the rear axle, m, OpenDRIVE axes.
@@ -129,17 +131,17 @@ class VehicleState:
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """What a controller answers.
+    """The output of a controller.
 
     Attributes:
-        throttle: 0 .. 1.
-        steer: -1 .. 1 of the greatest steering angle, positive to the left.
-        brake: 0 .. 1.
-        trajectory: Predicted path, points (x ahead, y left) of the rear axle, m.
-        confidence_left: Confidence in the left lane boundary, 0 .. 1.
-        confidence_right: Confidence in the right lane boundary, 0 .. 1.
-        sensor_health: Health of the sensor, 0 .. 1.
-        lanes: The lane as the controller sees it, for the display and the recording; None when it knows none.
+        throttle: Throttle, 0 to 1.
+        steer: Steering angle as a share of the greatest one, -1 to 1, positive to the left.
+        brake: Brake, 0 to 1.
+        trajectory: Predicted path: points (x ahead, y to the left) relative to the rear axle, m.
+        confidence_left: Confidence in the left lane boundary, 0 to 1.
+        confidence_right: Confidence in the right lane boundary, 0 to 1.
+        sensor_health: Health of the sensor, 0 to 1.
+        lanes: The lane that the controller sees, for the display and the recording; None if it sees none.
     """
 
     throttle: float
@@ -153,12 +155,12 @@ class Control:
 
 
 class ControllerModel(ABC):
-    """A controller: one instance a run, given its checked parameters."""
+    """Base class of controllers; every run creates one instance with its checked parameters."""
 
     Params: ClassVar[type[ControllerParams]] = ControllerParams
 
     uses_detector: ClassVar[bool] = False
-    """Whether it looks for the lane with `make_detector`, so that a scenario can name the detector."""
+    """Whether the controller finds the lane with `make_detector`, so that a scenario can name the detector."""
 
     def __init__(self, params: Any) -> None:
         """Keep the parameters, an instance of the class's `Params`."""
@@ -166,29 +168,29 @@ class ControllerModel(ABC):
         self.make_detector: Callable[[Camera], LaneDetector] = partial(create_detector, "classical")
 
     def reset(self, seed: int) -> None:
-        """Forget everything: a run begins. `seed` is the run's, for controllers that draw numbers."""
+        """Reset all state at the start of a run; `seed` is the run's, for controllers that draw random numbers."""
         del seed
 
     @abstractmethod
     def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
-        """Return the command for the time until the next control step; `speed` in m/s."""
+        """Return the command until the next control step; `speed` is the speed of the ego, m/s."""
 
     def display_info(self) -> dict[str, str]:
-        """Return what the display shows beside the picture, by label."""
+        """Return texts that the display shows beside the image, by label."""
         return {}
 
     def warning_messages(self) -> list[str]:
-        """Return warnings for the driver, the most important first."""
+        """Return warnings for the driver, most important first."""
         return []
 
     def critical_messages(self) -> list[str]:
-        """Return messages of a takeover request, the most important first."""
+        """Return messages for a takeover request, most important first."""
         return []
 
     def initiate_takeover(self) -> bool:
-        """Return whether the controller itself asks the driver to take over."""
+        """Return whether the controller itself requests a takeover."""
         return False
 
     def overlay_image(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Return the camera image with what the controller sees drawn into it."""
+        """Return the camera image with the controller's detections drawn into it."""
         return image

@@ -1,4 +1,4 @@
-"""The page on controllers (docs/controllers.md), with tables made from what controllers get and answer."""
+"""The page on controllers (docs/controllers.md), with tables made from the classes of their inputs and outputs."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from scenario_compiler.controllers.model import CameraMounting, Control, Control
 
 _HEAD = '''# Controllers
 
-A controller drives the automated vehicle from Python: at every control step it gets what the sensors deliver and
-answers with throttle, steering and brake. `lane_detection` comes with the program; any class that derives from
-`ControllerModel` is another.
+A controller drives the automated vehicle from Python: at every control step it receives the data of the sensors and
+returns throttle, steering and brake. `lane_detection` is the packaged controller; any class that derives from
+`ControllerModel` can take its place.
 
 The tables of this page are made from the code by `make generate`.
 
-## One of your own
+## A controller of your own
 
 ```python
 from scenario_compiler import Control, ControllerModel, ControllerParams, SensorData, VehicleState
@@ -39,27 +39,27 @@ class Straight(ControllerModel):
         return Control(throttle=min(max(wanted, 0.0), 1.0), steer=0.0, brake=min(max(-wanted, 0.0), 1.0))
 ```
 
-A scenario names it, as `file.py:Class` or as `package.module:Class`, and sets its parameters:
+A scenario names the controller as `file.py:Class` or as `package.module:Class`, and sets its parameters:
 
 ```xml
 <controller model="straight.py:Straight"><property name="gain" value="0.8"/></controller>
 ```
 
-The path of the file, and a property whose parameter is declared as a `pathlib.Path`, start from the scenario's folder.
-Reading a scenario never runs code that it names; `run` and `sweep` import it where you say that you trust it:
+A relative path of the file starts from the scenario's folder; so does a property whose parameter is declared as a
+`pathlib.Path`. Reading a scenario never runs code that it names. `run` and `sweep` import the code if you trust it:
 
     scenario-compiler run conflict.xml --trust straight.py:Straight
     scenario-compiler run conflict.xml --controller straight.py:Straight
 
-The second drives with that controller, whatever the scenario names. A module or file that the command line names
-may lie in the current folder or beside the scenario. The scenario's properties stay with the controller that it names.
-[The page on commands](commands.md#code-that-files-name) says what may be trusted, and for how long.
+The second command uses this controller in place of the one that the scenario names; the properties in the scenario are
+then not used. A module or file that the command line names may lie in the current folder or in the scenario's folder.
+[The page on commands](commands.md#code-that-files-name) describes what can be trusted, and for how long.
 
 ## A lane detector of your own
 
-`lane_detection` looks for the lane with a detector: [`classical`](perception.md), [`learned`](perception-learned.md),
-or any class that is made with a camera and has a method `detect`. This one sees with both, and trusts the lane of the
-classical one as far as the more doubtful of the two does:
+`lane_detection` finds the lane with a detector: [`classical`](perception.md), [`learned`](perception-learned.md), or
+any class whose constructor takes a camera and that has a method `detect`. The following detector uses both. It returns
+the lane of the classical one, with the smaller of the two confidences:
 
 ```python
 from dataclasses import replace
@@ -83,7 +83,7 @@ class Cautious:
         return replace(first, left=left, right=right, p_left=left.p * health, p_right=right.p * health)
 ```
 
-A scenario names it in the controller, and it is trusted as a controller's code is:
+A scenario names the detector in the controller. Its code must be trusted like a controller's:
 
 ```xml
 <controller><detector model="cautious.py:Cautious"/></controller>
@@ -91,39 +91,40 @@ A scenario names it in the controller, and it is trusted as a controller's code 
 
     scenario-compiler run conflict.xml --trust cautious.py:Cautious
 
-`detect` gets the picture, what was remembered of the lane (the controller keeps it with `LaneState.after`), and a tilt
-where one is known. A controller of your own that derives from `LaneDetectionController`, or that sets `uses_detector`,
-makes the detector that the scenario names with `self.make_detector(camera)`.
+`detect` receives the image, the remembered state of the lane (the controller updates it with `LaneState.after`), and
+the camera's tilt if it is known. A controller of your own can also use the detector that the scenario names: derive it
+from `LaneDetectionController`, or set `uses_detector`, and create the detector with `self.make_detector(camera)`.
 
 ## With a neural network
 
-`examples/onnx_controller` steers by a network from an ONNX file, which OpenCV runs; nothing else is needed:
+`examples/onnx_controller` steers with a neural network from an ONNX file. OpenCV runs the network, so no other package
+is needed:
 
     scenario-compiler run examples/onnx_controller/keep_lane.xml --trust examples/onnx_controller/steering.py
 
-`train.py` there draws the pictures, trains the network and writes the file; it alone needs `onnx`
-(`pip install scenario-compiler[examples]`).
+`train.py` in that folder draws the pictures, trains the network and writes the file. Only training needs `onnx`
+(`pip install 'scenario-compiler[examples]'`).
 
 ## When it fails
 
-The following are the finding SC521, with the controller's or detector's name, the file and the line: an exception, a
-missing model file, `sys.exit` at import, or an answer that is not a `Control` (for a detector, a `LaneResult`) or
-contains a number that is not finite. The run ends there with the stop reason `controller_failed`, the recording up to
-that step is kept, and the exit code is 1.
+A controller or a detector fails if it raises an exception, if a model file is missing, if it calls `sys.exit` at
+import, or if it does not return a `Control` (a detector: a `LaneResult`) with finite numbers. This is reported as
+SC521 with the name of the controller or detector, the file and the line. The run ends with the stop reason
+`controller_failed`, the recording up to that step is kept, and the exit code is 1.
 
-## What it gets
+## Inputs
 
-`control(sensor_data, speed, vehicle)` is called every `control_every` steps; `speed` is the vehicle's own in m/s.
-With `--perception ideal` and `--perception surrogate` no picture is drawn and no controller is asked; [surrogate
-perception](perception-surrogate.md) stands for `lane_detection` alone.
+`control(sensor_data, speed, vehicle)` is called every `control_every` steps; `speed` is the speed of the ego in m/s.
+With `--perception ideal` and `--perception surrogate`, no image is drawn and the controller is not called;
+[surrogate perception](perception-surrogate.md) replaces `lane_detection` only.
 '''
 
-_METHODS = """## What else it may do
+_METHODS = """## Other methods
 
-A controller is one instance a run. These methods may be overridden:
+Every run creates one instance of the controller. These methods can be overridden:
 """
 
-_OURS = """## The controllers that come with the program
+_OURS = """## Packaged controllers
 """
 
 
@@ -132,16 +133,16 @@ def controllers_page() -> str:
     parts = [_HEAD]
     for shape in (SensorData, CameraMounting, VehicleState):
         parts += [f"### {shape.__name__}\n", _first_line(shape), _attributes(shape)]
-    parts += ["## What it answers\n", "### Control\n", _first_line(Control), _attributes(Control), _METHODS]
+    parts += ["## Output\n", "### Control\n", _first_line(Control), _attributes(Control), _METHODS]
     methods = [
         (f"`{name}({', '.join(list(inspect.signature(method).parameters)[1:])})`", _first_line(method).strip())
         for name, method in vars(ControllerModel).items()
         if inspect.isfunction(method) and not name.startswith("_") and name != "control"
     ]
-    parts += [_table(("method", "does"), methods), _OURS]
+    parts += [_table(("method", "purpose"), methods), _OURS]
     for name in CONTROLLERS:
         ours = controller_class(name)
-        parts += [f"### `{name}`\n", _first_line(ours), _table(("property", "default", "means"), _parameters(ours))]
+        parts += [f"### `{name}`\n", _first_line(ours), _table(("property", "default", "meaning"), _parameters(ours))]
     return "\n".join(parts)
 
 
@@ -151,10 +152,10 @@ def _first_line(documented: Any) -> str:
 
 
 def _attributes(shape: type[Any]) -> str:
-    """Return the table of a dataclass's fields: name, type, default and what the docstring says of it."""
+    """Return the table of a dataclass's fields: name, type, default, and the description in the docstring."""
     texts = _texts(shape)
     rows = [(f"`{one.name}`", f"`{one.type}`", _default(one), texts[one.name]) for one in fields(shape)]
-    return _table(("field", "type", "default", "holds"), rows)
+    return _table(("field", "type", "default", "meaning"), rows)
 
 
 def _default(one: Field[Any]) -> str:
@@ -162,7 +163,7 @@ def _default(one: Field[Any]) -> str:
 
 
 def _texts(shape: type[Any]) -> dict[str, str]:
-    """Return what the `Attributes` of a docstring say of each field.
+    """Return the description of each field in the `Attributes` section of the docstring.
 
     Raises:
         KeyError: A field has no line there.

@@ -1,4 +1,4 @@
-"""All marked functions as one file of C: containers, tables, functions, and the entries that are called."""
+"""Translates all marked functions to one C file: containers, tables, functions and entries."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One wheel: the page that drives, those that watch, and the run under way.
+"""One driver's place: the page that drives, the pages that watch, and the run in progress.
 
 A page gets pictures and what belongs to them over a WebSocket, each as one binary message: the length of the JSON text
 (four bytes, big-endian), the text, the length of the view ahead, that JPEG file, and the mirror's. It tells what the

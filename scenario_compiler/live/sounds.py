@@ -1,4 +1,4 @@
-"""The sounds of messages: which recorded files there are, and which of them a run can need.
+"""The sounds of messages: the recorded files, and those of them that a run can need.
 
 `tools/make_sounds.py` makes them; `pages/sounds/sounds.json` says what each holds and by what right it is there.
 """

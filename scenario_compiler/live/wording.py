@@ -1,4 +1,4 @@
-"""The words of the page at the wheel in each language.
+"""The texts of the driving page in each language.
 
 The German, Finnish and Swedish words have not been checked by native speakers.
 """

@@ -1,4 +1,4 @@
-"""Conditions between OpenSCENARIO's elements and our words: those by entity and those by value."""
+"""Converts conditions between OpenSCENARIO's elements and our words, by entity and by value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of OpenSCENARIO: read as real ones are, found as real ones name each other."""
+"""Reads files of OpenSCENARIO, tolerating common faults, and finds the files that they name."""
 
 from __future__ import annotations
 

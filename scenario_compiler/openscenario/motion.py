@@ -139,7 +139,7 @@ SHAPES = Forms(
 def _read_shape(node: Node) -> Word | None:
     inner = node.first()
     if inner is None or inner.tag not in SHAPES.by_tag:
-        (inner or node).report(codes.UNKNOWN_ELEMENT, f"<{(inner or node).tag}> is no form of a trajectory")
+        (inner or node).report(codes.UNKNOWN_ELEMENT, f"<{(inner or node).tag}> is not a shape of a trajectory")
         return None
     if inner.tag == "Nurbs" and inner.integer("order") < 2:
         inner.report(codes.OUT_OF_LIMITS, "the order of a NURBS is at least 2", "order")
@@ -206,7 +206,7 @@ _PLACES = Forms(
 def _read_place(node: Node) -> Word | None:
     inner = node.first()
     if inner is None or inner.tag not in _PLACES.by_tag:
-        (inner or node).report(codes.UNKNOWN_ELEMENT, f"<{(inner or node).tag}> is no place on a route")
+        (inner or node).report(codes.UNKNOWN_ELEMENT, f"<{(inner or node).tag}> is not a position on a route")
         return None
     place: Word | None = _PLACES.by_tag[inner.tag].read(inner)
     return place

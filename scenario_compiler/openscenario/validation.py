@@ -1,4 +1,4 @@
-"""What `validate` says of an OpenSCENARIO file: whether it is well-formed and has the structure of its version."""
+"""Validates an OpenSCENARIO file: whether it is well-formed and has the structure of its version."""
 
 from __future__ import annotations
 

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.faults import CameraFaults
 from scenario_compiler.perception.smear import smeared
 
 Image = NDArray[np.uint8]
@@ -46,42 +47,18 @@ AT_ONCE = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Degradation:
-    """What is wrong with the camera in one image.
+class Degradation(CameraFaults):
+    """All that changes one image: the camera's faults, its noise, and how the vehicle moves during the exposure.
 
     Attributes:
         sigma: Standard deviation of the noise, grey levels.
-        dark: Share of the light that is lost, 0-1.
-        blur: Radius of the blur, 1/512 of the image's width.
-        dirt: Share of the image that dirt covers, 0-1.
-        missing: The image does not arrive: it is black.
-        frozen: The image before is delivered again.
-        impulses: Share of the pixels that are black or white, 0-1.
-        brighter: What is added to the brightness, a share of white.
-        dead_rows: Share of the rows that are black, 0-1.
-        coarse: How coarse the grey levels are: 0 for 8 bits, 1 for one.
-        late: How late an image arrives, s.
-        exposure: How long the sensor is exposed, s.
-        speed: Of the vehicle's reference point during the exposure, m/s.
-        yaw_rate: Of the vehicle, rad/s, positive to the left.
-        turned: Yaw, pitch and roll by which the camera is turned beyond its mounting, rad, signs as `Camera` has them.
+        speed: Speed of the vehicle's reference point during the exposure, m/s.
+        yaw_rate: Yaw rate of the vehicle, rad/s, positive to the left.
     """
 
     sigma: float = 0.0
-    dark: float = 0.0
-    blur: float = 0.0
-    dirt: float = 0.0
-    missing: bool = False
-    frozen: bool = False
-    impulses: float = 0.0
-    brighter: float = 0.0
-    dead_rows: float = 0.0
-    coarse: float = 0.0
-    late: float = 0.0
-    exposure: float = 0.0
     speed: float = 0.0
     yaw_rate: float = 0.0
-    turned: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def camera(self, mounted: Camera) -> Camera:
         """Return the camera as it is turned now; the same object where it is as it was mounted."""

@@ -1,4 +1,4 @@
-"""Two runs side by side: where they part, how far apart they get, and what happened in one of them alone."""
+"""Compares two runs: when they begin to differ, by how much, and which events are in one of them only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The least post-encroachment time of recordings, and of what the engine added up.
+"""The least post-encroachment time, from recordings and from the engine's totals.
 
 The engine looks back from each row; here all rows are compared with those some rows before, one lag after the other.
 """
@@ -6,6 +6,7 @@ The engine looks back from each row; here all rows are compared with those some 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenario_compiler.engine.measures.encroachment import rows_between, rows_looked_at
 from scenario_compiler.recording.boxes import touching
@@ -34,6 +35,10 @@ def least_encroachment_total(totals: RunTotals) -> Floats:
     return np.where(totals.raw("touched") > 0, 0.0, rows)
 
 
+Places = tuple[NDArray[np.intp], ...]
+"""Indices into arrays (..., k, m), one array a dimension."""
+
+
 class _Kept:
     """The rows that are compared: arrays (..., k, m)."""
 
@@ -44,34 +49,49 @@ class _Kept:
         self.x = traces.x[rows] + traces.center * np.cos(self.h)
         self.y = traces.y[rows] + traces.center * np.sin(self.h)
         self.long, self.wide, self.height = 0.5 * traces.length, 0.5 * traces.width, traces.height
+        self.reach = (np.hypot(self.long[0], self.wide[0]) + np.hypot(self.long, self.wide)) ** 2
         stepped = (np.diff(self.x, axis=-2) != 0.0) | (np.diff(self.y, axis=-2) != 0.0)
         first = np.zeros_like(self.present[..., :1, :])
-        self.moved: Booleans = np.logical_or.accumulate(np.concatenate([first, stepped], axis=-2), axis=-2)
+        moved: Booleans = np.logical_or.accumulate(np.concatenate([first, stepped], axis=-2), axis=-2)
+        self.counts: Booleans = moved & self.present & self.present[..., :1]
+        self.counts[..., 0] = False
 
     def meets(self, lag: int) -> Booleans:
         """Return in which runs the ego vehicle is where another was so many rows before, or the other way, (...)."""
-        now, then = slice(lag, None), slice(None, -lag)
         met = np.zeros(self.x.shape[:-2], dtype=bool)
-        for other in range(1, self.x.shape[-1]):
-            for first, second in ((0, other), (other, 0)):
-                met |= self._overlap(first, then, second, now, other).any(axis=-1)
+        for ego_was_there in (True, False):
+            *runs, then, others = np.nonzero(self._near(lag, ego_was_there=ego_was_there))
+            if others.size == 0:
+                continue
+            i, j = (np.zeros_like(others), others) if ego_was_there else (others, np.zeros_like(others))
+            hit = self._overlap((*runs, then, i), (*runs, then + lag, j))
+            if hit.any():
+                met[tuple(run[hit] for run in runs)] = True
         return met
 
-    def _overlap(self, i: int, then: slice, j: int, now: slice, other: int) -> Booleans:
-        """Return in which rows the box of j now overlaps the one that i had then, (..., k)."""
-        dx, dy = self.x[..., now, j] - self.x[..., then, i], self.y[..., now, j] - self.y[..., then, i]
-        above = self.z[..., now, j] - self.z[..., then, i]
-        before, after = self.h[..., then, i], self.h[..., now, j]
+    def _near(self, lag: int, *, ego_was_there: bool) -> Booleans:
+        """Return in which rows of then a box is so near to the other's of now that they may overlap, (..., k, m)."""
+        now, then = slice(lag, None), slice(None, -lag)
+        of_ego, of_others = (then, now) if ego_was_there else (now, then)
+        dx = self.x[..., of_others, :] - self.x[..., of_ego, :1]
+        dy = self.y[..., of_others, :] - self.y[..., of_ego, :1]
         with np.errstate(invalid="ignore"):
-            there = self.present[..., now, 0] & self.present[..., now, other] & self.present[..., then, i]
-            there &= self.moved[..., now, other] & ~((above > self.height[i]) | (-above > self.height[j]))
-            there &= dx * dx + dy * dy <= (np.hypot(self.long[i], self.wide[i]) + np.hypot(*self._half(j))) ** 2
-            c, s = np.abs(np.cos(after - before)), np.abs(np.sin(after - before))
-            for a, b, h in ((i, j, before), (j, i, after)):
-                (long, wide), (other_long, other_wide) = self._half(a), self._half(b)
-                there &= np.abs(dx * np.cos(h) + dy * np.sin(h)) <= long + other_long * c + other_wide * s
-                there &= np.abs(dy * np.cos(h) - dx * np.sin(h)) <= wide + other_long * s + other_wide * c
-        return np.asarray(there)
+            return np.asarray((dx * dx + dy * dy <= self.reach) & self.counts[..., now, :])
 
-    def _half(self, i: int) -> tuple[float, float]:
-        return float(self.long[i]), float(self.wide[i])
+    def _overlap(self, then: Places, now: Places) -> Booleans:
+        """Return where the box of an entity now overlaps the one that another had then, (n,).
+
+        Args:
+            then: Indices of the n earlier boxes: runs, rows and entities.
+            now: Those of the later ones.
+        """
+        i, j = then[-1], now[-1]
+        dx, dy = self.x[now] - self.x[then], self.y[now] - self.y[then]
+        above = self.z[now] - self.z[then]
+        turned = self.h[now] - self.h[then]
+        c, s = np.abs(np.cos(turned)), np.abs(np.sin(turned))
+        there = self.present[then] & ~((above > self.height[i]) | (-above > self.height[j]))
+        for a, b, h in ((i, j, self.h[then]), (j, i, self.h[now])):
+            there &= np.abs(dx * np.cos(h) + dy * np.sin(h)) <= self.long[a] + self.long[b] * c + self.wide[b] * s
+            there &= np.abs(dy * np.cos(h) - dx * np.sin(h)) <= self.wide[a] + self.long[b] * s + self.wide[b] * c
+        return np.asarray(there)

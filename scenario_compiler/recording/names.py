@@ -1,4 +1,4 @@
-"""The names that stand for the engine's integer codes in a recording and its files."""
+"""Names for the engine's integer codes in a recording and its files."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Literal, TypeAlias
 
 from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.engine.columns.events import EVENTS
+from scenario_compiler.engine.moves.camera import FAILURE_CODES
 from scenario_compiler.engine.moves.table import ACTIONS
-from scenario_compiler.vocabulary.sensors import FailureKind
 
 StateName = Literal[
     "automated", "warning", "request", "escalation", "manual", "hand_back", "minimum_risk", "standstill"
@@ -85,21 +85,7 @@ CODES: dict[str, Mapping[int, str]] = {
 }
 """Names of the codes of one kind of column."""
 
-FAILURES: dict[int, FailureKind] = {
-    opcodes.FAILURE_NOISE: "noise",
-    opcodes.FAILURE_DROPOUT: "dropout",
-    opcodes.FAILURE_FREEZE: "freeze",
-    opcodes.FAILURE_BLACKOUT: "blackout",
-    opcodes.FAILURE_BLUR: "blur",
-    opcodes.FAILURE_DIRT: "dirt",
-    opcodes.FAILURE_IMPULSE_NOISE: "impulse_noise",
-    opcodes.FAILURE_OVEREXPOSURE: "overexposure",
-    opcodes.FAILURE_DEAD_ROWS: "dead_rows",
-    opcodes.FAILURE_QUANTISATION: "quantisation",
-    opcodes.FAILURE_LATENCY: "latency",
-    opcodes.FAILURE_MOTION_BLUR: "motion_blur",
-    opcodes.FAILURE_MISALIGNMENT: "misalignment",
-}
+FAILURES = {code: name for name, code in FAILURE_CODES.items()}
 
 STOP_REASONS: dict[int, StopReason] = {
     opcodes.STOP_NONE: "",

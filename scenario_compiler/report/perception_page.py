@@ -1,4 +1,4 @@
-"""The page on what lane detection sees and how far its confidence can be trusted, in Markdown."""
+"""The page of `calibrate`: how a lane detector works and how well its confidence is calibrated, in Markdown."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ SHOWN = (
     *("sun ahead, wet road", "ClearNight", "HardRainNoon", "HardRainSunset"),
     *("noise 40", "pitch +2 degrees", "grade begins, 3 degrees up", "no paint"),
 )
-"""Situations of the bank that the page shows."""
+"""Situations whose pictures the page shows."""
 
 AREA, ERROR, LARGEST, WRONG, FAR_OFF = 0.96, 0.04, 0.08, 0.04, 0.005
-"""What is aimed for on maps that took no part in the fit; see `Worth`."""
+"""Aims for maps that the confidence was not fitted to; see `Worth`."""
 
 MISLEADING = 0.1
-"""Share of confident and wrong boundaries that no situation of the bank should exceed."""
+"""Greatest share of confident and wrong boundaries that a situation of the bank should have."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,12 @@ class Measured:
 
     Attributes:
         detector: The detector's name.
-        command: The command.
-        minutes: Time it took.
-        processes: On how many cores.
+        command: The command that measured them.
+        minutes: Duration of the measurement, min.
+        processes: Number of cores.
         maps: Names of the maps.
-        clips: Clips of each map.
-        pictures: Pictures of each situation of the bank.
+        clips: Number of clips of each map.
+        pictures: Number of pictures of each situation of the bank.
     """
 
     detector: DetectorName
@@ -63,7 +63,7 @@ def write_perception_page(figures: Figures, measured: Measured, folder: Path) ->
 
 def _page(figures: Figures, measured: Measured, stem: str) -> str:
     left_out = figures.left_out
-    whose = f"{', '.join(left_out)}: each judged by a fit that it took no part in" if left_out else "all maps"
+    whose = f"{', '.join(left_out)}: each judged by a fit to all other maps" if left_out else "all maps"
     worst = sorted((one for one in figures.bank if one.misled > MISLEADING), key=lambda one: -one.misled)
     misled = "In none of them" if not worst else f"In {len(worst)} of them ({'; '.join(one.name for one in worst)})"
     parts = (
@@ -71,12 +71,13 @@ def _page(figures: Figures, measured: Measured, stem: str) -> str:
         "## How far it can be trusted\n",
         f"Measured by `{measured.command}` in {measured.minutes:.0f} minutes on {measured.processes} cores, with "
         f"OpenCV {drawn_by()['opencv']}: {measured.clips} clips of six images on each of {len(measured.maps)} maps "
-        f"({', '.join(measured.maps)}). The tables are of {whose}. A single image is seen without memory; driving is "
-        "what is seen from the fourth image of a clip on.\n",
+        f"({', '.join(measured.maps)}). The tables show {whose}. *Single images* are detected without memory of "
+        "earlier ones; *driving* counts the images of a clip from the fourth on, detected with memory.\n",
         f"![Reliability diagram](images/{stem}_reliability.png)\n",
-        "*Area* is that under the receiver operating characteristic, *error* the expected calibration error over ten "
-        "bins, *largest* the largest error of a bin with at least 100 sides. The last columns are about the sides "
-        "with a confidence over 0.8: how many there are, and how many of them are off by more than 0.25 m and 1 m.\n",
+        "Each image has two *sides*, the left and the right boundary. *Area* is the area under the receiver operating "
+        "characteristic, *error* the expected calibration error over ten bins, *largest* the largest error of a bin "
+        "with at least 100 sides. The last columns describe the sides with a confidence over 0.8: their share of all "
+        "sides, and how many of them are wrong by more than 0.25 m and by more than 1 m.\n",
         _missed(figures),
         "### Single images\n",
         _worths(figures.single),
@@ -85,9 +86,10 @@ def _page(figures: Figures, measured: Measured, stem: str) -> str:
         "### By condition, driving\n",
         _worths(figures.conditions),
         "## The bank of situations\n",
-        f"{measured.pictures} single images of each situation, on made-up roads. {misled} more than 10 % of the "
-        "boundaries are confident (over 0.6) and wrong (by more than 0.25 m). The confidence was fitted to other "
-        "roads of the kind too: the bank shows where the limits are, the maps above how it fares elsewhere.\n",
+        f"{measured.pictures} single images of each situation, on synthetic roads. {misled}, more than 10 % of the "
+        "boundaries are confident (over 0.6) and wrong (by more than 0.25 m). The confidence was also fitted to other "
+        "synthetic roads like these, so this table shows where the limits of the detector are; how it performs on "
+        "roads that it does not know is shown by the maps above.\n",
         f"![Some situations, with the confidence in the left and the right boundary](images/{stem}_bank.jpg)\n",
         _asked(figures.bank),
         LIMITS,
@@ -96,12 +98,12 @@ def _page(figures: Figures, measured: Measured, stem: str) -> str:
 
 
 def _missed(figures: Figures) -> str:
-    """Return which of the aims are missed, for each map and for single images and driving apart."""
+    """Return which aims are missed, for each map, separately for single images and for driving."""
     aims = (
         f"an area of at least {AREA}, an expected error of at most {ERROR}, a largest error of at most {LARGEST}, "
-        + (f"and of the sides over 0.8 at most {WRONG:.0%} wrong and {FAR_OFF:.1%} by over 1 m")
+        + f"and, of the sides with a confidence over 0.8, at most {WRONG:.0%} wrong and {FAR_OFF:.1%} by over 1 m"
     )
-    lines = [f"The aims are {aims}; for the confidence in each row:\n"]
+    lines = [f"The aims are {aims}. Which of them the confidence misses in each row:\n"]
     for kind, found in (("single images", figures.single), ("driving", figures.driving)):
         for one in found:
             both = one.outputs[-1]
@@ -109,11 +111,11 @@ def _missed(figures: Figures) -> str:
                 (both.area >= AREA, "area"),
                 (both.expected_error <= ERROR, "expected error"),
                 (both.largest_error <= LARGEST, "largest error"),
-                (one.wrong <= WRONG, "share of wrong ones"),
-                (one.far_off <= FAR_OFF, "share of those far off"),
+                (one.wrong <= WRONG, "share of wrong sides"),
+                (one.far_off <= FAR_OFF, "share of sides over 1 m off"),
             )
             missed = [name for good, name in held if not good]
-            lines.append(f"* {one.name}, {kind}: {'missed by ' + ', '.join(missed) if missed else 'all met'}")
+            lines.append(f"* {one.name}, {kind}: {'misses ' + ', '.join(missed) if missed else 'all aims are met'}")
     return "\n".join(lines) + "\n"
 
 
@@ -143,76 +145,83 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 _CLASSICAL = """\
 <!-- Written by `scenario-compiler calibrate`. -->
-# What lane detection sees, and how far to trust it
+# Lane detection and its confidence
 
-The automation's camera is looked at by a classical detector: the ground is seen from above, brighter stripes are
-looked for, pairs of arcs are voted for under what lanes usually are, and the best pair is fitted. In every image it
-tells three probabilities for each side of the lane:
+A classical detector finds the lane in the images of the automation's camera. It transforms the image to a view of the
+ground from above, searches for bright stripes, lets them vote for pairs of arcs that could bound a usual lane, and fits
+the best pair. For each side of the lane, every image gives three probabilities:
 
 * **geometry**: the boundary lies within 0.25 m of the true one from 6 to 18 m ahead;
-* **paint**: on more than 60 % of that stretch there is paint of which the wear and the weather leave more than 15 %;
-* **confidence**: both. It is what warnings and takeover requests are about, times the sensor's health.
+* **paint**: on more than 60 % of that stretch there is paint, of which wear and weather leave more than 15 % visible;
+* **confidence**: both of these hold. Warnings and takeover requests depend on the confidence, multiplied by the
+  sensor's health.
 
-They are outputs of one small network over what the fit shows: how strong, how even and how long the stripes are, how
-far the second best arc is behind, how the sides agree, whether they are where they were. It was fitted to rendered
-images of the maps below with wear, weather, noise, pitch and traffic.
+The three are the outputs of one small network. Its inputs describe the fit: how strong, how even and how long the
+stripes are, how much worse the second best arc is, how well the two sides agree, and whether the boundaries are where
+they were in the last image. The network was fitted to rendered images of the maps below with wear, weather, noise,
+pitch and traffic.
 
-**Tilt.** A camera that is tilted by one degree puts a boundary 18 m ahead off by half a metre. The detector gets
-nothing of the true tilt: it finds it in the image, where the boundaries seem to run together, and weighs that by how
-sure it is that both are painted and by what it found before (probabilistic data association); it forgets it where it
-sees no lane. Where one side alone is painted nothing tells the tilt, and what the tilt may do to the boundary is doubt
-that the confidence keeps. The ego's body pitches as it brakes, by `pitch_gradient` of its
-[vehicle](language.md#Vehicle).
+**Tilt.** A camera that is tilted by one degree moves a boundary 18 m ahead by half a metre. The detector does not know
+the true tilt. It estimates the tilt from the image, from the point where the boundaries seem to meet, and weights each
+estimate by the probability that both sides are painted and by the estimates before it (probabilistic data association).
+It drops the estimate where it sees no lane. Where only one side is painted, the image does not show the tilt; the
+confidence is then lower, by what an unknown tilt may do to the boundary. The ego's body pitches as it brakes, by the
+`pitch_gradient` of its [vehicle](language.md#Vehicle).
 
-**Bends** are driven at the speed that keeps the lateral acceleration at 2.5 m/s2 (the controller's
-`lateral_acceleration`), as far as the planned way shows them, 40 m ahead.
+**Bends.** The controller reduces the speed so that the lateral acceleration stays at 2.5 m/s2 (its property
+`lateral_acceleration`). It knows the bends on the next 40 m of the planned route.
 
-**The confidence that comes with the program** is fitted to all of the clips below, with 32 hidden units. The tables
-are of fits that took no part in what they judge. On these four towns, which it was fitted to as well, it has an area of
-0.966, an expected error of 0.007 and a largest one of 0.037 while driving; the fit before it, with 16 hidden units, had
-0.958, 0.018 and 0.101.
+**The packaged confidence** is fitted to all of the clips below, with 32 hidden units. The tables below show other fits:
+each map is judged by a fit to the other maps. On the four towns, to which it was fitted too, the packaged confidence
+has an area of 0.966, an expected error of 0.007 and a largest error of 0.037 while driving; the fit before it, with 16
+hidden units, had 0.958, 0.018 and 0.101.
 
-[How far it drives on clear roads](lane-keeping.md) was measured too, and there is
-[a learned detector](perception-learned.md).
+See also [how far it drives on clear roads](lane-keeping.md) and [the learned detector](perception-learned.md).
 """
 
 _LEARNED = """\
 <!-- Written by `scenario-compiler calibrate`. -->
 # The learned lane detector
 
-`<detector model="learned"/>` in the [controller](language.md#Detector) takes a small network in the place of the
-classical detector of [lane detection](perception.md). It sees the picture at 256 x 128 and tells, for each side and
-each second row, in which of 128 columns the boundary lies or that it is not there; the width of that distribution is
-the row's uncertainty. Beside that it tells whether either side is painted, the camera's tilt and the lane's width.
-The sides of a lane keep their distance, so what the rows say of the tilt is weighed with what the network says (the
-classical detector does the same with its fits). Rows are laid on the ground under the tilt, and a parabola is fitted to
-them by their certainty. The three probabilities of each side mean what the classical detector's mean, and are made in
-the same way of what the rows say.
+`<detector model="learned"/>` in the [controller](language.md#Detector) uses a small network in place of the classical
+detector of [lane detection](perception.md). The network sees the picture at 256 x 128 pixels. For each side and every
+second row it gives a distribution over 128 columns for the position of the boundary, and the probability that there is
+no boundary; the width of the distribution is the row's uncertainty. It also gives, for each side, the probability that
+the side is painted, and it estimates the camera's tilt and the lane's width. The tilt is estimated a second time from
+the rows, because both sides of a lane usually keep their distance, and the two estimates are combined as the classical
+detector does it. The rows are projected to the ground with this tilt, and a parabola is fitted to them, weighted by
+their certainty. The three probabilities of each side have the same meaning as those of the classical detector, and are
+computed from the rows in the same way.
 
-It has 238 694 parameters in 962 kB, and OpenCV runs it in 7 ms of one core (AMD EPYC, idle, OpenCV 5.0.0). It was
-trained for the default mounting; the picture of another camera is turned to how that one would see it.
+The network has 238 694 parameters in 962 kB, and OpenCV runs it in 7 ms on one core (AMD EPYC, idle, OpenCV 5.0.0). It
+was trained for the default mounting; the picture of another camera is first warped to the default camera's view.
 
-**Training.** `python tools/train_lane_network.py MAPS OUT` renders, trains, exports, fits the confidence and
-measures: 95 234 pictures in 256 s on 16 cores and 33 epochs in 180 s on an H200, ten minutes in all. The maps are
-parted three ways. The network learned on fourteen maps, on 28 files of them painted anew with every line and pair
-of lines that OpenDRIVE has, and on 24 files of roads that were made up (`tools/training_roads.py`). Its confidence was
-fitted on Town05, fabriksgatan, three files of them painted anew and six of other made-up roads. Town03 and soderleden
-took no part, and seeds and textures of the ground that were learned are not those that are measured on. The confidence
-that comes with the program was fitted to a part of these looks, after the tilt had come to be told by both sides too.
+**Training.** `python tools/train_lane_network.py MAPS OUT` renders, trains, exports, fits the confidence and measures:
+95 234 pictures in 256 s on 16 cores and 33 epochs in 180 s on an H200, ten minutes in all. The maps are split three
+ways. The network was trained on fourteen maps, on 28 repainted versions of them, which have every kind of line and
+every pair of lines that OpenDRIVE has, and on 24 files of synthetic roads (`tools/training_roads.py`). Its confidence
+was fitted on Town05, on fabriksgatan, on three repainted versions of the two and on six other files of synthetic roads.
+Town03 and soderleden are used for the evaluation only. The three parts share no map, no seed of the clips, and the
+training shares no ground texture with the others. The packaged confidence was fitted to four fifths of the clips that
+the command fits it to, with the same detector that is measured below. Between 0.2 and 0.7 the confidence is cautious:
+more sides are right than it states (see the diagram). Few sides lie there, in most bins fewer than the 100 from which a
+bin counts for the largest error.
 
-**Masks.** A mask is three columns of 128 about the boundary, in each row that has it. As trained, the masks overlap the
-true ones by 0.78 on Town03, those of sides over 0.5 by 0.83, and by 0.86 on soderleden; the aim is 0.80, so Town03
-misses it. Three columns are narrower than the paint near the car, and one column to the side costs half the overlap.
-With masks as wide as a boundary may be off and still be right, 0.25 m to either side, the overlap is 0.90 on 296
-pictures of Town03, on which it is 0.78 with the narrow ones. On the same pictures the network before this one, which
-had learned on no map painted anew, had 0.83 and 0.62: in the middle of Town03's roads a solid and a broken line run
-side by side, and it followed the solid one. On 200 pictures of Town04, which it has learned on, this network has 0.82
-with narrow masks. So what is left is less about unknown roads than about its size, about noise (0.75 there over 20 grey
-levels, 0.84 without) and, on Town03, about junctions, where the picture does not say which way is meant.
+**Masks.** A mask is three columns of 128 around the boundary, in every row that has the boundary. After the training
+the masks overlapped the true ones by 0.78 on Town03, for sides with a confidence over 0.5 by 0.83, and by 0.86 on
+soderleden. The aim is 0.80: Town03 misses it. Near the car three columns are narrower than the paint, and a mask that
+is one column off loses half of its overlap. With masks that are as wide as the tolerance of a right boundary, 0.25 m to
+either side, the overlap on 296 pictures of Town03 is 0.90; with the narrow masks it is 0.78 there. The network before
+this one had 0.83 and 0.62 on the same pictures: it was trained on no repainted map, and in the middle of Town03's
+roads, where a solid and a broken line run side by side, it followed the solid one. On 200 pictures of Town04, a map
+that it was trained on, this network has 0.82 with narrow masks: 0.75 under noise of over 20 grey levels and 0.84
+without noise. So unknown roads cost little of the overlap; noise, junctions, where the picture does not show which way
+is meant, and the size of the network cost more.
 
-**The maximum of the softmax as confidence**, as the AISA toolkit has it, was measured beside: over a side's rows its
-area under the curve is 0.83 on Town03 and 0.69 on soderleden. It is not saturated here, because targets are blurred,
-but it tells right from wrong far worse than the fitted confidence of the same network.
+**The maximum of the softmax as confidence**, as the AISA toolkit uses it, was measured for comparison: over the rows of
+a side its area under the curve is 0.83 on Town03 and 0.69 on soderleden. It does not saturate here, because the
+training targets are blurred, but it separates right from wrong far worse than the fitted confidence of the same
+network.
 """
 
 INTRODUCTIONS: dict[DetectorName, str] = {"classical": _CLASSICAL, "learned": _LEARNED}
@@ -220,14 +229,15 @@ INTRODUCTIONS: dict[DetectorName, str] = {"classical": _CLASSICAL, "learned": _L
 LIMITS = """\
 ## What is not covered
 
-* One renderer made what was fitted and what was measured. The figures say nothing about photographs or other
-  simulators.
-* Boundaries are parabolas: bends sharper than 40 m are lost, and should have a low confidence.
-* A lane that gets wider or narrower looks like a tilt; tapers are found with an error.
-* The sensor's health (noise, darkness, blur, dirt, frozen or missing images) is apart and is policy, not probability:
-  see [camera failures](language.md#Failure). The tables are without it.
-* What is not a line is not reported: vehicles and obstacles are the forward sensor's, whose word is not the camera's.
-* Looks of one clip resemble each other: the tables' counts overstate how much was seen.
+* The images for the fit and for the measurement come from the same renderer. The figures say nothing about photographs
+  or other simulators.
+* Boundaries are parabolas: bends with a radius below 40 m are lost, and should have a low confidence.
+* A lane that gets wider or narrower looks like a tilt of the camera; tapers are detected with an error.
+* The sensor's health (noise, darkness, blur, dirt, frozen or missing images) is a separate factor, set by rules; it is
+  not a probability. See [camera failures](camera-failures.md). The tables do not include it.
+* The detector reports nothing but lines: vehicles and obstacles are detected by the forward sensor, which does not use
+  the camera.
+* The images of one clip resemble each other, so the counts in the tables overstate the amount of evidence.
 
-Own maps are measured by `scenario-compiler calibrate DIR -o OUT`; `--fit` fits the confidence again.
+`scenario-compiler calibrate DIR -o OUT` measures your own maps; with `--fit` it fits the confidence again.
 """

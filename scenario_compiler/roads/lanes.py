@@ -61,6 +61,12 @@ def lane_row(n: RoadTables, road: int, lane: int, s: float) -> int:
 
 
 @compiled
+def lane_inside(lane: int) -> int:
+    """Return the id of the next lane towards the centre lane, whose outer mark is the lane's inner one."""
+    return lane + 1 if lane < 0 else lane - 1
+
+
+@compiled
 def row_width(n: RoadTables, row: int, s: float) -> float:
     """Return the width of a lane's row at s, m, never below 0."""
     if n.lane_steady[row] == 1:

@@ -1,15 +1,20 @@
-"""What a pilot says of the study to come: means by condition, differences within participants, and power.
+"""The effects that a pilot lets expect: means by condition, differences within participants, and power.
 
-For two levels of a factor each participant gives one difference of means. Its interval is Student's, the effect size
-is d_z (mean over standard deviation of the differences), and power is that of the two-sided paired t test at 5 %, from
-the noncentral t distribution (Cohen 1988).
+The participant is the unit of analysis. Trials of one participant are not independent of each other, so those of a
+condition are averaged first, and each participant counts once, with one number: a summary measure (Matthews et al.
+1990, BMJ 300:230-235). Counting trials instead is pseudoreplication (Hurlbert 1984).
+
+For two levels of a factor each participant gives one difference: that of the means of the two levels where all other
+factors are the same, averaged over these. A cell without a value thus leaves both of its sides out. The interval of
+the mean difference is Student's, the effect size is d_z (mean over standard deviation of the differences), and power
+is that of the two-sided paired t test at 5 %, from the noncentral t distribution (Cohen 1988).
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,10 +30,13 @@ from scenario_compiler.study.dataset import seats_of
 from scenario_compiler.study.tables import MISSING, read_table
 
 SHOWN = (
-    *("takeover_time", "minimum_time_to_collision", "minimum_distance", "maximum_lateral_acceleration"),
-    *("maximum_longitudinal_acceleration", "maximum_lateral_offset"),
+    *("takeover_time", "minimum_time_to_collision", "minimum_lane_time_to_collision", "minimum_distance"),
+    *("maximum_lateral_acceleration", "maximum_longitudinal_acceleration", "maximum_lateral_offset"),
 )
 """Measures of the page."""
+
+FACTORS = ("scenario", "hmi", "setting")
+"""Columns whose levels make the conditions."""
 
 ALPHA, POWER = 0.05, 0.8
 
@@ -38,15 +46,32 @@ MOST = 1000
 
 @dataclass(frozen=True)
 class Mean:
-    """A mean with its interval of 95 %; `low` and `high` are NaN for a single value."""
+    """A mean over participants with its interval of 95 %; `low` and `high` are NaN for a single value."""
 
-    name: str
     count: int
-    missing: int
     mean: float
     deviation: float
     low: float
     high: float
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What the trials of a condition give.
+
+    Attributes:
+        name: The condition.
+        trials: Number of its trials that have a value.
+        missing: Number of its trials that have none.
+        mean: The mean of the participants' means.
+        within: Standard deviation of the trials of one participant, pooled over participants; NaN where nobody has two.
+    """
+
+    name: str
+    trials: int
+    missing: int
+    mean: Mean
+    within: float
 
 
 @dataclass(frozen=True)
@@ -70,18 +95,25 @@ class Difference:
     needed: int | None
 
 
-def mean_of(name: str, values: Sequence[float]) -> Mean:
-    """Return the mean of values, NaN for those that are missing, with Student's interval."""
-    there = np.array([one for one in values if math.isfinite(one)])
-    count, missing = len(there), len(values) - len(there)
+def mean_of(values: Sequence[float]) -> Mean:
+    """Return the mean of values, one a participant, with Student's interval."""
+    count = len(values)
     if not count:
-        return Mean(name, 0, missing, *[math.nan] * 4)
-    mean = float(there.mean())
+        return Mean(0, *[math.nan] * 4)
+    mean = float(np.mean(values))
     if count < 2:
-        return Mean(name, count, missing, mean, *[math.nan] * 3)
-    deviation = float(there.std(ddof=1))
+        return Mean(count, mean, *[math.nan] * 3)
+    deviation = float(np.std(values, ddof=1))
     half = float(student.ppf(1 - ALPHA / 2, count - 1)) * deviation / math.sqrt(count)
-    return Mean(name, count, missing, mean, deviation, mean - half, mean + half)
+    return Mean(count, mean, deviation, mean - half, mean + half)
+
+
+def deviation_within(groups: Iterable[Sequence[float]]) -> float:
+    """Return the standard deviation within groups of values, pooled over the groups; NaN where none has two values."""
+    repeated = [one for one in groups if len(one) > 1]
+    degrees = sum(len(one) - 1 for one in repeated)
+    squares = sum((len(one) - 1) * float(np.var(one, ddof=1)) for one in repeated)
+    return math.sqrt(squares / degrees) if degrees else math.nan
 
 
 def power_of(effect: float, count: int) -> float:
@@ -102,33 +134,43 @@ def needed_for(effect: float) -> int | None:
 Rows = Sequence[Mapping[str, str]]
 
 
-def means_by_condition(rows: Rows, measure: str) -> list[Mean]:
-    """Return the mean of a measure over all trials of each condition."""
-    names = dict.fromkeys(row["condition"] for row in rows)
-    return [
-        mean_of(name, [_number(row, measure) for row in rows if row["condition"] == name]) for name in sorted(names)
-    ]
+def by_condition(rows: Rows, measure: str) -> list[Condition]:
+    """Return what the trials of each condition give, each participant counting once."""
+    found = []
+    for name in sorted({row["condition"] for row in rows}):
+        own = [row for row in rows if row["condition"] == name]
+        people = _values(own, ["participant_id"], measure)
+        trials = sum(map(len, people.values()))
+        mean = mean_of([float(np.mean(values)) for values in people.values()])
+        found.append(Condition(name, trials, len(own) - trials, mean, deviation_within(people.values())))
+    return found
 
 
 def differences(rows: Rows, factor: str, measure: str) -> list[Difference]:
     """Return the difference between each two levels of a factor, within participants."""
-    levels = list(dict.fromkeys(sorted(row[factor] for row in rows)))
-    people = list(dict.fromkeys(row["participant_id"] for row in rows))
-    means: dict[tuple[str, str], float] = {}
-    for person, level in itertools.product(people, levels):
-        own = [_number(row, measure) for row in rows if row["participant_id"] == person and row[factor] == level]
-        means[person, level] = mean_of("", own).mean
+    others = tuple(one for one in FACTORS if one != factor)
+    cells = _values(rows, (factor, "participant_id", *others), measure)
+    means = {cell: float(np.mean(values)) for cell, values in cells.items()}
     found = []
-    for first, second in itertools.combinations(levels, 2):
-        mean = mean_of(f"{second} − {first}", [means[one, second] - means[one, first] for one in people])
+    for first, second in itertools.combinations(sorted({row[factor] for row in rows}), 2):
+        people: dict[str, list[float]] = {}
+        for (level, person, *same), value in means.items():
+            if level == first and (second, person, *same) in means:
+                people.setdefault(person, []).append(means[(second, person, *same)] - value)
+        mean = mean_of([float(np.mean(values)) for values in people.values()])
         effect = mean.mean / mean.deviation if mean.deviation > 0 else math.nan
         power = power_of(effect, mean.count)
         found.append(Difference(factor, (first, second), mean, effect, power, needed_for(effect)))
     return found
 
 
-def _number(row: Mapping[str, str], measure: str) -> float:
-    return math.nan if row[measure] == MISSING else float(row[measure])
+def _values(rows: Rows, keys: Sequence[str], measure: str) -> dict[tuple[str, ...], list[float]]:
+    """Return the values of a measure in rows that agree in columns; what has no value is left out."""
+    found: dict[tuple[str, ...], list[float]] = {}
+    for row in rows:
+        if row[measure] != MISSING:
+            found.setdefault(tuple(row[key] for key in keys), []).append(float(row[measure]))
+    return found
 
 
 def trials_of(compilation: StudyCompilation, root: Path) -> list[dict[str, str]]:
@@ -143,14 +185,14 @@ def trials_of(compilation: StudyCompilation, root: Path) -> list[dict[str, str]]
 def write_effects(compilation: StudyCompilation, root: Path) -> Path:
     """Write the page of a pilot's expected effects; return its file."""
     rows = trials_of(compilation, root)
-    factors = [one for one in ("scenario", "hmi", "setting") if len({row[one] for row in rows}) > 1]
+    factors = [one for one in FACTORS if len({row[one] for row in rows}) > 1]
     units = {one.name: one for one in MEASURES}
     measured = []
     for name in SHOWN:
-        means = means_by_condition(rows, name)
-        if any(one.count for one in means):
+        conditions = by_condition(rows, name)
+        if any(one.trials for one in conditions):
             found = [one for factor in factors for one in differences(rows, factor, name)]
-            measured.append((units[name], means, found, _axis(means)))
+            measured.append((units[name], conditions, found, _axis([one.mean for one in conditions])))
     environment = page_environment(Path(__file__).parent)
     environment.filters["number"] = lambda value: "–" if not math.isfinite(value) else f"{value:.2f}"
     page = environment.get_template("effects.html.jinja")

@@ -1,4 +1,4 @@
-"""The words of the participant's pages in each language.
+"""The texts of the participants' pages in each language.
 
 The German, Finnish and Swedish words have not been checked by native speakers.
 """
@@ -17,6 +17,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "paused": "A short pause. Please wait for the experimenter.",
         "break": "A break. You may go on when you are ready.",
         "thanks": "The session is over. Thank you!",
+        "over": "This drive is over.",
         "probe": "Answer from memory",
         "search": "Press on the largest circle.",
         "choose": "Your participant number",
@@ -36,6 +37,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "paused": "Eine kurze Pause. Bitte warten Sie auf die Versuchsleitung.",
         "break": "Eine Pause. Fahren Sie fort, wenn Sie bereit sind.",
         "thanks": "Die Sitzung ist zu Ende. Vielen Dank!",
+        "over": "Diese Fahrt ist zu Ende.",
         "probe": "Antworten Sie aus dem Gedächtnis",
         "search": "Drücken Sie auf den größten Kreis.",
         "choose": "Ihre Teilnehmernummer",
@@ -55,6 +57,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "paused": "Lyhyt tauko. Odota kokeen ohjaajaa.",
         "break": "Tauko. Jatka, kun olet valmis.",
         "thanks": "Istunto on päättynyt. Kiitos!",
+        "over": "Tämä ajo on päättynyt.",
         "probe": "Vastaa muistista",
         "search": "Paina suurinta ympyrää.",
         "choose": "Osallistujanumerosi",
@@ -74,6 +77,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "paused": "En kort paus. Vänta på försöksledaren.",
         "break": "En paus. Fortsätt när du är redo.",
         "thanks": "Sessionen är slut. Tack!",
+        "over": "Den här körningen är slut.",
         "probe": "Svara ur minnet",
         "search": "Tryck på den största cirkeln.",
         "choose": "Ditt deltagarnummer",

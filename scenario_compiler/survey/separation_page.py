@@ -20,37 +20,37 @@ HEAD = (
     "<!-- written by scenario-compiler library DIR --separation PAGE -->",
     "",
     "Each scenario is run with four drivers in place of its own, with {seen_by} and the seed "
-    f"{SEED}, and judged by its own criteria: they are the same for all four, and none is about the takeover time. "
-    "`<no_obstruction/>` is broken by a stop in a lane in which nothing ahead holds the car "
-    "([after the request](takeover.md#after-the-request)). [library.md](library.md#drivers-with-the-camera) says how "
-    "five of them differ between ideal perception and the camera.",
+    f"{SEED}. The runs are judged by the scenario's criteria, which are the same for all four drivers and do not "
+    "depend on the takeover time. A stop in a lane breaks `<no_obstruction/>` unless something ahead holds the car "
+    "([after the request](takeover.md#after-the-request)). [library.md](library.md#drivers-with-the-camera) shows, for "
+    "five of the scenarios, how the results with the camera differ from those with ideal perception.",
     "",
-    "| driver | |",
+    "| driver | behaviour |",
     "|---|---|",
-    f"| attentive | answers after {ATTENTIVE:g} s, the median of the catalog's `study_means` |",
-    f"| slow | answers after {SLOW:g} s, the median of drivers who were busy reading (Eriksson and Stanton 2017, as "
+    f"| attentive | responds after {ATTENTIVE:g} s, the median of the catalog's `study_means` |",
+    f"| slow | responds after {SLOW:g} s, the median of drivers who were busy reading (Eriksson and Stanton 2017, as "
     "later works quote it) |",
-    "| absent | never answers |",
-    "| reference | the fuzzy safety model (Mattas et al. 2020), who answers at once, keeps his lane and brakes. The "
-    "careful and competent driver after UN R157 cannot be it: he brakes from 2 s before a collision, which is too late "
-    "at any gap from 57 km/h of closing speed on |",
+    "| absent | never responds |",
+    "| reference | the fuzzy safety model (Mattas et al. 2020), which responds at once, keeps its lane and brakes. The "
+    "careful and competent driver after UN R157 is not used here: it brakes from 2 s before a collision on, which is "
+    "too late at any gap if the closing speed is 57 km/h or more |",
     "",
-    "The answer comes at a control step, so that the takeover time may be up to one period longer.",
+    "The response takes effect at a control step, so the takeover time may be up to one control period longer.",
     "",
 )
 
 
 def separation_page(found: Sequence[Separated], perception: Perception = "ideal") -> str:
-    """Return the page of runs with a perception."""
+    """Return the page for the runs of a library with the four drivers."""
     ran = [one for one in found if not one.fault]
     head = (line.replace("{seen_by}", SEEN_BY[perception]) for line in HEAD)
     lines = [TITLE, *head, _summary(ran), ""]
     silent = [one for one in ran if not one.asks]
     if silent:
-        lines += ["These never ask:", "", *(f"- `{one.name}`: {one.summary}" for one in silent), ""]
+        lines += ["Without a takeover request:", "", *(f"- `{one.name}`: {one.summary}" for one in silent), ""]
     for title, group in (
-        ("Where the slow or the absent driver fails", [one for one in ran if one.separates]),
-        ("Where neither does", [one for one in ran if not one.separates]),
+        ("Scenarios in which the slow or the absent driver fails", [one for one in ran if one.separates]),
+        ("Scenarios in which neither of them fails", [one for one in ran if not one.separates]),
     ):
         lines += [f"## {title}", "", *_table(group), ""]
     faulty = [one for one in found if one.fault]
@@ -74,7 +74,8 @@ def _table(group: Sequence[Separated]) -> list[str]:
     if not group:
         return ["None."]
     lines = [
-        "| scenario | driver | asks for | request, s | takeover time, s | least TTC, s | result | outcome |",
+        "| scenario | driver | cause of the request | request, s "
+        "| takeover time, s | least TTC, s | result | outcome |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for one in group:

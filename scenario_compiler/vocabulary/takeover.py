@@ -85,8 +85,8 @@ class Cause(Word):
         exclusive=True,
     )
     warning_budget: Number | None = attribute(
-        "path_blocked, lane_ends: time to the limit at which a warning begins, s. If left out, the warning precedes "
-        "the request by `warning_lead`.",
+        "path_blocked, lane_ends: time to the limit at which a warning begins, s, however soon the request follows. If "
+        "left out, the warning precedes the request by `warning_lead`.",
         default=None,
         quantity="time",
         minimum=0,
@@ -192,7 +192,8 @@ class Takeover(Word):
         exclusive=True,
     )
     warning_lead: Number = attribute(
-        "Least time from the warning to the request, for causes that can be foreseen, s.",
+        "Least time from the warning to the request, for causes that can be foreseen, s. A limit ahead that is "
+        "detected too late for this is not warned of.",
         default=1.0,
         quantity="time",
         minimum=0,

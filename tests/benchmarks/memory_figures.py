@@ -1,17 +1,19 @@
-"""Memory of a server over many short runs: `python -m tests.benchmarks.memory_figures [COUNT]`.
+"""Memory of a server over many short runs: `python -m tests.benchmarks.memory_figures [drive|study] [COUNT]`.
 
-`study` serves four participants, who drive one after the other; `drive` serves one page. Runs take 0.4 s, so that what
-a run leaves behind shows as often as in a long day: eight hours of runs of a minute are 480.
+`study` serves four participants who drive at the same time, `COUNT` runs each; `drive` serves one page. Runs take
+0.4 s, so that what a run leaves behind shows as often as in a long day: eight hours of runs of a minute are 480.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
 import tempfile
+import threading
+import time
 from pathlib import Path
 
 from tests.live import soaking
-from tests.live.serving import served
+from tests.live.serving import Served, served
 from tests.study.test_server import ordered
 
 PARTICIPANTS = 4
@@ -26,24 +28,43 @@ def driven(folder: Path, count: int) -> list[float]:
 
 
 def studied(folder: Path, count: int) -> list[float]:
-    """Return the memory after each run of a study, MiB."""
-    study, each = soaking.written(folder, PARTICIPANTS, count // PARTICIPANTS), count // PARTICIPANTS
+    """Return the memory after each run of a study by participants who drive at the same time, MiB."""
+    study = soaking.written(folder, PARTICIPANTS, count)
     found: list[float] = []
+
+    def drive(server: Served, participant: int) -> None:
+        for held in soaking.runs(server, count, f"/participant/{participant}/socket"):
+            found.append(held)
+            if len(found) % 20 == 0:
+                print(f"{time.monotonic():.0f} s: {len(found)} runs, {held:.1f} MiB", flush=True)
+
     with served("study", study, "--perception", "ideal", "--size", "640x360", "-o", folder / "data") as server:
+        people = [threading.Thread(target=drive, args=(server, one)) for one in range(1, PARTICIPANTS + 1)]
         for one in range(1, PARTICIPANTS + 1):
             ordered(server, participant=one, action="start")
-            found += soaking.runs(server, each, f"/participant/{one}/socket")
+        for person in people:
+            person.start()
+        for person in people:
+            person.join()
     return found
 
 
-def main(count: int) -> None:
-    """Print the memory after tenths of the runs."""
+MEASURED = {"drive": driven, "study": studied}
+
+
+def main() -> None:
+    """Print the memory after tenths of the runs, and how long they took."""
+    parser = argparse.ArgumentParser(description="Print the memory of a server over many short runs.")
+    parser.add_argument("command", choices=MEASURED)
+    parser.add_argument("count", type=int, nargs="?", default=480, help="runs, in a study of each participant")
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        for name, measure in (("drive", driven), ("study", studied)):
-            held = measure(Path(folder), count)
-            tenth = max(1, len(held) // 10)
-            print(name, len(held), "runs:", *(f"{one:.0f}" for one in held[tenth - 1 :: tenth]), "MiB")
+        begin = time.monotonic()
+        held = MEASURED[options.command](Path(folder), options.count)
+        tenth = max(1, len(held) // 10)
+        print(options.command, len(held), "runs:", *(f"{one:.0f}" for one in held[tenth - 1 :: tenth]), "MiB")
+        print(f"{(time.monotonic() - begin) / 60.0:.0f} minutes")
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 480)
+    main()

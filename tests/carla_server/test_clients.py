@@ -58,6 +58,55 @@ print("ready", flush=True)
 time.sleep(60)
 """
 
+LOADING = """
+import carla, sys
+client = carla.Client("127.0.0.1", int(sys.argv[1]))
+client.set_timeout(20.0)
+synchronous, port = sys.argv[2] == "synchronous", int(sys.argv[3])
+manager = client.get_trafficmanager(port)
+for name in ("highway_loop", "town_grid", "town_grid"):
+    world = client.load_world(name)
+    settings = world.get_settings()
+    settings.synchronous_mode, settings.fixed_delta_seconds = synchronous, 0.05
+    world.apply_settings(settings)
+    manager.set_synchronous_mode(synchronous)
+    tick = world.tick if synchronous else world.wait_for_tick
+    blueprint, points = world.get_blueprint_library().find("vehicle.audi.tt"), world.get_map().get_spawn_points()
+    cars = [world.spawn_actor(blueprint, point) for point in points[:4]]
+    tick()
+    for car in cars:
+        car.set_autopilot(True, port)
+        manager.update_vehicle_lights(car, True)
+    for _ in range(60):
+        tick()
+    while max(car.get_velocity().length() for car in cars) < 1.0:
+        tick()
+    lights = [int(car.get_light_state()) for car in cars]
+    print(name, max(lights) < 1 << 11, flush=True)
+settings.synchronous_mode, settings.fixed_delta_seconds = False, None
+world.apply_settings(settings)
+manager.shut_down()
+"""
+
+DESTROYING = """
+import carla, sys
+client = carla.Client("127.0.0.1", int(sys.argv[1]))
+client.set_timeout(20.0)
+world, port = client.get_world(), int(sys.argv[2])
+blueprint, points = world.get_blueprint_library().find("vehicle.audi.tt"), world.get_map().get_spawn_points()
+manager = client.get_trafficmanager(port)
+for _ in range(6):
+    cars = [world.spawn_actor(blueprint, point) for point in points[:10]]
+    for car in cars:
+        car.set_autopilot(True, port)
+    for _ in range(10):
+        world.wait_for_tick()
+    for car in cars:
+        car.destroy()
+print("done", flush=True)
+manager.shut_down()
+"""
+
 
 def program(text: str, *arguments: object) -> subprocess.Popen[str]:
     command = [sys.executable, "-c", text, *map(str, arguments)]
@@ -123,3 +172,20 @@ def resident(process: int) -> int:
     """Return how much memory a process has, bytes."""
     with open(f"/proc/{process}/statm", encoding="ascii") as file:  # noqa: PTH123
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+@pytest.mark.parametrize("mode", ["synchronous", "asynchronous"])
+def test_maps_can_be_loaded_beside_a_traffic_manager(server: Served, mode: str) -> None:
+    """The client's own process used to end: its Traffic Manager met an episode that was not there yet."""
+    ended = subprocess.run(
+        [sys.executable, "-c", LOADING, str(server.port), mode, "8870"], capture_output=True, text=True, timeout=240
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.split("\n")[:-1] == ["highway_loop True", "town_grid True", "town_grid True"]
+
+
+def test_vehicles_can_be_destroyed_while_a_traffic_manager_drives_them(server: Served) -> None:
+    """The client's own process used to end: its Traffic Manager was in the middle of a step with a vehicle."""
+    command = [sys.executable, "-c", DESTROYING, str(server.port), "8880"]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=240)
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr

@@ -68,16 +68,16 @@ def _begin(compared: Compared, found: Sequence[Backing]) -> list[str]:
         f"{sum(one.agrees for one in others)} of {len(others)} runs of the scenarios that come with esmini, and "
         f"{sum(one.agrees for one in features)} of {len(features)} runs of scenarios with one variant of one feature "
         f"each, agree with those that esmini 3.6 recorded at a step of {STEP:g} s: every entity within "
-        f"{FAR_APART:g} m and {TOO_FAST:g} m/s at every step, and the end within two steps. Runs in which controllers "
-        "of esmini's own drive are left out.",
+        f"{FAR_APART:g} m and {TOO_FAST:g} m/s at every step, and the end within two steps. Runs that use esmini's own "
+        "controllers are left out.",
         "",
         "![Distance of the ten runs that are furthest from the recorded ones](conformance.svg)",
         "",
         "## Variants of features",
         "",
-        "A variant *agrees* where a recorded run that uses it agrees; it *differs by decision* where the standard says "
-        "something else than esmini does, or leaves it open to chance. Of what was *not recorded*, a *law stated* is "
-        "one that a test holds to numbers worked out by hand; nothing else is claimed.",
+        "A variant *agrees* if a recorded run that uses it agrees. It *differs by decision* if esmini contradicts the "
+        "standard, or if the standard leaves the result to chance. *Law stated* marks a variant without a recorded run "
+        "for which a test has numbers worked out by hand. Nothing is claimed for the other variants.",
         "",
         "| " + " | ".join(counts) + " |",
         "|" + "---|" * len(counts),
@@ -88,7 +88,7 @@ def _begin(compared: Compared, found: Sequence[Backing]) -> list[str]:
 
 def matrix_lines(found: Sequence[Backing]) -> list[str]:
     """Return the lines of the table of variants."""
-    lines = ["| feature | variant | verdict | runs that agree | why, or the test |", "|---|---|---|---|---|"]
+    lines = ["| feature | variant | verdict | runs that agree | reason, or the test |", "|---|---|---|---|---|"]
     for one in found:
         runs = f"{one.agreeing} of {one.runs}" if one.runs else ""
         why = one.decision or ", ".join(one.laws)
@@ -100,7 +100,7 @@ def _runs(compared: Compared) -> list[str]:
     lines = [
         "## Recorded runs",
         "",
-        "| scenario | agrees | position, m | speed, m/s | heading, rad | end, steps | why not |",
+        "| scenario | agrees | position, m | speed, m/s | heading, rad | end, steps | reason if not |",
         "|---|---|---|---|---|---|---|",
     ]
     for run, one in sorted(compared, key=lambda each: (each[1].agrees, each[0].of_a_feature, each[0].name)):

@@ -213,6 +213,28 @@ def test_a_blocked_path_is_warned_of_a_second_before_the_request(speed: float) -
     assert 1.0 - 1e-6 <= lead_of_warning(draft.start().go(30.0)) <= 1.8
 
 
+@pytest.mark.parametrize("control_every", [1, 3, 5, 10])
+def test_a_warning_leads_by_a_second_whatever_the_control_period(control_every: int) -> None:
+    draft = Draft(highway())
+    draft.program.control_every[0] = control_every
+    draft.ego(speed=14.0)
+    draft.parked(270.0)
+    assert 1.0 - 1e-6 <= lead_of_warning(draft.start().go(30.0)) <= 1.0 + 2.0 * 0.05 * control_every + 1e-6
+
+
+@pytest.mark.parametrize("seen_before_request", [0.2, 0.6, 1.0, 1.25])
+def test_an_object_that_is_seen_too_late_for_a_warning_is_asked_for_at_its_budget(seen_before_request: float) -> None:
+    speed, budget = 15.0, 6.0
+    draft = Draft(highway(), {slots.K_BUDGET: budget, slots.K_SENSOR_RANGE: speed * (budget + seen_before_request)})
+    draft.ego(speed=speed)
+    draft.parked(250.0)
+    run = draft.start()
+    while run.time_of(op.EVENT_REQUEST) < 0.0:
+        run.go(run.st.clock[0] + 0.05)
+    assert run.st.blocked_distance[0] / speed == pytest.approx(budget, abs=0.1)
+    assert run.time_of(op.EVENT_WARNING) == -1.0
+
+
 @pytest.mark.parametrize("speed", [8.0, 14.0, 17.0])
 def test_a_lane_that_ends_beside_a_full_one_is_warned_of_a_second_before_the_request(speed: float) -> None:
     draft = Draft(ramp(290.0))

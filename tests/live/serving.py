@@ -35,12 +35,12 @@ class Served:
 
 
 @contextmanager
-def served(*words: object) -> Iterator[Served]:
-    """Yield the server that a command starts, on a free port; it is interrupted if it has not ended by itself.
+def served(*words: object, port: int = 0) -> Iterator[Served]:
+    """Yield the server that a command starts; it is interrupted if it has not ended by itself.
 
-    Whatever its pages have done, it must not have written a traceback.
+    `port` 0 takes a free one. Whatever its pages have done, it must not have written a traceback.
     """
-    command = [sys.executable, "-m", "scenario_compiler", *map(str, words), "--port", "0"]
+    command = [sys.executable, "-m", "scenario_compiler", *map(str, words), "--port", str(port)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -22,16 +23,22 @@ SHORT = """\
 """
 
 STUDY = """\
-<study version="1" name="soak" participants="{participants}" repetitions="{runs}" order="random">
-  <scenario name="short" target="conflicts.xml#short"/>
+<study version="1" name="soak" participants="{participants}" repetitions="{repetitions}" order="random">
+  {scenarios}
 </study>
 """
 
+CONDITIONS = 10
+"""Conditions that share the runs of a participant, where these are a multiple of it."""
+
 
 def written(folder: Path, participants: int, runs: int, duration: float = 0.4) -> Path:
-    """Write a study of short runs and its conflicts; return its file."""
+    """Write a study of short runs, so many for each participant, and its conflicts; return its file."""
     (folder / "conflicts.xml").write_text(SHORT.format(duration=duration))
-    (folder / "study.xml").write_text(STUDY.format(participants=participants, runs=runs))
+    conditions = CONDITIONS if runs % CONDITIONS == 0 else 1
+    scenarios = "".join(f'<scenario name="short{k}" target="conflicts.xml#short"/>' for k in range(conditions))
+    study = STUDY.format(participants=participants, repetitions=runs // conditions, scenarios=scenarios)
+    (folder / "study.xml").write_text(study)
     return folder / "study.xml"
 
 
@@ -48,9 +55,13 @@ def runs(server: Served, count: int, path: str = "/socket") -> Iterator[float]:
         with connect(here.replace("http", "ws") + path, origin=Origin(here), max_size=None) as page:
             page.recv()
             page.send('{"kind": "start"}')
-            seq = 0
-            while b'"end":' not in (told := page.recv())[:200]:
-                assert isinstance(told, bytes)
-                seq += 1
+            for seq in itertools.count(1):
+                try:
+                    told = page.recv(timeout=1.0)
+                except TimeoutError:  # a run that has ended writes its files; a page says each second that it is there
+                    page.send('{"kind": "ping", "t": 0}')
+                    continue
+                if isinstance(told, bytes) and b'"end":' in told[:200]:
+                    break
                 page.send(f'{{"kind": "input", "seq": {seq}, "throttle": 0.1}}')
         yield resident(server)

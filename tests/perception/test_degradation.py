@@ -86,7 +86,7 @@ def test_coarse_grey_levels_go_evenly_from_black_to_white(coarse: float, levels:
 
 @pytest.mark.parametrize("threads", [1, 2, 7])
 def test_what_goes_wrong_does_not_depend_on_the_number_of_threads(threads: int) -> None:
-    state = Degradation(10.0, 0.1, 2.0, 0.2, impulses=0.1, brighter=0.2, dead_rows=0.1, coarse=0.4)
+    state = Degradation(sigma=10.0, dark=0.1, blur=2.0, dirt=0.2, impulses=0.1, brighter=0.2, dead_rows=0.1, coarse=0.4)
     image = generator(5, 0, 0).integers(0, 256, (128, 256, 3), dtype=np.uint8)
     before = cv2.getNumThreads()
     try:

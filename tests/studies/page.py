@@ -1,6 +1,6 @@
 """docs/validity.md and its figure: the studies of this folder, what the papers report and what comes out here.
 
-`python -m tests.studies.page` writes both. It runs some 600 conflicts without a camera.
+`python -m tests.studies.page` writes both. It runs some 800 conflicts without a camera.
 """
 
 from __future__ import annotations
@@ -23,8 +23,11 @@ from tests.studies import (
     test_eriksson_2017,
     test_gold_2013,
     test_gold_2016,
+    test_happee_2017,
     test_koerber_2016,
     test_merat_2014,
+    test_mok_2015,
+    test_naujoks_2014,
     test_r157_cut_in,
     test_radlmayr_2014,
 )
@@ -38,40 +41,42 @@ HEAD = """# Published studies, run again
 
 <!-- written by python -m tests.studies.page -->
 
-Eight studies are written as conflicts of 10 to 25 lines (`tests/studies`). Each table says what the paper reports, what
-comes out here and what a test asserts: never more than the source supports. "Figure not found" means that the paper
-was not at hand and no quotation of the number was found; "from memory, not verified" is a direction that nobody has
-looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so that their
-medians are no finding; what happens after the answer is.
+Eleven studies are written as conflicts of 10 to 25 lines (`tests/studies`). Each table shows what the paper reports, the
+result here, and what a test asserts, which is never more than the source supports. "Figure not found" means that the
+paper was not available and no quotation of the number was found; "from memory, not verified" marks a direction that
+was not looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so their
+medians are not a result; what happens after the response is.
 
-Two times to collision are in the tables. The one of the path is to what lies across the path that the car steers at
-the moment: an obstacle is out of it as soon as the wheel is turned, and in it again when the car straightens beside
-it. The one along the lane is to what lies ahead of the car's place in its lane, whatever it steers, until it has
-moved aside: it is what takeover studies report. They can disagree in direction. Where both lanes beside are full and
-5 s are left, a car can only brake, and keeps 1.55 s of either; around the obstacle of free lanes it has 1.36 s of the
-path, as it straightens beside it, but 2.15 s along the lane (medians of 15 runs).
+The tables contain two times to collision. The time to collision *of the path* refers to objects on the path that the
+car is steering along at the moment: an obstacle is no longer on the path as soon as the wheel is turned, and is on it
+again when the car straightens beside the obstacle. The time to collision *along the lane* refers to objects ahead of
+the car in its lane, whatever the steering, until the car has moved aside; takeover studies report this one. The two
+can differ in direction. If both adjacent lanes are full and 5 s are left, a car can only brake, and keeps 1.55 s of
+both. If it steers around the obstacle into a free lane, it has 1.36 s of the path, while it straightens beside the
+obstacle, but 2.15 s along the lane (medians of 15 runs).
 
 ![Takeover times, least times to collision, collisions and lateral deviation of six studies](validity.svg)
 """
 
 TAIL = """## What is not modelled
 
-- **Takeover time by traffic.** Density changes the takeover time only by a coefficient that the user gives (`<effect
-  of="traffic_density">`): none was found. The density itself is counted at each request. The studies in which traffic
-  makes answers later are reproduced in their time to collision, not in that.
-- **Gaze and mental workload.** Eyes on the road and hands on the wheel are times drawn as shares of the takeover
-  time; there is no gaze at mirrors, no fatigue, no trust, and no learning but the second request's shorter time.
-- **Wrong expectations.** A driver who sees the obstacle and does not act (Victor et al. 2018) exists only as a lapse,
-  a driver who never answers.
-- **Age and experience** change nothing; a study's regression over them can be written as an expression.
-- **Motion.** Cars are kinematic: they have no tyres that slide, so that no evasion ends in a spin.
-- **Other road users** do not help: built-in traffic follows and keeps its distance, scripted vehicles do what the
-  scenario says, and none makes room for the automated vehicle.
-- **The driver's sight.** He sees 300 m by day in clear air (chosen), less in rain, fog and at night; glare and the
-  lights of others are not modelled, and a vehicle hidden behind the obstacle is known to him.
-- **Braking by itself.** By default the automation slows down for what it has asked for, and its minimum-risk manoeuvre
-  begins where a limit leaves only the distance to stop. A study in which the car just goes on says `<takeover
-  minimum_risk="false">` and `<automation after="hold_speed"/>`.
+- **Takeover time by traffic.** The density changes the takeover time only by a coefficient that the user gives
+  (`<effect of="traffic_density">`), because no published coefficient was found. The density itself is counted at each
+  request. Studies in which traffic delays responses are reproduced in their time to collision, but not in this delay.
+- **Gaze and mental workload.** The times of eyes on the road and hands on the wheel are random shares of the takeover
+  time; gaze at mirrors, fatigue, trust and learning are not modelled, except that the second request has a shorter
+  time.
+- **Wrong expectations.** A driver who sees the obstacle and does not act (Victor et al. 2018) can only be modelled as a
+  lapse, that is, as a driver who never responds.
+- **Age and experience** have no effect; a study's regression over them can be written as an expression.
+- **Motion.** Cars are kinematic: their tyres do not slide, so no evasion ends in a spin.
+- **Other road users** do not cooperate: background traffic follows and keeps its distance, scripted vehicles do what
+  the scenario says, and none makes room for the automated vehicle.
+- **The driver's sight.** The driver sees 300 m by day in clear air (chosen), less in rain, fog and at night; glare and
+  the lights of others are not modelled, and the driver knows of a vehicle that is hidden behind the obstacle.
+- **Automatic braking.** By default the automation slows down for the cause of its request, and its minimum-risk
+  manoeuvre begins when a limit leaves only the distance to stop. A study in which the car does not brake uses
+  `<takeover minimum_risk="false">` and `<automation after="hold_speed"/>`.
 """
 
 
@@ -116,9 +121,9 @@ def gold_2013(folder: Path) -> dict[str, Sample]:
 
 
 def box(axes: Axes, samples: dict[str, Sample], title: str) -> None:
-    """Draw the least times to collision of a study's conditions, and their collisions."""
+    """Draw the least times to collision along the lane of a study's conditions, and their collisions."""
     axes.boxplot(
-        [one.least for one in samples.values()],
+        [one.along for one in samples.values()],
         tick_labels=[f"{name}\n{one.crashed:.0%} collide" for name, one in samples.items()],
         widths=0.5,
         medianprops={"color": ORANGE, "linewidth": 2},
@@ -126,7 +131,7 @@ def box(axes: Axes, samples: dict[str, Sample], title: str) -> None:
         flierprops={"markersize": 3},
     )
     axes.set_ylim(bottom=0)
-    axes.set_ylabel("least time to collision, s")
+    axes.set_ylabel("least time to collision along the lane, s")
     axes.set_title(title, fontsize=10)
 
 
@@ -200,6 +205,13 @@ def write() -> None:
             for traffic in test_doubek_2020.TRAFFIC
             for budget in test_doubek_2020.BUDGETS
         ]
+        letting_go = [
+            (f"{situation}, {modality}", test_naujoks_2014.condition(folder, situation, modality, SEEDS))
+            for situation in test_naujoks_2014.SITUATIONS
+            for modality in test_naujoks_2014.MODALITIES
+        ]
+        safe = [(f"{budget:g} s", test_mok_2015.safe(folder, budget)) for budget in test_mok_2015.BUDGETS]
+        evasions = [(name, test_happee_2017.condition(folder, name)) for name in test_happee_2017.CONDITIONS]
         verdicts = [test_r157_cut_in.verdict(folder, *point) for point in test_r157_cut_in.POINTS]
     above = [one for one in verdicts if one.intrusion > one.limit]
     parts = (
@@ -219,6 +231,17 @@ def write() -> None:
             test_doubek_2020,
             ("condition", "along the lane, s", "greatest acceleration along the road, m/s2", "hands on the wheel, s"),
             tuple((name, f"{one.least:.2f}", f"{one.deceleration:.2f}", f"{one.hands:.2f}") for name, one in roadworks),
+        ),
+        Part(
+            test_happee_2017,
+            ("condition", "evasion begins before the obstacle, m", "along the lane, s", "lateral acceleration, m/s2"),
+            tuple((name, f"{one.away:.0f}", f"{one.least:.2f}", f"{one.lateral:.2f}") for name, one in evasions),
+        ),
+        Part(test_mok_2015, ("budget", "safe"), tuple((name, f"{share:.0%}") for name, share in safe)),
+        Part(
+            test_naujoks_2014,
+            ("condition", "hands on the wheel, s", "greatest offset from the lane's centre, m"),
+            tuple((name, f"{one.hands:.2f}", f"{one.offset:.2f}") for name, one in letting_go),
         ),
         Part(
             test_eriksson_2017,

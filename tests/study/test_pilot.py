@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.study.dataset import TRIAL_COLUMNS, scores_of
-from scenario_compiler.study.effects import mean_of, needed_for, power_of
+from scenario_compiler.study.effects import by_condition, differences, mean_of, needed_for, power_of
 from scenario_compiler.study.tables import read_table, tidy_rows
 from tests.command import call
 from tests.study import made
@@ -107,11 +107,11 @@ def test_plan_prints_who_meets_what(piloted: Path, capsys: pytest.CaptureFixture
     ]
 
 
-def test_a_study_that_is_none_and_a_folder_that_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_that_is_not_a_study_and_a_missing_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert call("study", made.study(tmp_path)) == 2
     assert call("study", tmp_path / "conflicts.xml", "--pilot", "-o", tmp_path / "x") == 2
     assert call("study", tmp_path / "effort.xml", "--pilot", "-o", tmp_path / "x") == 2
-    assert "is no study" in capsys.readouterr().err
+    assert "is not a study" in capsys.readouterr().err
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "thesis.txt").write_text("mine")
     assert call("study", tmp_path / "study.xml", "--pilot", "-o", tmp_path / "full") == 2
@@ -133,9 +133,51 @@ def test_power_is_that_of_published_tables() -> None:
 
 
 def test_an_interval_is_students() -> None:
-    found = mean_of("x", [1.0, 2.0, 3.0, 4.0, float("nan")])
-    assert (found.count, found.missing, found.mean) == (4, 1, 2.5)
+    found = mean_of([1.0, 2.0, 3.0, 4.0])
+    assert (found.count, found.mean) == (4, 2.5)
     assert found.low == pytest.approx(2.5 - 3.182446 * 1.290994 / 2, abs=1e-5)
+
+
+def trial(person: int, hmi: str, setting: str, value: float | None) -> dict[str, str]:
+    """Return a row of the trial table; None is a value that is missing."""
+    told = {"participant_id": f"sub-{person:02d}", "scenario": "blocked", "hmi": hmi, "setting": setting}
+    return told | {"condition": f"{hmi}-{setting}", "takeover_time": "n/a" if value is None else repr(value)}
+
+
+def test_a_participant_counts_once_however_often_a_trial_is_repeated() -> None:
+    """Two people who differ by 2 s and hardly vary: ten trials of each say no more of people in general than one."""
+    once = [trial(1, "tone", "near", 2.0), trial(2, "tone", "near", 4.0)]
+    noise = [-0.1, 0.1] * 5
+    often = [trial(int(row["participant_id"][-1]), "tone", "near", float(row["takeover_time"]) + one)
+             for row in once for one in noise]  # fmt: skip
+    (single,), (repeated,) = by_condition(once, "takeover_time"), by_condition(often, "takeover_time")
+    assert (repeated.trials, repeated.mean.count) == (20, 2)
+    assert repeated.mean.low == pytest.approx(single.mean.low)
+    assert repeated.mean.deviation == pytest.approx(2.0**0.5)
+    assert repeated.within == pytest.approx((10 * 0.01 / 9) ** 0.5)
+    assert single.within != single.within  # NaN: nobody has two
+
+
+def test_unequal_numbers_of_trials_do_not_weigh() -> None:
+    rows = [trial(1, "tone", "near", 2.0), *[trial(2, "tone", "near", 4.0)] * 9, trial(2, "tone", "near", None)]
+    (found,) = by_condition(rows, "takeover_time")
+    assert (found.trials, found.missing, found.mean.mean) == (10, 1, 3.0)
+
+
+def test_levels_are_compared_where_all_else_is_the_same() -> None:
+    """Far is 3 s slower, text 1 s quicker; far trials with text that have no value must not make text look quicker."""
+    rows = [
+        trial(person, hmi, setting, 4.0 + 0.1 * person * (hmi == "text") - (hmi == "text") + 3.0 * (setting == "far"))
+        for person in (1, 2, 3) for hmi in ("tone", "text") for setting in ("near", "far")
+    ]  # fmt: skip
+    (whole,) = differences(rows, "hmi", "takeover_time")
+    assert whole.levels == ("text", "tone")
+    assert whole.mean.mean == pytest.approx(0.8)
+    gaps = [row | {"takeover_time": "n/a"} if row["condition"] == "text-far" else row for row in rows]
+    (found,) = differences(gaps, "hmi", "takeover_time")
+    assert found.mean == whole.mean
+    assert found.mean.count == 3
+    assert found.effect == pytest.approx(0.8 / 0.1)
 
 
 SICKNESS = """\

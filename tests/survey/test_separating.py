@@ -92,7 +92,7 @@ def test_the_library_separates_drivers(repository: Path) -> None:
     assert count == len(names)
     assert all(f"#{name}`" in page or f"| `{name}`" in page for name in names)
     assert 3 * failing >= count
-    silent = page.partition("These never ask:")[2].partition("## ")[0].strip().splitlines()
+    silent = page.partition("Without a takeover request:")[2].partition("## ")[0].strip().splitlines()
     assert silent
     assert all("without asking" in line for line in silent)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable
 from typing import Any
 
 from scenario_compiler.carla_server.actors import Actor, Body, Car, Sensor, Walker, transform_of
@@ -58,8 +59,24 @@ def spawn(host: Host, description: list[Any], transform: CarlaTransform, parent:
     return actor
 
 
-def destroy(host: Host, number: int) -> bool:
+def destroy(host: Host, number: int) -> bool | Awaitable[bool]:
     """Destroy an actor; answer with true."""
+    if isinstance(host.stage.get(number), Car) and host.managers and not host.settings.synchronous:
+        return _destroy_beside_managers(host, number)
+    return remove(host, number)
+
+
+async def _destroy_beside_managers(host: Host, number: int) -> bool:
+    await host.hold_managers()
+    return remove(host, number)
+
+
+def remove(host: Host, number: int) -> bool:
+    """Take an actor out of the world at once; return true.
+
+    Raises:
+        CallError: There is none, or it belongs to the map.
+    """
     actor = host.stage.get(number)
     host.stage.destroy(number)
     if isinstance(actor, Sensor):

@@ -45,12 +45,12 @@ def freeze(host: Host, number: int, frozen: bool) -> None:
 
 
 def reset_group(host: Host, number: int) -> None:
-    """Let a light's group begin anew."""
+    """Let a light's group begin again."""
     light_of(host, number).group.reset()
 
 
 def reset_all(host: Host) -> None:
-    """Let all groups begin anew."""
+    """Let all groups begin again."""
     for group in host.stage.groups:
         group.reset()
 

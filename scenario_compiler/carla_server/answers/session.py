@@ -35,9 +35,14 @@ def sensor_token(host: Host, stream: int) -> list[Any]:
     return [host.token(stream)]
 
 
-def settings(host: Host) -> list[Any]:
-    """Answer with the settings."""
+def settings(host: Host) -> list[Any] | Awaitable[list[Any]]:
+    """Answer with the settings; where Traffic Managers are held, when they may go on."""
     host.note_question()
+    return host.settings.on_wire() if host.gate is None else _settings_later(host, host.gate)
+
+
+async def _settings_later(host: Host, gate: asyncio.Event) -> list[Any]:
+    await gate.wait()
     return host.settings.on_wire()
 
 
@@ -74,7 +79,7 @@ async def load_episode(host: Host, name: str, reset: bool, layers: int) -> None:
         town = await asyncio.to_thread(generate_town, host.generated)
     else:
         town = await host.load(name)
-    host.change_town(town, reset=reset)
+    host.change_town_when_joined(town, reset=reset)
 
 
 def copy_opendrive(host: Host, text: str, parameters: list[Any]) -> None:

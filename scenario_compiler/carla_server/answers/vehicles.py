@@ -1,4 +1,4 @@
-"""Calls about vehicles and walkers: what drives them, their lights, doors and physics."""
+"""Calls about vehicles and walkers: their control, lights, doors and physics."""
 
 from __future__ import annotations
 
@@ -16,6 +16,9 @@ STEEPEST = 80.0
 DOORS = 6
 ALL_DOORS = 6
 """Number of doors, and what stands for all of them."""
+
+EVERY_LIGHT = 0x7FF
+"""The bits of CARLA's eleven lights."""
 
 
 def control(host: Host, number: int, wire: list[Any]) -> None:
@@ -78,7 +81,13 @@ def set_bones(host: Host, number: int, wire: list[Any]) -> None:
 
 
 def physics(host: Host, number: int) -> list[Any]:
-    """Answer with a vehicle's physics control; in a friction trigger its tires have the trigger's friction."""
+    """Answer with a vehicle's physics control; in a friction trigger its tires have the trigger's friction.
+
+    That of a vehicle which has been destroyed a moment ago is known too.
+    """
+    gone = host.stage.gone(number)
+    if isinstance(gone, Car):
+        return gone.physics_control()
     car = car_of(host, number)
     at = host.stage.transform_of(car)
     told = car.physics_control()
@@ -99,9 +108,18 @@ def set_physics(host: Host, number: int, wire: list[Any]) -> None:
     host.stage.command(car)
 
 
+def turn_wheel(host: Host, number: int, wheel: int, angle: float) -> None:
+    """Turn a wheel of a vehicle that physics does not move, degrees; that of another one follows its steering."""
+    car = car_of(host, number)
+    if not car.simulates:
+        car.turned[wheel] = angle
+
+
 def wheel_angle(host: Host, number: int, wheel: int) -> float:
     """Answer with the angle of a wheel, degrees, positive to the right."""
     car = car_of(host, number)
+    if not car.simulates and wheel in car.turned:
+        return car.turned[wheel]
     steers = wheel < (1 if car.two_wheeled else 2)
     return -math.degrees(host.stage.simulation.state.steer[car.place]) if steers else 0.0
 
@@ -112,14 +130,14 @@ def lights(host: Host, number: int) -> list[int]:
 
 
 def set_lights(host: Host, number: int, wire: list[int]) -> None:
-    """Switch a vehicle's lights."""
-    car_of(host, number).lights = wire[0]
+    """Switch a vehicle's lights; bits that name no light are lost."""
+    car_of(host, number).lights = wire[0] & EVERY_LIGHT
     host.note_lights()
 
 
 def all_lights(host: Host) -> list[list[int]]:
-    """Answer with the lights of all vehicles that have some on."""
-    return [[body.id, body.lights] for body in host.stage.bodies() if isinstance(body, Car) and body.lights]
+    """Answer with the lights of all vehicles: a Traffic Manager takes one that is missing to have every bit set."""
+    return [[body.id, body.lights] for body in host.stage.bodies() if isinstance(body, Car)]
 
 
 def open_door(host: Host, number: int, door: int) -> None:

@@ -1,4 +1,4 @@
-"""What the engine's log tells: the names of its events, and what each means, for people.
+"""The names of the engine's events, and their meanings for readers.
 
 An action's own event is declared in its entry (`moves.entry.Told`).
 """

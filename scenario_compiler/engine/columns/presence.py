@@ -1,4 +1,4 @@
-"""Whether an entity is there for whoever looks: pictures, sensors, or the other traffic."""
+"""Whether an entity is present for pictures, for sensors, or for other traffic."""
 
 from __future__ import annotations
 

@@ -441,6 +441,8 @@ class State(Columns):
     border_right: list[float] = column(ENTITY)
     ahead_is: list[int] = column(ENTITY)
     """AHEAD_...: what the entity is to the ego."""
+    led_at: list[float] = column(ENTITY, -op.FAR)
+    """When an entity last led the ego: moved ahead of it in its path."""
     red_line: list[float] = column(RUN, op.FAR)
     """Distance along the way from the reference point to the line of the next red signal, FAR without one."""
     blocked_distance: list[float] = column(RUN, op.FAR)
@@ -448,7 +450,7 @@ class State(Columns):
     blocked_speed: list[float] = column(RUN)
     """Speed at which what blocks the path comes towards the ego along the way, m/s; 0 for what does not."""
     blocked_far: list[float] = column(RUN, op.FAR)
-    """From the front bumper to the far end of what blocks the path."""
+    """From the front bumper to the far end of the row that stands in the path and begins with what blocks it."""
     clear_row: list[int] = column(RUN, op.NONE)
     """Row of the path's lane that has been seen not to end soon, NONE without one."""
     clear_s: list[float] = column(RUN)

@@ -1,9 +1,10 @@
-"""What is around the ego: the traffic density, and the time to collision along the lane."""
+"""The ego's surroundings: the traffic density, and the time to collision along the lane."""
 
 from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.sensor import SLOW
@@ -54,7 +55,7 @@ def note_density(n: RoadTables, p: Program, st: State, i: int) -> None:
 def note_lane_time(p: Program, st: State, i: int) -> None:
     """Note the least time to collision along the lane with what is ahead and seen, at the ego's place in the lane."""
     base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     half = 0.5 * p.const[base + slot.E_WIDTH]
     left = st.path_off[0] + half
     right = st.path_off[0] - half

@@ -1,4 +1,4 @@
-"""Who drives the ego at a control step, and what the automation does until someone answers."""
+"""Decides who drives the ego at a control step, and how the automation drives until somebody responds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a driver foresees: where moving things will be, whether a way out meets them, and since when he has minded them.
+"""A driver's foresight: future positions of moving things, conflicts of an evasion with them, reaction times.
 
 Something new is acted on after a time of perception and a time of reaction (0.4 s and 0.75 s after UN R157, the careful
 and competent driver). It is new from when it first calls for more than gentle braking, or blocks the path, while the
@@ -11,6 +11,7 @@ from math import cos, pi
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import clip, ratio
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -85,8 +86,7 @@ def called_for(p: Program, st: State, i: int, j: int, centre: float, slowest: fl
     """
     if j == i or st.on_way[j] == 0 or st.seen[j] == 0 or st.along[j] < slowest:
         return op.FAR
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     if st.far[j] <= front or in_corridor(p, st, i, j, centre) == 0:
         return op.FAR
     gap = st.near[j] - front
@@ -128,7 +128,7 @@ def meets(p: Program, st: State, i: int, target: float, over: float, deceleratio
     time `over`. Others keep their speed and go on as `drift_of` says.
     """
     base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     rear = front - p.const[base + slot.E_LENGTH]
     half = 0.5 * p.const[base + slot.E_WIDTH] + SPACE_ACROSS
     v = st.v[i]

@@ -1,4 +1,4 @@
-"""Lane confidence without a camera: the marks on both sides, the weather between, and the sensor's health."""
+"""Lane confidence without a camera, from the marks on both sides, the weather and the sensor's health."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.failures import health_of_camera
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_direction, lane_row_in
+from scenario_compiler.roads.lanes import lane_direction, lane_inside, lane_row_in
 from scenario_compiler.roads.marks import MARK_NONE, mark_at, row_mark
 from scenario_compiler.roads.tables import RoadTables
 
@@ -86,7 +86,7 @@ def note_even_marks(n: RoadTables, p: Program, st: State) -> None:
     st.even_from[0] = n.section_s[section]
     st.even_to[0] = n.section_end[section]
     outer = keeps_quality(n, st, row, s)
-    inner = keeps_quality(n, st, lane_row_in(n, section, lane + 1 if lane < 0 else lane - 1), s)
+    inner = keeps_quality(n, st, lane_row_in(n, section, lane_inside(lane)), s)
     keep_off_stretches(p, st, s)
     if outer < 0.0 or inner < 0.0:
         st.even_row[0] = op.NONE
@@ -118,7 +118,7 @@ def looked_at_sides(n: RoadTables, p: Program, st: State) -> tuple[float, float]
         road, lane, _, s, rest = path_ahead(n, p, st, ahead)
         if rest > 0.0:
             continue
-        inner = lane + 1 if lane < 0 else lane - 1
+        inner = lane_inside(lane)
         outer_quality = mark_visibility(n, p, road, lane, s)
         inner_quality = mark_visibility(n, p, road, inner, s)
         if (lane > 0) == (lane_direction(n, road, lane) > 0):

@@ -1,4 +1,4 @@
-"""Whether oncoming traffic leaves the time for a way out that leads into its lane, from going out to being back.
+"""Whether oncoming traffic leaves enough time for an evasion into its lane, including the return.
 
 A driver foresees the whole of it: he moves over, passes, and comes back, and speeds up as on a free road meanwhile.
 Oncoming vehicles keep their speed. He keeps a time to collision, by the speed of both, to each that comes towards the
@@ -13,6 +13,7 @@ from math import cos, pi, sin
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import clip, ratio, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -57,7 +58,7 @@ def is_clear_of(p: Program, st: State, i: int, j: int, v: float, moved: float) -
     `moved` is by how much j will have moved ahead as seen from i.
     """
     base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     before = front - p.const[base + slot.E_LENGTH] - st.far[j] - moved
     behind = st.near[j] + moved - front
     if before >= PAST + BEHIND_TIME * max(st.along[j] - v, 0.0):
@@ -122,7 +123,7 @@ def meets_oncoming(
         return 0
     base = p.entity_const[i]
     size = p.const[base + slot.E_LENGTH]
-    front = p.const[base + slot.E_CENTER] + 0.5 * size
+    front = front_of(p, i)
     half = 0.5 * p.const[base + slot.E_WIDTH] + CLEARANCE
     usual = max(st.target_speed[0], 1.0)
     begin = st.path_off[0]

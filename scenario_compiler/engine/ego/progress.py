@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -35,8 +36,7 @@ def stop_is_ordered(st: State) -> int:
 @compiled
 def waits_at_red(p: Program, st: State, i: int) -> int:
     """Return 1 where the ego is the first before the line of a red signal."""
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     return 1 if st.red_line[0] < front + QUEUE_GAP else 0
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -171,8 +172,7 @@ def reference_braking(p: Program, st: State, i: int, kind: int) -> float:
 
     He lifts off or holds his speed in the delay, and does not speed up again behind what he has braked for.
     """
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     called = 0.0
     waiting = 0
     holding = 0

@@ -1,4 +1,4 @@
-"""Where the vehicle stands that has been stopped: in its own lane, in another one, on a shoulder, or off the road.
+"""The place of a vehicle that has been stopped: its own lane, another lane, a shoulder, or off the road.
 
 It obstructs a lane for driving where nothing ahead holds it: others would go on there.
 """
@@ -6,7 +6,7 @@ It obstructs a lane for driving where nothing ahead holds it: others would go on
 from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -43,7 +43,7 @@ def is_held(p: Program, st: State, i: int) -> int:
 
     A leader that moves on holds nobody.
     """
-    front = p.const[p.entity_const[i] + slot.E_CENTER] + 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH]
+    front = front_of(p, i)
     leader, gap = nearest_ahead(p, st, i, op.AHEAD_FOLLOWED)
     _, blocked = nearest_ahead(p, st, i, op.AHEAD_BLOCKING)
     nearest = min(min(blocked, st.red_line[0] - front), st.lane_end_distance[0])

@@ -1,4 +1,4 @@
-"""How much time a request leaves that is not about an obstacle: until the paint ends, or the ego leaves its lane.
+"""The time that a request leaves if no object causes it: until the paint ends, or the ego leaves its lane.
 
 Both are of a vehicle that goes on as it does: with its speed, and the angle of its front wheels.
 """
@@ -9,12 +9,13 @@ from math import cos, sin, tan
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.lane_confidence import mark_visibility
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_pose, row_width
+from scenario_compiler.roads.lanes import lane_inside, lane_pose, row_width
 from scenario_compiler.roads.tables import RoadTables
 
 PAINT_AHEAD = 60
@@ -36,14 +37,13 @@ def distance_to_paint_end(n: RoadTables, p: Program, st: State, i: int) -> float
 
     Paint to follow is seen in the present weather with the confidence below which the automation asks, or better.
     """
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     for k in range(PAINT_AHEAD):
         road, lane, _, s, rest = path_ahead(n, p, st, front + k)
         if rest > 0.0:
             return op.FAR
         outer = mark_visibility(n, p, road, lane, s)
-        inner = mark_visibility(n, p, road, lane + 1 if lane < 0 else lane - 1, s)
+        inner = mark_visibility(n, p, road, lane_inside(lane), s)
         if st.paint_seen[0] * max(outer, inner) < p.const[slot.K_CONFIDENCE_REQUEST]:
             return 1.0 * k
     return op.FAR

@@ -1,4 +1,4 @@
-"""What a camera in the ego has before it, as numbers: the features that surrogate perception is a function of.
+"""The features of surrogate perception: what a camera of the ego has in view, as numbers.
 
 They are what the engine knows of the paint on both sides, the way, the weather, the camera and who is in the picture
 (`columns.view` names them). The surrogate is fitted to these numbers as they were in runs with the camera, so that fit
@@ -10,8 +10,8 @@ from __future__ import annotations
 from math import exp, log
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns import view as at
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -29,7 +29,7 @@ from scenario_compiler.engine.ego.visibility import (
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_curvature, road_grade
-from scenario_compiler.roads.lanes import lane_direction, row_centre, row_width
+from scenario_compiler.roads.lanes import lane_direction, lane_inside, row_centre, row_width
 from scenario_compiler.roads.marks import MARK_BROKEN, MARK_BROKEN_BROKEN, MARK_COLOUR_CODES, MARK_NONE, mark_at
 from scenario_compiler.roads.tables import POLYNOMIAL, RoadTables
 
@@ -136,7 +136,7 @@ def look_at_paint(n: RoadTables, p: Program, st: State) -> None:
         window = window_of(k)
         share = share_of(k)
         outer = share * mark_visibility(n, p, road, lane, s)
-        inner = share * mark_visibility(n, p, road, lane + 1 if lane < 0 else lane - 1, s)
+        inner = share * mark_visibility(n, p, road, lane_inside(lane), s)
         if (lane > 0) == (lane_direction(n, road, lane) > 0):
             add_paint(st, window, outer, inner)
         else:
@@ -179,7 +179,7 @@ def note_line(n: RoadTables, st: State, base: int, other: int, road: int, lane: 
 def look_at_way(n: RoadTables, p: Program, st: State) -> None:
     """Note the lines' kinds, the bend, the change of grade and the lane's width ahead."""
     road, lane, row, s, _ = path_ahead(n, p, st, KIND_AT)
-    inner = lane + 1 if lane < 0 else lane - 1
+    inner = lane_inside(lane)
     if (lane > 0) == (lane_direction(n, road, lane) > 0):
         note_line(n, st, 0, at.VIEW_SIZE, road, lane, s)
         note_line(n, st, at.VIEW_SIZE, 0, road, inner, s)
@@ -234,8 +234,7 @@ def look_at_others(p: Program, st: State, i: int) -> None:
 
     Where others are on the way is what the last look ahead measured.
     """
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     half = max(0.5 * st.lane_width[0], HALF_LANE)
     leader = 0.0
     left = 0.0
@@ -303,8 +302,7 @@ def way_stays(n: RoadTables, st: State) -> int:
 @compiled
 def alone(p: Program, st: State, i: int) -> int:
     """Return 1 where nobody is near enough ahead to be a feature."""
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     for j in range(p.entity_count[0]):
         if j != i and st.on_way[j] == 1 and st.far[j] > front and st.near[j] - front <= LEADER_REACH:
             return 0

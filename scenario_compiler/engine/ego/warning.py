@@ -3,10 +3,13 @@
 Entering and leaving have thresholds and least durations of their own, so that no warning flickers: a reason must hold
 for `warning_after`; a warning lasts `warning_least` and until no reason has been there for `warning_clear`. A camera
 that fails altogether cannot be foreseen and is not warned of: while its health is below the request's threshold,
-neither it nor the lane that it does not see is a reason to warn.
+neither it nor the lane that it does not see is a reason to warn. A limit ahead that is seen too late for a warning to
+lead the request is not warned of either: there is only the request.
 """
 
 from __future__ import annotations
+
+from math import ceil
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -16,17 +19,56 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.limits import CLOSE, budget_of, closing_speed, control_period
 from scenario_compiler.marker import compiled
 
+MOST_PERIODS = 1.0e9
+"""Number of control periods up to which a time is rounded up to whole ones."""
+
+
+@compiled
+def time_to_begin(p: Program) -> float:
+    """Return the time from the first control step with a reason to warn to the warning, s: whole control periods.
+
+    A time that is NaN or too long to be counted is returned as it is.
+    """
+    period = max(control_period(p), op.TOLERANCE)
+    periods = p.const[slot.K_WARNING_AFTER] / period - op.TOLERANCE
+    if not abs(periods) < MOST_PERIODS:
+        return p.const[slot.K_WARNING_AFTER]
+    return ceil(periods) * period
+
 
 @compiled
 def warning_distance(p: Program, closing: float, own: int, budget: int) -> float:
-    """Return the distance within which a limit ahead is warned of that is closed up to with a speed, m.
+    """Return the distance within which a limit ahead that is approached at a speed is a reason to warn, m.
 
-    Without a budget of its own the warning leads the request by `warning_lead`, whatever it takes to enter it.
+    The warning begins within a control period of its own budget, in the slot `own`. Without one it leads the request by
+    `warning_lead`, whatever it takes to begin.
     """
     time = p.const[own]
     if time < 0.0:
-        time = budget_of(p, budget) + p.const[slot.K_WARNING_LEAD] + p.const[slot.K_WARNING_AFTER] + control_period(p)
-    return max(time * closing, CLOSE)
+        time = budget_of(p, budget) + p.const[slot.K_WARNING_LEAD] + control_period(p)
+    return max((time + time_to_begin(p)) * closing, CLOSE)
+
+
+@compiled
+def too_late_to_lead(p: Program, distance: float, closing: float, own: int, budget: int) -> int:
+    """Return 1 where a warning that began now would lead the request by less than `warning_lead`.
+
+    A control period less is allowed, as the speed may rise. A warning with a budget of its own is never too late.
+    """
+    time = budget_of(p, budget) + p.const[slot.K_WARNING_LEAD] - control_period(p)
+    return 1 if p.const[own] < 0.0 and distance < time * closing - op.TOLERANCE else 0
+
+
+@compiled
+def comes_too_late(p: Program, st: State, i: int, cause: int) -> int:
+    """Return 1 where the limit ahead that a cause is about is too near for a warning."""
+    if cause == op.CAUSE_PATH_BLOCKED:
+        near, closing = st.blocked_distance[0], closing_speed(st, i)
+        return too_late_to_lead(p, near, closing, slot.K_BLOCKED_WARNING, slot.K_BLOCKED_BUDGET)
+    if cause == op.CAUSE_LANE_ENDS:
+        near = st.lane_end_distance[0]
+        return too_late_to_lead(p, near, st.v[i], slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET)
+    return 0
 
 
 @compiled
@@ -50,7 +92,7 @@ def warns_of_standing(p: Program, st: State) -> int:
     """Return 1 where the vehicle will soon have stood for too long."""
     if st.held_up_since[0] < 0.0:
         return 0
-    early = p.const[slot.K_WARNING_LEAD] + p.const[slot.K_WARNING_AFTER] + control_period(p)
+    early = p.const[slot.K_WARNING_LEAD] + time_to_begin(p) + control_period(p)
     stood = st.clock[0] - st.held_up_since[0]
     return 1 if stood >= p.const[slot.K_NO_PROGRESS_AFTER] - early else 0
 
@@ -102,13 +144,14 @@ def note_reason(st: State, cause: int) -> None:
 
 
 @compiled
-def step_warning(p: Program, st: State, cause: int) -> None:
+def step_warning(p: Program, st: State, i: int, cause: int) -> None:
     """Begin or end the warning, for the cause that there is a reason to warn of now."""
     now = st.clock[0]
     note_reason(st, cause)
     if st.takeover_state[0] == op.TAKEOVER_AUTOMATED:
         held = now - st.warning_reason_since[0]
-        if cause != op.CAUSE_NONE and held >= p.const[slot.K_WARNING_AFTER] - op.TOLERANCE:
+        ready = cause != op.CAUSE_NONE and held >= p.const[slot.K_WARNING_AFTER] - op.TOLERANCE
+        if ready and comes_too_late(p, st, i, cause) == 0:
             warn(st, cause)
     elif cause == op.CAUSE_NONE:
         lasted = now - st.warning_since[0] >= p.const[slot.K_WARNING_LEAST] - op.TOLERANCE

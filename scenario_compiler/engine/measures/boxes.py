@@ -10,6 +10,7 @@ from math import atan2, cos, pi, sin, sqrt
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import heading_in_circle, length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -202,8 +203,7 @@ def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
     """Add the other entities' boxes of this row; nothing is left to find once boxes have overlapped."""
     if m.touched[0] == 1:
         return
-    at = p.entity_const[ego]
-    front = p.const[at + slot.E_CENTER] + 0.5 * p.const[at + slot.E_LENGTH]
+    front = front_of(p, ego)
     laid = 0
     for j in range(p.entity_count[0]):
         if j == ego or st.present[j] == 0 or is_above(p, st, ego, j) == 1:

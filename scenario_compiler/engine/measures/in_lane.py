@@ -1,4 +1,4 @@
-"""The ego within its lane: how far its sides are from the edges, when they cross them, and how soon they would.
+"""The ego in its lane: distances of its sides from the edges, and the time until it crosses them.
 
 The same formulas, in the same order of operations, stand in `recording.in_lane` over arrays.
 """
@@ -9,6 +9,7 @@ from math import cos, sin
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of, rear_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.motion.collision import reported_entity
@@ -72,11 +73,11 @@ def add_in_lane(p: Program, m: Totals, left: float) -> None:
         return
     if m.before_after[0] == 0 and m.departed[0] == 0 and surely_inside(p, m, left) == 1:
         return
-    base = p.entity_const[reported_entity(p)]
+    ego = reported_entity(p)
     turned = sin(m.before_heading[0])
-    front = (p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]) * turned
-    rear = (p.const[base + slot.E_CENTER] - 0.5 * p.const[base + slot.E_LENGTH]) * turned
-    wide = 0.5 * p.const[base + slot.E_WIDTH] * abs(cos(m.before_heading[0]))
+    front = front_of(p, ego) * turned
+    rear = -rear_of(p, ego) * turned
+    wide = 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH] * abs(cos(m.before_heading[0]))
     to_left = max(front, rear) + wide
     to_right = wide - min(front, rear)
     on_lane = 1 if m.before_lane[0] != 0 and m.before_width[0] > 0.0 else 0

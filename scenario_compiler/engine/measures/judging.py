@@ -1,4 +1,4 @@
-"""Adding the rows of a run to its totals, in order."""
+"""Adds the rows of a run to its totals, in order."""
 
 from __future__ import annotations
 

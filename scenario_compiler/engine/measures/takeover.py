@@ -1,4 +1,4 @@
-"""What a row adds to the measures of the takeover: the request, the response, and how the ego was driven after it."""
+"""Adds a row to the measures of the takeover: the request, the response, and the driving after it."""
 
 from __future__ import annotations
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import clip, length_of, ratio, safe_sqrt
 from scenario_compiler.engine.columns.presence import there_for
 from scenario_compiler.engine.columns.program import Program
@@ -47,7 +48,7 @@ def leader_gap(p: Program, st: State, i: int, centre: float, watched: int, slowe
     than `slowest`. The columns of the last look are read.
     """
     base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     half = 0.5 * p.const[base + slot.E_WIDTH] + 0.1
     gap = op.FAR
     speed = 0.0

@@ -1,4 +1,4 @@
-"""Which way an entity takes at a junction: by its guide, at random, or straight on.
+"""The road that an entity takes at a junction: by its guide, at random, or straight on.
 
 A guide is a row of `Program.guide_next`: for every road and each sense in which it is driven the road that comes next,
 so that an entity finds its way from wherever it is on it. It is over when the entity enters its last road.

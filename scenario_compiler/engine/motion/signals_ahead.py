@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import ratio
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -45,7 +46,7 @@ def red_ahead(n: RoadTables, p: Program, st: State, i: int) -> float:
     """Return the distance along the walked way from i's reference point to the line that it stops at, FAR for none."""
     line = op.FAR
     base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     for k in range(p.head_count[0]):
         state = st.signal_state[p.head_signal[k]]
         if state < 0 or p.text_aspect[state] == op.ASPECT_NONE:

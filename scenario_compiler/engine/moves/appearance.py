@@ -1,4 +1,4 @@
-"""Actions on how an entity looks and moves its parts, which the log tells of: lights and animations."""
+"""Actions on the lights and animations of an entity, which are only logged and shown."""
 
 from __future__ import annotations
 

@@ -17,8 +17,9 @@ from scenario_compiler.roads.tables import RoadTables
 
 if TYPE_CHECKING:
     from scenario_compiler.vocabulary.actions import EndFailureAction, Failure, SensorNoiseAction
+    from scenario_compiler.vocabulary.sensors import FailureKind
 
-FAILURE_CODES = {
+FAILURE_CODES: dict[FailureKind, int] = {
     "noise": op.FAILURE_NOISE,
     "dropout": op.FAILURE_DROPOUT,
     "freeze": op.FAILURE_FREEZE,

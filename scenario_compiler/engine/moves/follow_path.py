@@ -1,4 +1,4 @@
-"""Moving on a path of one's own: straight lines over points of the plane, by speed or by the points' times.
+"""Motion along a path of points in the plane, at the entity's speed or by the points' times.
 
 The entity's place on the road is looked up at each step, so that conditions and sensors know where it is; beside all
 roads it has none.

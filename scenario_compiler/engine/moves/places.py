@@ -1,4 +1,4 @@
-"""Actions on where entities are, whether they are there at all and who minds them, and on what they tow."""
+"""Actions on the position and presence of entities, on their visibility, and on trailers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All actions, in the order of their numbers, and what follows from their entries."""
+"""The table of all actions in the order of their numbers, and tables derived from their entries."""
 
 from __future__ import annotations
 

@@ -28,9 +28,8 @@ UNFITTED: tuple[FailureKind, ...] = ("motion_blur", "misalignment")
 NO_SURROGATE = Code(
     "SC514",
     "no-surrogate",
-    "Surrogate perception stands for one controller, `lane_detection`, with one detector, behind one camera: it was "
-    "fitted to what they did. It knows nothing of another controller, of another detector or of a camera that is "
-    "mounted otherwise:\n\n"
+    "Surrogate perception was fitted to one controller, `lane_detection`, with the classical detector and the "
+    "default camera mounting. It is not valid for another controller, detector or mounting:\n\n"
     '    <controller><detector model="learned"/></controller>     with --perception surrogate\n\n'
     "Run such a scenario with `--perception camera`. `python tools/fit_surrogate.py` fits the coefficients again.",
 )

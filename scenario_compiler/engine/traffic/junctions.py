@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of, rear_of
 from scenario_compiler.engine.columns.numbers import ratio
 from scenario_compiler.engine.columns.presence import there_for
 from scenario_compiler.engine.columns.program import Program
@@ -98,10 +99,9 @@ def drop_claim(n: RoadTables, p: Program, st: State, i: int) -> None:
     if road == st.claim[i]:
         st.entered[i] = 1
     elif st.entered[i] == 1:
-        base = p.entity_const[i]
         direction = lane_direction(n, road, st.kept_lane[i])
         gone = st.s[i] if direction > 0 else n.road_length[road] - st.s[i]
-        if gone > 0.5 * p.const[base + slot.E_LENGTH] - p.const[base + slot.E_CENTER] + LINE_ROOM:
+        if gone > rear_of(p, i) + LINE_ROOM:
             st.claim[i] = op.NONE
             st.entered[i] = 0
 
@@ -128,7 +128,7 @@ def distance_to_line(n: RoadTables, p: Program, st: State, i: int, gap: float, l
     if n.road_junction[road] < 0 or st.claim[i] == road:
         return op.FAR
     base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     line = st.way_from[1] - front - LINE_ROOM
     brake = ratio(st.v[i] * st.v[i], 2.0 * p.const[base + slot.E_DECELERATION], 0.0)
     if line > brake + ASK_TIME * st.v[i] + ASK_MORE:

@@ -6,6 +6,7 @@ from math import cos, sin
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import rear_of
 from scenario_compiler.engine.columns.presence import there_for
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -105,7 +106,7 @@ def leader_on_way(n: RoadTables, p: Program, st: State, i: int) -> tuple[float, 
 def follower_on_way(n: RoadTables, p: Program, st: State, i: int) -> tuple[int, float]:
     """Return (entity, gap to its front) of the nearest one behind on a way walked backwards, (-1, FAR) for none."""
     base = p.entity_const[i]
-    rear = 0.5 * p.const[base + slot.E_LENGTH] - p.const[base + slot.E_CENTER]
+    rear = rear_of(p, i)
     gap = op.FAR
     found = op.NONE
     for w in range(st.way_count[0]):

@@ -106,13 +106,21 @@ class Page {
       clearInterval(this.reporting);
       one("#ended").textContent ||= words("gone");
       one("#start").hidden = false;
-      if (!this.about.watched) setTimeout(() => this.connect(), 1000);
+      one("#go").disabled = true;
+      this.search?.hide();
+      if (!this.about.watched) setTimeout(() => this.comeBack(), 1000);
     });
     this.socket.addEventListener("open", () => {
       this.telling = setInterval(() => this.tell(), TELL_EVERY);
       this.reporting = setInterval(() => this.report(), REPORT_EVERY);
-      this.search?.ask();
     });
+  }
+
+  /** Load the page again once the server answers: it may have been started again, and stand at another step. */
+  async comeBack() {
+    const answer = await fetch(`${base}/about`).catch(() => null);
+    if (answer) location.reload();
+    else setTimeout(() => this.comeBack(), 1000);
   }
 
   say(message) {
@@ -139,6 +147,7 @@ class Page {
     }
     this.role = message.role ?? this.role;
     one("#go").disabled = this.role !== "driver";
+    if (message.role === "driver") this.search?.ask();
     if (message.search) this.search.show(message.search);
     if (message.pong !== undefined) {
       const now = performance.now();
@@ -190,7 +199,7 @@ class Page {
     one("#held-title").textContent = reason === "probe" ? texts.probe : texts.paused;
     const form = one("#held form");
     form.replaceChildren();
-    if (reason !== "probe") return;
+    if (reason !== "probe" || this.role !== "driver") return;
     for (const query of queries) form.append(questionOf(query));
     const go = document.createElement("button");
     go.textContent = texts.continue;
@@ -300,7 +309,7 @@ class Page {
     this.over = Boolean(this.about.study && about.kept);
     one("#told").hidden = one("#left").hidden = true;
     hush();
-    one("#ended").textContent = sentence(about.end);
+    one("#ended").textContent = this.over ? this.about.study.words.over : sentence(about.end); // nobody in a trial is told how it went
     one("#go").textContent = this.over ? this.about.study.words.continue : words("again");
     const report = one("#report");
     report.hidden = !this.about.writes || Boolean(this.about.study);

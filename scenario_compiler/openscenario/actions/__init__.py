@@ -1,4 +1,4 @@
-"""Actions between OpenSCENARIO's elements and our words, one module a family."""
+"""Converts actions between OpenSCENARIO's elements and our words, with one module for each family."""
 
 from __future__ import annotations
 

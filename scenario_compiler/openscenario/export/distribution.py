@@ -1,4 +1,4 @@
-"""How a sweep varies a scenario, as a <ParameterValueDistribution> over the exported file."""
+"""The variation of a scenario, as a <ParameterValueDistribution> for the exported file."""
 
 from __future__ import annotations
 

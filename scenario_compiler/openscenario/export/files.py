@@ -1,4 +1,4 @@
-"""The files of an export: the scenario, its road, and how it varies."""
+"""The files of an export: the scenario, its road, and its variation."""
 
 from __future__ import annotations
 

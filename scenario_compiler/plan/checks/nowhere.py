@@ -1,4 +1,4 @@
-"""Every entity has a place: a start, or an action that puts it somewhere."""
+"""Checks that every entity has a position: a start, or an action that places it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers are of a size that can be meant: speeds that vehicles reach, budgets in which a driver would take over."""
+"""Checks that numbers have a plausible size: speeds of vehicles, time budgets of drivers."""
 
 from __future__ import annotations
 

@@ -1,10 +1,11 @@
-"""The conflict lies within the run, and the budget leaves room for the minimum-risk manoeuvre."""
+"""Checks that the conflict is within the run, and that the budget is enough for the minimum-risk manoeuvre."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
-from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.roads import Network
@@ -43,14 +44,31 @@ BLIND_BUDGET = Code(
 )
 
 
-def obstacle_budget(plan: Plan) -> tuple[float, float] | None:
-    """Return the time budget before an obstacle, s, and the desired speed, m/s; None where nobody asks for it."""
+@dataclass(frozen=True)
+class ObstacleBudget:
+    """The budget before an obstacle.
+
+    Attributes:
+        time: Time budget, s.
+        speed: Speed that the car aims for, m/s.
+        place: Where the budget is written.
+    """
+
+    time: float
+    speed: float
+    place: Place
+
+
+def obstacle_budget(plan: Plan) -> ObstacleBudget | None:
+    """Return the budget before an obstacle; None if there is no request for one."""
     cause = next((one for one in plan.takeover.causes if one.kind == "path_blocked"), None)
     if plan.controller is None or cause is None:
         return None
     values = parameter_values(plan.parameters)
-    budget = plan.takeover.budget if cause.budget is None else cause.budget
-    return number_value(budget, values), number_value(plan.ego.desired_speed, values)
+    speed = number_value(plan.ego.desired_speed, values)
+    if cause.budget is None:
+        return ObstacleBudget(number_value(plan.takeover.budget, values), speed, plan.takeover.place_of("budget"))
+    return ObstacleBudget(number_value(cause.budget, values), speed, cause.place_of("budget"))
 
 
 def check_range(plan: Plan, network: Network, sink: Diagnostics) -> None:
@@ -59,29 +77,29 @@ def check_range(plan: Plan, network: Network, sink: Diagnostics) -> None:
     asked = obstacle_budget(plan)
     if asked is None:
         return
-    budget, speed = asked
     reach = number_value(plan.forward_sensor.range, parameter_values(plan.parameters))
-    if reach < budget * speed:
+    if reach < asked.time * asked.speed:
         message = (
-            f"a budget of {budget:g} s at {speed:g} m/s is {budget * speed:.0f} m, but the forward sensor sees "
-            f"{reach:g} m: the car asks {reach / speed:.1f} s before what it sees"
+            f"a budget of {asked.time:g} s at {asked.speed:g} m/s is {asked.time * asked.speed:.0f} m, but the forward "
+            f"sensor sees {reach:g} m: the request comes {reach / asked.speed:.1f} s before the limit"
         )
-        sink.add(BLIND_BUDGET, message, plan.takeover.place_of("budget"))
+        sink.add(BLIND_BUDGET, message, asked.place)
 
 
 def check_budget(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn when the car cannot stop within the budget at the speed that it aims for."""
+    """Warn when a minimum-risk manoeuvre cannot stop the car within the budget before an obstacle."""
     del network
-    if plan.controller is None:
-        return
-    values = parameter_values(plan.parameters)
     takeover = plan.takeover
-    speed = number_value(plan.ego.desired_speed, values)
-    budget = number_value(takeover.budget, values)
-    needed = speed / (2.0 * number_value(takeover.minimum_risk_deceleration, values))
-    if budget < needed:
-        message = f"a budget of {budget:g} s leaves no room to stop from {speed:g} m/s, which needs {needed:.2f} s"
-        sink.add(SHORT_BUDGET, message, takeover.place_of("budget"))
+    asked = obstacle_budget(plan)
+    if asked is None or not takeover.minimum_risk or takeover.automation.after == "let_go":
+        return
+    deceleration = number_value(takeover.minimum_risk_deceleration, parameter_values(plan.parameters))
+    needed = asked.speed / (2.0 * deceleration)
+    if asked.time < needed:
+        message = (
+            f"a budget of {asked.time:g} s leaves no room to stop from {asked.speed:g} m/s, which needs {needed:.2f} s"
+        )
+        sink.add(SHORT_BUDGET, message, asked.place)
 
 
 def check_reach(plan: Plan, network: Network, sink: Diagnostics) -> None:

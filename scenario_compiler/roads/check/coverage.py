@@ -1,4 +1,4 @@
-"""The page that tells, element by element, what of OpenDRIVE is used, kept and not read (docs/opendrive.md).
+"""The page with the parts of OpenDRIVE that are used, kept and not read (docs/opendrive.md).
 
 It is made from the declarations of elements (`structure.grammar`) and from the list of what is read (`unread`).
 """
@@ -59,15 +59,15 @@ KEPT_ATTRIBUTES = {
 }
 """The same by name."""
 
-_HEAD = """# What of OpenDRIVE is read
+_HEAD = """# The parts of OpenDRIVE that are read
 
-Made from the reader's own tables by `make generate`; tests hold the list to what the reader does.
+`make generate` makes this page from the reader's own tables; tests compare the tables with the reader.
 
 *Used*: positions, routes, triggers or pictures depend on it. *Kept*: `Network.model()` and `Network.lane_details()`
-give it; the camera draws the objects and signals of it. *Not read*: `map check` lists it where it stands in a file.
-Additional data (`userData`, `include`, `dataQuality`) may stand in most elements; `userData` of the header, lanes,
-objects, signals and junctions is kept, `marking_quality` of a road mark is used. Versions are given where not all from
-1.1 to 1.8 know something.
+return it; the camera draws kept objects and signals. *Not read*: `map check` lists each place in a file. Additional
+data (`userData`, `include`, `dataQuality`) is allowed in most elements; `userData` of the header, lanes, objects,
+signals and junctions is kept, and `marking_quality` of a road mark is used. Versions are given for elements and
+attributes that not all versions from 1.1 to 1.8 have.
 """
 
 _EVERY = list(range(FIRST_MINOR, LAST_MINOR + 1))
