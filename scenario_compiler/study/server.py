@@ -1,6 +1,6 @@
-"""The pages of a study: one for each participant, and one for the experimenter apart from them.
+"""The pages of a study: those of the participants, and that of the experimenter.
 
-A participant's page is made anew at each step, so that a page that is loaded again stands where the participant does.
+A participant's page is made again at each step, so that a page that is loaded again stands where the participant does.
 """
 
 from __future__ import annotations
@@ -165,7 +165,7 @@ class StudyServer:
             await asyncio.to_thread(attendance.go_on, number, fields)
         except (KeyError, ValueError) as error:
             known = isinstance(error, OutOfPlaceError)
-            fault = str(error) if known else "that is no answer of this page"
+            fault = str(error) if known else "this is not an answer to this page"
             return self.door.answer(request, lambda: _status(self._step_page(attendance, fault), 400))
         return self.door.answer(request, lambda: RedirectResponse(request.url.path, status_code=303))
 
@@ -226,7 +226,7 @@ class StudyServer:
             else:
                 await asyncio.to_thread(ACTIONS[order.action], attendance)
         except (KeyError, ValidationError, OutOfPlaceError):
-            return self.desk.answer(request, lambda: PlainTextResponse("that is no order", status_code=400))
+            return self.desk.answer(request, lambda: PlainTextResponse("this is not a command", status_code=400))
         return self.desk.answer(request, lambda: JSONResponse(_row(attendance)))
 
 

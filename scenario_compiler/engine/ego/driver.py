@@ -189,7 +189,7 @@ def same_direction(n: RoadTables, road: int, lane: int, s: float, side: int) -> 
 
 @compiled
 def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> int:
-    """Return 1 where the lane of the same direction on a side has a free gap; the way ahead is then measured anew.
+    """Return 1 where the lane of the same direction on a side has a free gap; the way ahead is then measured again.
 
     Where there is traffic in it the driver looks at it for a while before he finds one.
     """
@@ -418,7 +418,7 @@ def moving_threat(p: Program, st: State, i: int) -> int:
 
 @compiled
 def free_behind(n: RoadTables, p: Program, st: State, i: int, lane: int) -> int:
-    """Return 1 where nobody in a lane beside closes up from behind too soon; the way ahead is then measured anew."""
+    """Return 1 where nobody in a lane beside closes up from behind too soon; the way ahead is then measured again."""
     road = st.path_road[0]
     walk(n, st, road, lane, st.path_s[0], -1, GAP_HORIZON, preferred_road(p, st, road))
     for j in range(p.entity_count[0]):

@@ -172,7 +172,7 @@ def foresee(st: State, i: int, j: int, front: float) -> None:
 
 @compiled
 def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view: float) -> None:
-    """Measure every entity on the ego's way and tell which of those ahead are seen in a range and an angle of view."""
+    """Measure every entity along the ego's path, and find those ahead that are in a range and an angle of view."""
     front = front_of(p, i)
     far = reach + 50.0
     open_eye(p, st, i, reach, view)
@@ -303,7 +303,7 @@ def gap_behind_free(p: Program, st: State, i: int) -> int:
 def gap_is_free(n: RoadTables, p: Program, st: State, i: int, road: int, lane: int, s: float) -> int:
     """Return 1 where the ego may enter a lane beside it: front by time gap, behind by the time to close up.
 
-    All vehicles count: the sensors to the side and behind are taken as perfect. Writes the scratch columns anew, and
+    All vehicles count: the sensors to the side and behind are taken as perfect. Writes the scratch columns again, and
     whether there is traffic in that lane: anything but what stands there for good.
     """
     st.used_beside[0] = 0
