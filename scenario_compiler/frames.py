@@ -56,7 +56,7 @@ def heading_from_carla(yaw: float) -> float:
 
 
 ROUNDED = 1e-6
-"""Degrees by which a yaw may be off half a turn and still be one: numbers of 32 bits do not tell them apart."""
+"""Tolerance for a yaw of half a turn, degrees: numbers of 32 bits do not distinguish smaller differences."""
 
 
 def yaw_from_heading(heading: float) -> float:

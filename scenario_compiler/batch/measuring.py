@@ -42,7 +42,7 @@ def rows_of_totals(
 
     Args:
         plan: The plan of all of them.
-        totals: What they came to.
+        totals: Their totals.
         parameters: Each run's values of the plan's parameters.
         avoided: For each run whether the reference drivers that criteria name have no collision.
     """

@@ -88,7 +88,7 @@ class Part:
     """A piece of work.
 
     Attributes:
-        number: Its number, for whoever puts the parts together.
+        number: Its number, by which the parts are put together.
         variants: What to run.
         plans: Plans of their families; the worker may be new.
         one_by_one: Run a single variant at a time, to find the one that ends the process.

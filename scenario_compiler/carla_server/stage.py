@@ -214,7 +214,7 @@ class Stage:
         return actor
 
     def destroy(self, number: int) -> None:
-        """Take an actor out; what is attached to it stays where it is.
+        """Remove an actor; things attached to it stay where they are.
 
         Raises:
             CallError: There is none, or it belongs to the map.

@@ -58,9 +58,9 @@ class Kind:
     """A kind of code that a scenario can name.
 
     Attributes:
-        name: What messages call it.
-        unknown: The diagnostic of a name under which there is none.
-        fits: Tells whether what was found under the name is of the kind.
+        name: Its name in messages.
+        unknown: The diagnostic of a name that does not exist.
+        fits: Whether the object with this name is of the kind.
         must: What it must be, for messages.
     """
 

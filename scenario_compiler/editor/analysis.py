@@ -88,7 +88,7 @@ class Mention:
 
 @dataclass(frozen=True)
 class PartNames:
-    """The names of a scenario or template: its outermost scope, and what its items have come to."""
+    """The names of a scenario or template: its outermost scope, and its expanded items."""
 
     scope: TemplateScope
     expander: Expander

@@ -113,7 +113,7 @@ def source_files() -> Iterator[Path]:
 
 
 def compiler() -> list[str]:
-    """Return the command of a C compiler: $CC, gcc, clang, or the one that the Python package ziglang brings.
+    """Return the command of a C compiler: $CC, gcc, clang, or that of the Python package ziglang.
 
     Raises:
         NoCompilerError: There is none.

@@ -23,7 +23,7 @@ DRIVEN_BY_HAND = ("manual", "hand_back")
 
 
 class Told(BaseModel):
-    """What the page tells of the person: a message of at most a few hundred bytes."""
+    """The page's message on the person's inputs, of at most a few hundred bytes."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -67,8 +67,8 @@ class InputFile:
         """Put the rest on the disk and close the file; closing it again does nothing."""
         if self._file.closed:
             return
-        if self._syncing is not None:
-            self._syncing, syncing = None, self._syncing
+        syncing, self._syncing = self._syncing, None
+        if syncing is not None:
             self._due.set()
             syncing.join()
         with self._file:

@@ -57,7 +57,7 @@ SHARES = (0.85, 1.1)
 """Least and greatest share of the speed limit that drivers aim for, the defaults of `vocabulary.entities.Traffic`."""
 
 NO_LIMIT = 1.0e6
-"""Share of the speed limit that drivers aim for who have a speed of their own."""
+"""Share of the speed limit that drivers with a speed of their own aim for."""
 
 
 def vehicles_of(action: KeepsVehicles, duration: float) -> int:

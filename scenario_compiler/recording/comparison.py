@@ -268,7 +268,7 @@ def _differences(first: Floats, second: Floats) -> Floats:
 
 
 def _greatest(values: Floats) -> float:
-    """Return the greatest finite number, 0 where there is none."""
+    """Return the greatest finite number, or 0."""
     return float(np.max(values, initial=0.0, where=np.isfinite(values)))
 
 

@@ -20,7 +20,7 @@ from scenario_compiler.engine.motion.following import idm_acceleration
 from scenario_compiler.marker import compiled
 
 CALL = 1.0
-"""Deceleration that something calls for from which on the driver minds it, m/s2; chosen."""
+"""Required deceleration from which on the driver reacts to something, m/s2; chosen."""
 
 FORGET = 2.0
 """Time after which what calls for nothing any more is new again, s; chosen."""

@@ -80,7 +80,7 @@ def next_turn(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
 
 @compiled
 def leave_guide(p: Program, st: State, i: int) -> None:
-    """Drop an entity's guide where it has come to the last road."""
+    """Drop an entity's guide when it has reached the last road."""
     guide = st.guide[i]
     if guide >= 0 and p.guide_last[guide] == st.road[i]:
         st.guide[i] = op.NONE

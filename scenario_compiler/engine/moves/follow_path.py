@@ -82,7 +82,7 @@ def start_follow_path(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_follow_path(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Move an entity on along its path; return 1 where it has come to the end."""
+    """Move an entity along its path; return 1 when it has reached the end."""
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED or p.action_points[k] <= 0:
         return 1

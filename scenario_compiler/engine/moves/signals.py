@@ -112,7 +112,7 @@ def signal_phase_row(draft: ProgramDraft, word: TrafficSignalControllerAction, a
     return ActionRow(other=draft.controllers[word.controller], mode=draft.texts[word.phase])
 
 
-TOLD = "A traffic signal or its controller: `cause` which, `message` its state or phase."
+TOLD = "A traffic signal or a controller changes: `cause` is its name, `message` its state or phase."
 
 SIGNAL_STATE = Entry(
     ("traffic_signal_state",),

@@ -24,7 +24,7 @@ SEED = 1
 
 
 def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -> Position:
-    """Return where an entity starts in a position that the standard knows; told where that is one draw of many."""
+    """Return an entity's start as a position of the standard; report a random start, of which one draw is written."""
     start = entity.start
     if start is not None and type(start) in POSITIONS.by_word:
         return start  # type: ignore[return-value]  # every position that is said is one

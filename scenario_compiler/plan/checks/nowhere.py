@@ -26,7 +26,7 @@ NOWHERE = Code(
 )
 
 PLACING = (TeleportAction, FollowTrajectoryAction)
-"""Actions that put whoever does them somewhere."""
+"""Actions that place their actor."""
 
 
 def check_nowhere(plan: Plan, network: Network, sink: Diagnostics) -> None:

@@ -53,9 +53,9 @@ def check_plausible(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def _speeds(plan: Plan) -> Iterator[tuple[str, Number, Place]]:
-    """Yield each speed that something is to have: what it is called, the number, its place.
+    """Yield each commanded speed: its name, the number, its place.
 
-    What a condition compares with is not among them: `triggers` tells which comparisons never come true.
+    Speeds in conditions are not included: `triggers` reports comparisons that are never true.
     """
     for entity in plan.entities:
         place = place_of(plan, f"entities/{entity.id}")
