@@ -2,10 +2,10 @@
 
 The network (`lane_network.onnx`, run by cv2.dnn) sees the picture at 256 x 128. For each side and each second row it
 tells in which of 128 columns the boundary lies, or that it is not there: a distribution, whose width is the row's
-uncertainty. It also tells whether either side is painted, the tilt of the camera and the width of the lane. Both sides
-of a lane seldom run together, so that what their rows say of the tilt is weighed with that (see `road_plane`). Rows are
-laid on the ground under the tilt, and a parabola is fitted to them by their certainty. The confidence is calibrated
-like that of the classical detector, on what the rows say.
+uncertainty. It also tells whether either side is painted, the tilt of the camera and the width of the lane. The two
+sides of a lane usually keep their distance, so the tilt is estimated from their rows as well, and the two estimates
+are combined (see `road_plane`). Rows are laid on the ground under the tilt, and a parabola is fitted to them by their
+certainty. The confidence is calibrated like that of the classical detector, on what the rows say.
 
 It was trained for the default camera by `tools/train_lane_network.py`; the picture of another one is turned to how that
 camera would see it. What the tables say of it stands in docs/perception.md.
@@ -47,10 +47,10 @@ PARALLEL = 0.8
 """Probability, before it is compared, that the two sides belong to one lane and tell the tilt."""
 
 ALIKE_ROWS = 4.0
-"""Rows that say the same: neighbours are wrong together."""
+"""How many rows count as one independent one: neighbouring rows are wrong together."""
 
 EVEN = 0.2
-"""Least mean square of what the rows are off by, in their own deviations: so good they are not by more than luck."""
+"""Least mean square of the rows' residuals in their own deviations: smaller ones are luck, not certainty."""
 
 PEAK = 4
 """Columns to either side of a row's likeliest one that are taken for the same line."""
@@ -183,7 +183,10 @@ def tilt_between(left: Rows, right: Rows, v: Floats, pitch: float) -> Tilt:
         left: The left side's rows.
         right: The right side's rows.
         v: (ROWS,) where the rows are in the image.
-        pitch: What the tilt is taken to be, rad: the answer is linear about it.
+        pitch: What the tilt is taken to be, rad; the answer is linear about it.
+
+    Returns:
+        The tilt, rad; of infinite deviation where the sides have too few rows in common or are less than 1 m apart.
     """
     (x, y_left, off_left), (_, y_right, off_right) = left.ground(v, pitch), right.ground(v, pitch)
     kept = (left.there > 0.5) & (right.there > 0.5) & (x > LOOKED_AT[0]) & (x < LOOKED_AT[1])
