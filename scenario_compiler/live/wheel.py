@@ -68,7 +68,8 @@ class InputFile:
         if self._file.closed:
             return
         if self._syncing is not None:
-            self._syncing, syncing = None, self._syncing
+            syncing = self._syncing
+            self._syncing = None
             self._due.set()
             syncing.join()
         with self._file:

@@ -41,9 +41,9 @@ HEAD = """# Published studies, run again
 
 <!-- written by python -m tests.studies.page -->
 
-Eleven studies are written as conflicts of 10 to 25 lines (`tests/studies`). Each table shows what the paper reports, the
-result here, and what a test asserts, which is never more than the source supports. "Figure not found" means that the
-paper was not available and no quotation of the number was found; "from memory, not verified" marks a direction that
+Eleven studies are written as conflicts of 10 to 25 lines (`tests/studies`). Each table shows what the paper reports,
+the result here, and what a test asserts, which is never more than the source supports. "Figure not found" means that
+the paper was not available and no quotation of the number was found; "from memory, not verified" marks a direction that
 was not looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so their
 medians are not a result; what happens after the response is.
 
