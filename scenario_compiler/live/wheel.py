@@ -67,9 +67,8 @@ class InputFile:
         """Put the rest on the disk and close the file; closing it again does nothing."""
         if self._file.closed:
             return
-        if self._syncing is not None:
-            syncing = self._syncing
-            self._syncing = None
+        syncing, self._syncing = self._syncing, None
+        if syncing is not None:
             self._due.set()
             syncing.join()
         with self._file:

@@ -43,17 +43,18 @@ HEAD = """# Published studies, run again
 
 Eleven studies are written as conflicts of 10 to 25 lines (`tests/studies`). Each table shows what the paper reports,
 the result here, and what a test asserts, which is never more than the source supports. "Figure not found" means that
-the paper was not available and no quotation of the number was found; "from memory, not verified" marks a direction that
-was not looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so their
-medians are not a result; what happens after the response is.
+the paper was not available and no quotation of the number was found; "from memory, not verified" marks a direction
+that was not looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so
+their medians are not a result; what happens after the response is.
 
 The tables contain two times to collision. The time to collision *of the path* refers to objects on the path that the
 car is steering along at the moment: an obstacle is no longer on the path as soon as the wheel is turned, and is on it
 again when the car straightens beside the obstacle. The time to collision *along the lane* refers to objects ahead of
-the car in its lane, whatever the steering, until the car has moved aside; takeover studies report this one. The two
-can differ in direction. If both adjacent lanes are full and 5 s are left, a car can only brake, and keeps 1.55 s of
-both. If it steers around the obstacle into a free lane, it has 1.36 s of the path, while it straightens beside the
-obstacle, but 2.15 s along the lane (medians of 15 runs).
+the car in its lane, whatever the steering, until the car has moved aside; takeover studies report this one, and Happee
+et al. 2017 prefer it as the more robust. Compare conditions by it: the two can differ in direction. If both adjacent
+lanes are full and 5 s are left, a car can only brake, and keeps 1.55 s of both. If it steers around the obstacle into a
+free lane, it has 1.36 s of the path, while it straightens beside the obstacle, but 2.15 s along the lane (medians of 15
+runs).
 
 ![Takeover times, least times to collision, collisions and lateral deviation of six studies](validity.svg)
 """
@@ -234,7 +235,7 @@ def write() -> None:
         ),
         Part(
             test_happee_2017,
-            ("condition", "evasion begins before the obstacle, m", "along the lane, s", "lateral acceleration, m/s2"),
+            ("condition", "evasion begins before it, m", "along the lane, s", "greatest lateral acceleration, m/s2"),
             tuple((name, f"{one.away:.0f}", f"{one.least:.2f}", f"{one.lateral:.2f}") for name, one in evasions),
         ),
         Part(test_mok_2015, ("budget", "safe"), tuple((name, f"{share:.0%}") for name, share in safe)),
