@@ -1,8 +1,8 @@
-"""Declarative scenario compiler: conflicts written as XML become runs with a takeover and a report.
+"""A scenario compiler: it turns conflicts written in XML into runs with a takeover and a report.
 
-Whatever programs need to build, compile, run, judge, report and sweep scenarios is imported from here, as
-docs/python-api.md tells by example; pictures have a door of their own, `scenario_compiler.perception`. `__init__.pyi`
-lists the names. Each is imported from its home when it is first used, so that importing the package costs nothing.
+Programs import everything from here that they need to build, compile, run, judge, report and sweep scenarios;
+docs/python-api.md has examples. `scenario_compiler.perception` does the same for pictures. `__init__.pyi` lists the
+names. Each name is imported from its module when it is first used, so that importing this package takes no time.
 """
 
 from __future__ import annotations

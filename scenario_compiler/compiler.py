@@ -1,4 +1,4 @@
-"""The first five stages in a row: a file to a plan on its map."""
+"""The first five stages in sequence: from a file to a plan on its map."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ from scenario_compiler.vocabulary.weather import is_clear
 
 @dataclass(frozen=True)
 class Compilation:
-    """What compiling a scenario yields: the plan, the map that it is bound to, and the scenario itself."""
+    """The result of compiling a scenario: the plan, the map to which it is bound, and the scenario itself."""
 
     plan: Plan
     network: Network
@@ -60,19 +60,19 @@ class Compilation:
 
 @dataclass(frozen=True)
 class Overrides:
-    """What is set in place of what a scenario says; None leaves it to the scenario.
+    """Values that replace those of a scenario; None keeps the scenario's value.
 
     Attributes:
-        perception: What the lane confidence comes from: "camera", "ideal" or "surrogate".
-        controller: Name of the ego vehicle's controller, package.module:Class or file.py:Class. The properties that the
-            scenario gives are those of the controller that it names, and stay with that one alone.
+        perception: Source of the lane confidence: "camera", "ideal" or "surrogate".
+        controller: Name of the ego vehicle's controller, package.module:Class or file.py:Class. The properties in the
+            scenario belong to the controller that the scenario names; another one does not get them.
         step: Length of a time step, s; 0.001 to 1.
-        duration: When the run ends at the latest, s; above 0 and below 1e6.
-        driven_by: Who answers and drives by hand: a "person", or the driver "model".
-        messages: How the automation tells the driver.
+        duration: Latest end of the run, s; above 0 and below 1e6.
+        driven_by: Who takes over and drives: a "person", or the driver "model".
+        messages: Messages of the automation to the driver.
 
     Raises:
-        ValueError: One of them cannot be meant.
+        ValueError: A value is not possible.
     """
 
     perception: Perception | None = None
@@ -91,12 +91,12 @@ class Overrides:
             raise ValueError(f"duration is above 0 and below 1e6 s, not {self.duration}")
 
     def trusting(self, trust: Trust, beside: Path) -> Trust:
-        """Return a trust that covers the controller set here too, looked for in the scenario's folder as well."""
+        """Return a trust that also covers the controller set here, and that looks for code in the scenario's folder."""
         named = trust.named if self.controller is None else (*trust.named, self.controller)
         return Trust(named, trust.beside or beside)
 
     def applied(self, scenario: Scenario) -> Scenario:
-        """Return the scenario with the overrides in it."""
+        """Return the scenario with the overrides applied."""
         changes: dict[str, object] = {}
         if self.step is not None:
             changes["step"] = self.step
@@ -119,9 +119,10 @@ class Overrides:
 
 
 def read_source(path: str | Path, sink: Diagnostics) -> tuple[Document, Source] | None:
-    """Read and parse a scenario file; None when nothing can be made of it.
+    """Read and parse a scenario file; return None if it cannot be parsed.
 
-    The document is the scenario's: another file than `path` when that gives values for the scenario's parameters.
+    The returned document is that of the scenario. It is not `path` if that file contains values for the parameters of a
+    scenario in another file.
     """
     if str(path).endswith(".json"):
         if read_plan(path, sink) is not None:
@@ -142,15 +143,15 @@ def compile_target(
     overrides: Overrides | None = None,
     trust: Trust | None = None,
 ) -> Compilation | None:
-    """Compile FILE or FILE#name; None when the sink has errors.
+    """Compile FILE or FILE#name; return None if the sink has errors.
 
     Args:
-        target: The file, with the scenario's name where it holds several.
+        target: The file, with the name of a scenario if the file has several.
         arguments: Values of the scenario's parameters, as text in XML units.
-        sink: Where faults go.
-        maps: Folders that its map is looked for in first.
-        overrides: What is set in place of what the scenario says; a controller named here is trusted.
-        trust: Code that the user trusts; of other code that the file names the spelling alone is checked.
+        sink: Receives the diagnostics.
+        maps: Folders in which its map is looked for first.
+        overrides: Values that replace those of the scenario; a controller named here is trusted.
+        trust: Code that the user trusts; of other code that the file names, only the spelling is checked.
 
     Raises:
         ConfigurationError: The user's configuration file cannot be read.
@@ -180,8 +181,8 @@ class StudyCompilation:
     Attributes:
         file: The study, with its pages and questionnaires.
         study: The study itself.
-        conditions: Its conditions by name, each with what it compiles to.
-        others: What the scenarios of practice and foil trials compile to, by what the study calls them.
+        conditions: The conditions by name, each with its compilation.
+        others: The compilations of practice and foil trials, by their names in the study.
     """
 
     file: StudyFile
@@ -191,7 +192,7 @@ class StudyCompilation:
 
 
 SILENT = (Message.model_construct(modality=("none",)),)
-"""The messages of a variant of the interface that has none: without any, pages would show texts of their own."""
+"""Messages of an interface variant without messages: with an empty list, pages would show their default texts."""
 
 
 def compile_study(
@@ -202,15 +203,15 @@ def compile_study(
     overrides: Overrides | None = None,
     trust: Trust | None = None,
 ) -> StudyCompilation | None:
-    """Compile every trial of a study; None when the sink has errors.
+    """Compile every trial of a study; return None if the sink has errors.
 
-    What is wrong in a scenario's file is reported there, and once only.
+    Faults in a scenario's file are reported there, and only once.
 
     Args:
         source: The study's file.
-        sink: Where faults go.
-        maps: Folders that maps are looked for in first.
-        overrides: What is set in place of what the scenarios say.
+        sink: Receives the diagnostics.
+        maps: Folders in which maps are looked for first.
+        overrides: Values that replace those of the scenarios.
         trust: Code that the user trusts.
 
     Raises:
@@ -293,7 +294,7 @@ def _told(one: Diagnostic) -> tuple[str, str, int, int, str]:
 
 
 def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnostics) -> Vary | None:
-    """Return how FILE or FILE#name says that a sweep varies it; None when it says nothing, or is at fault.
+    """Return the variation that FILE or FILE#name declares; None if it declares none or has errors.
 
     Raises:
         ScenarioNameNeededError: The file has several scenarios and no name is given.
@@ -310,7 +311,7 @@ def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnos
 
 
 def declared_parameters(target: str | Path) -> dict[str, Declaration]:
-    """Return what the parameters that FILE or FILE#name declares may be, by name; none where it cannot be read."""
+    """Return the declared parameters of FILE or FILE#name by name; none if the file cannot be read."""
     path, name = split_target(target)
     read = read_source(path, Diagnostics())
     return {} if read is None else declarations(read[1], name)
@@ -326,9 +327,9 @@ def compile_expanded(
     whole: bool = True,
     trust: Trust | None = None,
 ) -> Compilation | None:
-    """Compile an expanded scenario that was written in `document` but for the seal; None when the sink has errors.
+    """Compile an expanded scenario of `document` without sealing the plan; return None if the sink has errors.
 
-    The plan of a scenario that could not be read as a whole is not checked by what it lacks.
+    If parts of the scenario could not be read, the plan is not checked for missing parts.
     """
     scenario = overrides.applied(scenario)
     network = open_map(scenario.map, document.folder, map_place(scenario, document), sink, maps)
@@ -374,18 +375,18 @@ def compile_scenario(
     """Compile FILE or FILE#name with these values of its parameters.
 
     Args:
-        path: The file, with the scenario's name where it holds several.
-        overrides: What is set in place of what the scenario says: perception, controller, step, duration.
-        maps: Folders that its map is looked for in first.
-        templates: Folders that its templates are looked for in first.
-        trust: Code that is trusted; of other code that the file names the spelling alone is checked.
+        path: The file, with the name of a scenario if the file has several.
+        overrides: Values that replace those of the scenario: perception, controller, step, duration.
+        maps: Folders in which its map is looked for first.
+        templates: Folders in which its templates are looked for first.
+        trust: Trusted code; of other code that the file names, only the spelling is checked.
         **arguments: Values of the scenario's parameters, by name.
 
     Raises:
-        CompileError: The input is at fault; its `diagnostics` say how.
+        CompileError: The input has errors, which are in `diagnostics`.
         ScenarioNameNeededError: The file has several scenarios and no name is given.
-        TypeError: `overrides`, `maps`, `templates` or `trust` got a value as a parameter has it; `compile_target` takes
-            the values of parameters of these names.
+        TypeError: `overrides`, `maps`, `templates` or `trust` has the value of a scenario's parameter. For a scenario
+            with parameters of these names, use `compile_target`.
     """
     _refuse_values(overrides, maps, templates, trust)
     sink = Diagnostics()
@@ -404,12 +405,12 @@ def compile_built(
     """Compile a scenario that a program has built from words; relative paths start from the current folder.
 
     Args:
-        scenario: The scenario; what it leaves to the library's catalogs is filled in.
-        maps: Folders that its map is looked for in first.
-        perception: What the lane confidence comes from; the camera when None.
+        scenario: The scenario; vehicles and drivers of the library's catalogs are filled in.
+        maps: Folders in which its map is looked for first.
+        perception: Source of the lane confidence; None means the camera.
 
     Raises:
-        CompileError: The scenario is at fault; its `diagnostics` say how.
+        CompileError: The scenario has errors, which are in `diagnostics`.
     """
     sink = Diagnostics()
     whole = completed(scenario, sink)
@@ -424,12 +425,12 @@ def compile_built(
 def _refuse_values(overrides: object, maps: object, templates: object, trust: object) -> None:
     """Raise TypeError for what a caller meant as the value of a scenario's parameter of that name."""
     if not isinstance(overrides, Overrides | None):
-        raise TypeError(f"overrides is an Overrides, not {overrides!r}; it gives no parameter its value")
+        raise TypeError(f"overrides is an Overrides, not {overrides!r}; it does not set a parameter")
     for name, folders in (("maps", maps), ("templates", templates)):
         if isinstance(folders, str) or not isinstance(folders, Sequence):
-            raise TypeError(f"{name} is a list of folders, not {folders!r}; it gives no parameter its value")
+            raise TypeError(f"{name} is a list of folders, not {folders!r}; it does not set a parameter")
     if not isinstance(trust, Trust | None):
-        raise TypeError(f"trust is a Trust, not {trust!r}; it gives no parameter its value")
+        raise TypeError(f"trust is a Trust, not {trust!r}; it does not set a parameter")
 
 
 def _as_text(value: object) -> str:

@@ -1,7 +1,7 @@
-"""Diagnostics are values: codes, the places they speak of, the sink that collects them, and their text forms.
+"""Diagnostics as values: their codes and places, the sink that collects them, and their formats as text.
 
-An author's mistake never raises out of a stage. A stage adds a `Diagnostic` to a `Diagnostics` sink and goes on; only
-`compile_scenario` raises `CompileError` at its end. Codes are declared beside the check that reports them.
+A stage never raises an exception for an author's mistake. It adds a `Diagnostic` to a `Diagnostics` sink and continues;
+only `compile_scenario` raises `CompileError` at its end. Codes are declared beside the check that reports them.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scenario_compiler.legible import legible, legible_line
 
 
 class Severity(enum.Enum):
-    """How much a diagnostic weighs: an error stops the compilation after the stage, the others do not."""
+    """The severity of a diagnostic: an error ends the compilation after the current stage, the others do not."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -25,7 +25,7 @@ class Severity(enum.Enum):
 
 
 class Place(Protocol):
-    """A place in a source file. Columns are found only when asked for (see `document.Origin`)."""
+    """A place in a source file. The column is computed when it is first read (see `document.Origin`)."""
 
     @property
     def file(self) -> str:
@@ -34,33 +34,33 @@ class Place(Protocol):
 
     @property
     def line(self) -> int:
-        """Line, counted from 1; 0 when the diagnostic speaks of the whole file."""
+        """Line, counted from 1; 0 if the diagnostic is about the whole file."""
         ...
 
     @property
     def column(self) -> int:
-        """Column, counted from 1; 0 when unknown."""
+        """Column, counted from 1; 0 if unknown."""
         ...
 
     @property
     def length(self) -> int:
-        """Number of characters that the place covers, 0 when unknown."""
+        """Number of characters that the place covers; 0 if unknown."""
         ...
 
     @property
     def source_line(self) -> str:
-        """Text of the line, empty when unknown."""
+        """Text of the line; empty if unknown."""
         ...
 
     @property
     def within(self) -> Place | None:
-        """The use (of a template, an include, a catalog) that brought this place in."""
+        """The use of a template, an include or a catalog through which this place became part of the scenario."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class FilePlace:
-    """A place given by numbers, for whole files and for places read back from a plan."""
+    """A place with known line and column, for whole files and for places in a stored plan."""
 
     file: str
     line: int = 0
@@ -78,8 +78,8 @@ class Code:
         id: "SC" and three digits: 1xx reading, 2xx names and references, 3xx roads and positions, 4xx storyboard,
             5xx controllers and takeover, 6xx running, 9xx part of a standard that is not supported.
         name: The fault in kebab case, e.g. "unknown-lane".
-        explanation: The page that `scenario-compiler explain` prints: what it means, why it matters, what to do.
-        severity: What it weighs unless the command line moves it.
+        explanation: The text that `scenario-compiler explain` prints: the meaning, the reason, and what to do.
+        severity: The severity, which the command line can change.
     """
 
     id: str
@@ -115,25 +115,25 @@ CODE_HOMES = (
     "worlds.carla",
     "worlds.model",
 )
-"""Modules that bring in all others that declare codes. They are loaded only for who asks about a code by its name."""
+"""Modules that import all modules with codes. They are loaded only if a code is looked for by its name."""
 
 
 def all_codes() -> Mapping[str, Code]:
-    """Return every code that there is by its id, whatever has been loaded so far."""
+    """Return all codes by their ids, also those of modules that have not been loaded yet."""
     for home in CODE_HOMES:
         importlib.import_module(f"scenario_compiler.{home}")
     return CODES
 
 
 def code_named(text: str) -> Code | None:
-    """Return the code with an id, in capitals or not; None when there is none."""
+    """Return the code with an id, in upper or lower case; None if there is none."""
     name = text.strip().upper()
     return CODES.get(name) or all_codes().get(name)
 
 
 @dataclass(frozen=True, slots=True)
 class Related:
-    """Another place that a finding speaks of, and what is there."""
+    """Another place that a finding refers to, with a message about it."""
 
     message: str
     place: Place
@@ -141,7 +141,7 @@ class Related:
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One finding: what is wrong, where, what the author can do about it, and which other places it speaks of."""
+    """One finding: the fault, its place, a hint for the author, and other places that it refers to."""
 
     code: Code
     message: str
@@ -151,7 +151,7 @@ class Diagnostic:
     related: tuple[Related, ...] = ()
 
     def chain(self) -> Iterator[Place]:
-        """Yield the uses that brought the place in, innermost first."""
+        """Yield the uses through which the place became part of the scenario, innermost first."""
         place = self.place.within
         while place is not None:
             yield place
@@ -163,16 +163,16 @@ MANY_FINDINGS = Code(
     "many-findings",
     "The file has too many faults of one kind to list: 100 of each kind are shown, the others are only counted.\n\n"
     '    <lane id="-1" typ="driving">...</lane>     in each of 2000 lanes: 1900 are counted\n\n'
-    "So many equal faults usually have one cause, in the program that wrote the file or in the version in its header. "
-    "Correct that, and check the file again.",
+    "So many equal faults usually have a single cause, such as the program that wrote the file or the version in "
+    "its header. Correct the cause, and check the file again.",
     Severity.WARNING,
 )
 
 MOST_OF_A_KIND = 100
-"""Most findings of one code and severity that are kept of a file; the others are counted."""
+"""Greatest number of findings with the same file, code and severity that are kept; the others are counted."""
 
 LONGEST_TEXT = 2000
-"""Most characters of a message or a hint; an attribute that it repeats may have many megabytes."""
+"""Greatest length of a message or a hint in characters; an attribute quoted in it may have many megabytes."""
 
 
 @dataclass(slots=True)
@@ -186,12 +186,12 @@ class _Beyond:
 
 @dataclass(slots=True)
 class Diagnostics:
-    """The sink that every stage reports into. Its size is bounded: of each file, code and severity it keeps some.
+    """The sink to which every stage reports. Its size is bounded: it keeps `MOST_OF_A_KIND` findings of each kind.
 
     Attributes:
-        found: What was reported and is kept. Findings go in by `add`, `take` and `absorb`, which keep it bounded.
-        insisted: Codes of warnings that whoever asks wants to know of, even where a file allows them.
-        reported: Number of findings that were reported so far, kept or not.
+        found: The findings that are kept. `add`, `take` and `absorb` add findings and limit their number.
+        insisted: Codes of warnings that are kept even if a file allows them.
+        reported: Number of findings so far, kept or not.
     """
 
     found: list[Diagnostic] = field(default_factory=list)
@@ -210,11 +210,11 @@ class Diagnostics:
         severity: Severity | None = None,
         related: tuple[Related, ...] = (),
     ) -> None:
-        """Report one finding with the code's severity, unless another is given."""
+        """Report one finding, by default with the code's severity."""
         self.take((Diagnostic(code, _bounded(message), place, _bounded(hint), severity or code.severity, related),))
 
     def take(self, findings: Iterable[Diagnostic]) -> None:
-        """Report findings made elsewhere."""
+        """Report existing findings."""
         for one in findings:
             self.reported += 1
             kind = _kind_of(one)
@@ -251,13 +251,13 @@ class Diagnostics:
             self._beyond.setdefault(kind, _Beyond(beyond.first, beyond.kept)).count += beyond.count
 
     def retain(self, wanted: Callable[[Diagnostic], bool]) -> None:
-        """Take back all findings but those that are wanted."""
+        """Remove all findings except the wanted ones."""
         self.found[:] = [one for one in self.found if wanted(one)]
         self._beyond = {kind: beyond for kind, beyond in self._beyond.items() if wanted(beyond.first)}
 
     @property
     def has_errors(self) -> bool:
-        """True when at least one finding is an error."""
+        """True if at least one finding is an error."""
         return any(one.severity is Severity.ERROR for one in self.found)
 
     def __iter__(self) -> Iterator[Diagnostic]:
@@ -281,7 +281,7 @@ def _kind_of(one: Diagnostic) -> _Kind:
 
 
 def _rough_spot(one: Diagnostic) -> tuple[object, ...]:
-    """Return what tells findings of a kind apart well enough to count them, without looking for a column."""
+    """Return a key that distinguishes findings of a kind, without computing a column."""
     element = getattr(one.place, "element", None)
     if element is None:
         return one.message, one.place.line, one.place.column
@@ -295,13 +295,13 @@ def _bounded(text: str) -> str:
 def weighed(
     found: Iterable[Diagnostic], errors: Collection[str], allowed: Collection[str], *, strict: bool = False
 ) -> Iterator[Diagnostic]:
-    """Yield findings as someone wants them weighed.
+    """Yield findings with the severities that the user wants.
 
     Args:
         found: The findings.
-        errors: Codes that are errors, or `all` for every warning.
-        allowed: Codes that are left out, but for errors.
-        strict: Every warning is an error.
+        errors: Codes whose warnings become errors, or `all` for every warning.
+        allowed: Codes whose warnings are left out; errors stay.
+        strict: Whether every warning becomes an error.
     """
     for one in found:
         if one.code.id in allowed and one.severity is not Severity.ERROR:
@@ -311,7 +311,7 @@ def weighed(
 
 
 class CompileError(Exception):
-    """The input is at fault; `diagnostics` says how."""
+    """The input has errors, which are in `diagnostics`."""
 
     def __init__(self, diagnostics: Diagnostics) -> None:
         """Keep the diagnostics and put the errors' texts into the message."""
@@ -320,16 +320,16 @@ class CompileError(Exception):
 
 
 MOST_COMPARED = 200
-"""Most names that a word is compared with; among more, those that begin alike."""
+"""Greatest number of names with which a word is compared; if there are more, those with the same beginning."""
 
 MOST_KNOWN = 2000
-"""Most names among which one is looked for: a file that has more may have as many faults."""
+"""Greatest number of names in which a similar one is looked for: a file with more may have as many faults."""
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return a hint naming the nearest of `known`, or listing them when none is near and they are few.
+    """Return a hint with the most similar of `known`, or with all of them if none is similar and there are few.
 
-    A name that is empty, as where an author has left it out, is not offered.
+    Empty names, which an author has left out, are not suggested.
     """
     offered = list(known)
     if len(offered) > MOST_KNOWN:
@@ -345,13 +345,13 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 WIDEST_LINE = 240
-"""Most characters that are shown of a source line: a file may be one line of many megabytes, with many findings."""
+"""Greatest number of characters of a source line that are shown: a file may have one line of many megabytes."""
 
 
 def as_text(diagnostic: Diagnostic) -> str:
-    """Format as a compiler does: position, code, message, the source line with carets, hint, chain, other places.
+    """Return the diagnostic as text: position, code, message, source line with carets, hint, uses, other places.
 
-    Whatever the file and its name are made of, each is a line, and all characters can be seen.
+    Each part is one line, and invisible characters in the file or its name are shown as escapes.
     """
     place = diagnostic.place
     lines = [f"{position_text(place)}: {diagnostic.severity.value}[{diagnostic.code.id}]: {diagnostic.message}"]
@@ -411,7 +411,7 @@ def as_record(diagnostic: Diagnostic) -> dict[str, object]:
 
 
 def position_text(place: Place) -> str:
-    """Return a place as FILE:LINE:COLUMN, without what is not known."""
+    """Return a place as FILE:LINE:COLUMN, without parts that are unknown."""
     parts = [place.file]
     if place.line:
         parts.append(str(place.line))

@@ -193,14 +193,14 @@ def read_document(path: str | Path, sink: Diagnostics, limit: int = SCENARIO_BYT
         raw = read_file(path, limit)
     except FileNotFoundError as error:
         dangling = Path(path).is_symlink()
-        why, hint = ("it is a link to nothing", "") if dangling else (error.strerror, _beside(Path(path)))
+        why, hint = ("it is a link to a missing file", "") if dangling else (error.strerror, _beside(Path(path)))
         sink.add(UNREADABLE, f"cannot read the file: {why}", FilePlace(name), hint=hint)
         return None
     except OSError as error:
         sink.add(UNREADABLE, f"cannot read the file: {error.strerror}", FilePlace(name))
         return None
     except ValueError:
-        sink.add(UNREADABLE, "cannot read the file: no file can have such a name", FilePlace(name))
+        sink.add(UNREADABLE, "cannot read the file: this is not a possible file name", FilePlace(name))
         return None
     return parse_document(raw, name, sink)
 

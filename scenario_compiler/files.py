@@ -1,4 +1,4 @@
-"""Files in, safely: ordinary files only, and no more of one than is wanted.
+"""Reads files safely: ordinary files only, and never more bytes than a limit.
 
 A pipe may never end and a device always has more, so neither is read; and the size that a file is said to have is not
 relied on. What is at fault is an OSError, whose `strerror` says it in words for the author.
@@ -84,5 +84,5 @@ def _content(handle: int, size: int, limit: int) -> bytes:
         pieces.append(piece)
         left -= len(piece)
     if left <= 0:
-        raise OSError(errno.EFBIG, f"it goes on after {limit} bytes; no more are read")
+        raise OSError(errno.EFBIG, f"it is longer than {limit} bytes; the rest is not read")
     return b"".join(pieces)

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: one interruption of the whole program, which its worker processes leave to it."""
+"""Turns Ctrl-C and SIGTERM into one interruption of the program, which its worker processes ignore."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def raise_when_ended() -> None:
 
 
 def _raise_again(fault: Any) -> None:
-    """Interrupt the program anew where Python has swallowed an interruption, in a destructor or a callback."""
+    """Interrupt the program again where Python has swallowed an interruption, in a destructor or a callback."""
     if fault.exc_type is not None and issubclass(fault.exc_type, KeyboardInterrupt):
         threading.Timer(0.01, signal.raise_signal, [signal.SIGINT]).start()
     else:

@@ -1,8 +1,8 @@
-"""The names that a package offers to programs, each imported from its home when it is first used.
+"""The public names of a package, each imported from its module when it is first used.
 
-A package whose `__init__.py` asks this module has a stub, `__init__.pyi`, beside it, with lines such as
-`from scenario_compiler.home import Name as Name`. The stub is the one list of its names: type checkers and editors read
-it too. Importing such a package imports nothing else.
+A package whose `__init__.py` asks this module has a stub, `__init__.pyi`, beside it, with lines such as `from
+scenario_compiler.home import Name as Name`. The stub is the only list of the names; type checkers and editors read it
+too. Importing such a package imports no other module.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ def public_names(package: str) -> Mapping[str, str]:
 
 
 def public_object(package: str, name: str) -> object:
-    """Return what a public name of a package stands for; its sorted names for `__all__`.
+    """Return the object of a public name of a package; for `__all__`, the sorted names.
 
     Raises:
-        AttributeError: The package offers no such name.
+        AttributeError: The package has no such public name.
     """
     names = public_names(package)
     if name == "__all__":

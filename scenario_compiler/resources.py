@@ -1,4 +1,4 @@
-"""The only finder of schemas, library, templates and maps, in a checkout and in an installed wheel."""
+"""Finds schemas, the library, templates and maps, in a checkout and in an installed wheel; no other module does."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ def library_folder() -> Path:
 
 
 TEMPLATE_PACKAGES = "scenario_compiler_templates"
-"""Group of entry points by which installed packages bring templates: each names a folder as a package, a.b for a/b."""
+"""Group of entry points through which installed packages provide templates: each value is a folder, a.b for a/b."""
 
 _TEMPLATES: ContextVar[tuple[Path, ...]] = ContextVar("templates", default=())
 
 
 @contextmanager
 def templates_from(folders: Sequence[Path]) -> Iterator[None]:
-    """Let templates be looked for in these folders first, for a while: what --templates gives."""
+    """Look for templates in these folders first while the context is open, as with --templates."""
     token = _TEMPLATES.set(tuple(folders))
     try:
         yield
@@ -47,15 +47,15 @@ def templates_from(folders: Sequence[Path]) -> Iterator[None]:
 
 
 def templates_given() -> tuple[Path, ...]:
-    """Return the folders of `templates_from` that hold now, for who hands work to another process."""
+    """Return the present folders of `templates_from`, so that another process can use the same ones."""
     return _TEMPLATES.get()
 
 
 def template_folders() -> Iterator[Path]:
-    """Yield the folders of templates, in the order in which a name is looked for.
+    """Yield the folders of templates, in the order in which a name is looked up.
 
     Those given by `templates_from`, those of $SCENARIO_COMPILER_TEMPLATES, the library's, then those of installed
-    packages by name: installing one changes no scenario that could be read before.
+    packages by name. Installing a package therefore does not change scenarios that could be read before.
     """
     yield from _TEMPLATES.get()
     yield from (Path(one) for one in os.environ.get("SCENARIO_COMPILER_TEMPLATES", "").split(os.pathsep) if one)
@@ -99,10 +99,11 @@ def cache_folder() -> Path:
 
 
 def configuration_file() -> Path:
-    """Return the user's configuration file, whether it is there or not.
+    """Return the path of the user's configuration file, which need not exist.
 
     It is `scenario-compiler/config.toml` in $XDG_CONFIG_HOME, on Windows in %APPDATA%, else in `~/.config`. A relative
-    folder in a variable is ignored, as the XDG Base Directory Specification wants it: it would mean the current one.
+    folder in a variable is ignored, as the XDG Base Directory Specification requires, because it would depend on the
+    current folder.
     """
     named = Path(os.environ.get("XDG_CONFIG_HOME") or os.environ.get("APPDATA") or "")
     folder = named if named.is_absolute() else Path("~/.config").expanduser()
@@ -111,7 +112,7 @@ def configuration_file() -> Path:
 
 @dataclass(frozen=True)
 class MapSearch:
-    """Where maps are looked for.
+    """The search path for maps.
 
     Attributes:
         beside: Folder of the file that names the map; None for a map named by a program.
@@ -133,16 +134,16 @@ class MapSearch:
 
 
 PUBLISHED_AS = {"conflictmap": "HRI_custommap"}
-"""Names of maps in scenario files, and those of the files that they are published as: the AISA toolkit's own map."""
+"""Names of maps in scenario files with the names of the published files: the AISA toolkit's own map."""
 
 
 def portable(path: str) -> str:
-    """Return a path as every system takes it: one with the backslashes of Windows, with slashes."""
+    """Return a path that every system accepts: the backslashes of Windows become slashes."""
     return PureWindowsPath(path).as_posix() if "\\" in path else path
 
 
 class MapNotFoundError(FileNotFoundError):
-    """No map of that name on the search path; `looked` lists the files that were tried."""
+    """There is no map of this name on the search path; `looked` lists the files that were tried."""
 
     def __init__(self, name: str, looked: Sequence[Path]) -> None:
         """Keep the name and the files that were tried."""
@@ -152,15 +153,15 @@ class MapNotFoundError(FileNotFoundError):
 
 
 def find_map(name: str, *, beside: Path | None = None, folders: Sequence[Path] = ()) -> Path:
-    """Return the OpenDRIVE file of a map given by its path or its name.
+    """Return the OpenDRIVE file of a map, given its path or its name.
 
-    A relative path is tried from the folder of the file that names it, whole and then by its bare name; then on the
+    A relative path is tried in the folder of the file that names it, first whole and then as its bare name; then on the
     search path: `folders`, $SCENARIO_COMPILER_MAPS, $CARLA_ROOT/CarlaUE4/Content/Carla/Maps/OpenDrive, the packaged
-    maps; then the same for the name that a map is published under. Names are case-sensitive on every system and
-    ".xodr" may be left out.
+    maps; then the same with the name of the published file. Names are case-sensitive on every system and ".xodr" may be
+    left out.
 
     Raises:
-        MapNotFoundError: No such file; says where it looked.
+        MapNotFoundError: There is no such file; the error lists the places.
     """
     search = MapSearch(beside, tuple(folders))
     looked: list[Path] = []

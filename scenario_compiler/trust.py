@@ -1,8 +1,8 @@
-"""Whether code that a file names may be imported: the one question that every command asks before it imports any.
+"""Decides whether code that a file names may be imported; every command asks before it imports such code.
 
-A file only names code (a controller's class), it never makes that code run. Code runs when the user has named it: on
-the command line, in a program, or in the list of the user's configuration file. That file lies in the user's own
-configuration folder (`resources.configuration_file`), never beside a scenario.
+A file can name code (a controller's class), but cannot make it run. Code runs only if the user has named it: on the
+command line, in a program, or in the list of the user's configuration file. That file is in the user's configuration
+folder (`resources.configuration_file`), never beside a scenario.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ _CLASS = re.compile(_NAME)
 
 
 class ConfigurationError(ValueError):
-    """The user's configuration file cannot be read; the message names the file and says why."""
+    """The user's configuration file cannot be read; the message has the file and the reason."""
 
 
 @dataclass(frozen=True)
 class CodeName:
-    """A class as a scenario or a command line names it: `package.module:Class` or `file.py:Class`.
+    """The name of a class in a scenario or on the command line: `package.module:Class` or `file.py:Class`.
 
     Attributes:
         source: The module's dotted name, or the path of a Python file.
@@ -47,7 +47,7 @@ class CodeName:
 
 
 def code_name(text: str) -> CodeName | None:
-    """Return what a text names; None when it is spelt as neither `package.module:Class` nor `file.py:Class`."""
+    """Return the parts of a name; None if it has neither the form `package.module:Class` nor `file.py:Class`."""
     source, _, attribute = text.rpartition(":")
     if not _CLASS.fullmatch(attribute) or not (source.endswith(".py") or _MODULE.fullmatch(source)):
         return None
@@ -56,13 +56,13 @@ def code_name(text: str) -> CodeName | None:
 
 @dataclass(frozen=True)
 class Trust:
-    """What the user trusts, beside what the list in the user's configuration file says.
+    """The code that the user trusts, in addition to the list in the user's configuration file.
 
     Attributes:
         named: Names given on the command line or by a program. Each is a class (`package.module:Class`,
-            `file.py:Class`), a module or package with all that is in it (`package.module`), a Python file (`file.py`),
-            or a scenario's file, all of whose code is then trusted.
-        beside: The scenario's folder. Code that is `named` is looked for there too; code that only a file names is not.
+            `file.py:Class`), a module or package with everything in it (`package.module`), a Python file (`file.py`),
+            or a scenario's file, which trusts all code that it names.
+        beside: The scenario's folder. Code in `named` is looked for there too; code that only a file names is not.
     """
 
     named: tuple[str, ...] = ()
@@ -72,8 +72,8 @@ class Trust:
         """Return whether code may be imported.
 
         Args:
-            code: The code as `named_in` names it.
-            named_in: Path of the file that names it, from whose folder the path of a Python file starts.
+            code: The name of the code in `named_in`.
+            named_in: Path of the file that names the code; relative paths start from its folder.
 
         Raises:
             ConfigurationError: The user's configuration file cannot be read.
@@ -84,15 +84,15 @@ class Trust:
         return any(_covers(name, code, file) for name in _configured() if _is_whole(name))
 
     def names(self, code: CodeName, named_in: str) -> bool:
-        """Return whether the user has named this very code, its module, a package around it, or its Python file."""
+        """Return whether the user has named this class, its module, a package that contains it, or its Python file."""
         file = self.file_of(code, named_in)
         return any(_covers(name, code, file) for name in self.named)
 
     def file_of(self, code: CodeName, named_in: str) -> Path | None:
-        """Return the absolute path of the Python file that a name gives; None for the name of a module.
+        """Return the absolute path of the Python file in a name; None for the name of a module.
 
-        A path that the user has named starts from the current folder, else from the scenario's; any other from the
-        folder of the file that names it.
+        A relative path from the user starts from the current folder, or from the scenario's folder if there is no such
+        file; any other path starts from the folder of the file that contains it.
         """
         if not code.is_file:
             return None

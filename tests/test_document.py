@@ -133,7 +133,7 @@ def test_a_file_that_is_there_is_not_offered_for_itself(tmp_path: Path) -> None:
     for name in ("loop1.xml", "folder.xml", "dangling.xml"):
         assert read_document(tmp_path / name, sink) is None
     assert [one.hint for one in sink.found] == ["", "", ""]
-    assert [one.message for one in sink.found][2] == "cannot read the file: it is a link to nothing"
+    assert [one.message for one in sink.found][2] == "cannot read the file: it is a link to a missing file"
 
 
 def test_a_documents_folder_is_where_relative_paths_start(tmp_path: Path) -> None:

@@ -371,7 +371,7 @@ def test_a_path_in_a_property_starts_from_the_scenarios_folder(
     [
         ("Failing", "RuntimeError: lost"),
         ("NotANumber", "throttle is nan"),
-        ("Silent", "it returned NoneType, which is no Control"),
+        ("Silent", "it returned NoneType, which is not a Control"),
     ],
 )
 def test_a_controller_that_fails_in_a_run_ends_it_and_keeps_the_recording(
@@ -450,7 +450,7 @@ def test_a_stranger_s_detector_runs_only_where_it_is_trusted(
     [
         ("Failing", "SC521", "RuntimeError: blind"),
         ("Certain", "SC521", "p of the left boundary is 2.0, not from 0 to 1"),
-        ("Silent", "SC521", "it returned NoneType, which is no LaneResult"),
+        ("Silent", "SC521", "it returned NoneType, which is not a LaneResult"),
         ("Deaf", "SC527", "does not have a method `detect`"),
         ("Gone", "SC527", "there is no 'Gone' in it"),
     ],

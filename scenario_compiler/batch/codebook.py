@@ -1,4 +1,4 @@
-"""The codebook of a sweep: what each column of its tables holds, its unit, and when it is empty.
+"""The codebook of a sweep: the meaning and unit of each column of its tables, and when a column is empty.
 
 It is one declaration for the table's columns, for the notes in the table's own file, and for `codebook.csv` beside it.
 """
@@ -61,7 +61,7 @@ def parameter_column(name: str, axis: Distribution, declared: Declaration | None
 def result_columns(parameters: Iterable[Column]) -> tuple[Column, ...]:
     """Return the columns of results.parquet, in order; `parameters` are those that vary."""
     return (
-        Column("variant", "integer", "", "Index of the variant: with the seed it decides what its run draws."),
+        Column("variant", "integer", "", "Index of the variant; with the seed it determines the run's random numbers."),
         *parameters,
         Column("seed", "integer", "", "Seed of the run."),
         Column("digest", "text", "", "Digest of the plan with its parameters at their defaults.", "there is no plan"),
@@ -88,13 +88,13 @@ NO_RUN = "the variant broke off before its run"
 
 OUTCOME: Mapping[str, tuple[str, str, str]] = {
     "result": ("", str(Outcome.model_fields["result"].description), ""),
-    "error": ("", "Why there is no result: why the values were refused, or the run could not go on.", ""),
+    "error": ("", "Reason why there is no result: the values were refused, or the run could not continue.", ""),
     "stop_reason": ("", str(Outcome.model_fields["stop_reason"].description), NO_RUN),
     "duration": ("s", str(Outcome.model_fields["duration"].description), NO_RUN),
     "resolution": ("", str(Outcome.model_fields["resolution"].description), NO_RUN),
     "cause": ("", str(Outcome.model_fields["cause"].description), ""),
     "collision_with": ("", str(Outcome.model_fields["collision_with"].description), "no collision"),
-    "failed": ("", "The criteria that do not hold, by their names in the conflict language, a space between.", ""),
+    "failed": ("", "The criteria that failed, by their names in the conflict language, separated by spaces.", ""),
     "avoided_by": (
         "",
         "Of the reference drivers that criteria name, those who have no collision where they drive from the start, a "

@@ -1,4 +1,4 @@
-"""Distributions of a parameter, from their spelling to their quantiles.
+"""Distributions of a parameter: parsing their notation, and computing their quantiles.
 
 A distribution is written as a call: `uniform(5, 40)`, `choice(10, 20, 30)`, `grid(1, 10, 4)`. It is drawn from by its
 quantile function alone, so that every sampling method works with every distribution.
@@ -56,7 +56,7 @@ def parse_distribution(text: str) -> Distribution:
     """Parse the spelling of a distribution; SweepError when it is not one."""
     match = re.fullmatch(r"\s*([a-z]+)\s*\((.*)\)\s*", text, re.DOTALL)
     if match is None or match.group(1) not in DISTRIBUTIONS:
-        raise SweepError(f"'{text}' is no distribution; known are {', '.join(DISTRIBUTIONS)}")
+        raise SweepError(f"'{text}' is not a distribution; the distributions are {', '.join(DISTRIBUTIONS)}")
     name, inside = match.groups()
     parts = tuple(part.strip() for part in inside.split(","))
     if parts == ("",):

@@ -1,4 +1,4 @@
-"""Running a sweep: who runs the variants, in which form, and where their rows go."""
+"""Runs sweeps: chooses how variants are run, runs them, and stores their rows."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ PRESENTED = 1_000_000
 """Greatest number of variants whose rows are held in memory, for the report and the choice of traces."""
 
 WORTH_A_WORKER: dict[Form, int] = {"camera": 1, "interpreted": 80, "compiled": 2000}
-"""Variants that are worth the start of another process, by what runs them."""
+"""Number of variants from which on another process is worth its start, by the form of execution."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class SweepResult:
     Attributes:
         folder: Its folder.
         table: The file of the rows.
-        tally: What the variants came to.
-        automated: An automated vehicle drives, which can ask its driver to take over.
-        commonest: What most of the rows without a result say; empty where all have one.
-        form: What ran the variants.
-        workers: Number of processes that did; 1 for this process alone.
+        tally: Counts of the variants' results.
+        automated: Whether there is an automated vehicle, which can request a takeover.
+        commonest: Most frequent reason in rows without a result; empty if all rows have one.
+        form: How the variants were run.
+        workers: Number of processes; 1 for this process alone.
     """
 
     folder: Path
@@ -59,14 +59,14 @@ class SweepResult:
 
 
 class Executor(Protocol):
-    """What runs parts: this process, a pool of processes, or a cluster."""
+    """Runs parts of a sweep, in this process, in a pool of processes, or on a cluster."""
 
     def run(self, parts: Iterator[Part]) -> Iterator[tuple[int, Batch]]:
-        """Yield the rows of all parts as (number of the part, batch), those of one part in order."""
+        """Yield the rows of all parts as (number of the part, batch); the batches of a part are in order."""
         ...
 
     def close(self) -> None:
-        """End it."""
+        """Release all processes and connections."""
         ...
 
 
@@ -78,13 +78,13 @@ class Inline:
         self.runner = runner
 
     def run(self, parts: Iterator[Part]) -> Iterator[tuple[int, Batch]]:
-        """Yield the rows of all parts, one part after the other."""
+        """Yield the rows of all parts, part by part."""
         for part in parts:
             for batch in self.runner.batches(part):
                 yield part.number, batch
 
     def close(self) -> None:
-        """Keep nothing open."""
+        """Do nothing: there is nothing to release."""
 
 
 @dataclass
@@ -94,11 +94,11 @@ class Sweep:
     Attributes:
         target: FILE, FILE#name or a plan's file.
         spec: What it is asked to do.
-        sampler: Its variants.
-        families: Their plans.
-        form: What runs them.
-        part_size: Number of variants of a part.
-        declared: What the scenario says of its parameters.
+        sampler: Samples the variants.
+        families: The plans of the variants.
+        form: How the variants are run.
+        part_size: Number of variants in a part.
+        declared: The scenario's declarations of its parameters.
     """
 
     target: str
@@ -112,7 +112,7 @@ class Sweep:
 
     @property
     def trust(self) -> Trust:
-        """What a worker may import: what was found to be trusted when the sweep was prepared."""
+        """The code that workers may import: what was trusted when the sweep was prepared."""
         trust, controller = self.spec.trusted(self.target), self.families.base.plan.controller
         if controller is None:
             return trust
@@ -125,7 +125,7 @@ class Sweep:
         return math.ceil(self.sampler.total / self.part_size)
 
     def variant(self, index: int, sample: Sample) -> Variant:
-        """Return a variant with its family, or with why it has none."""
+        """Return a variant with its family, or with the reason why it has none."""
         seed = self.sampler.seed_of(index)
         found = self.families.of(sample)
         if isinstance(found, Diagnostics):
@@ -137,7 +137,7 @@ class Sweep:
             return Variant(index, seed, found.number, {}, str(fault))
 
     def part(self, number: int) -> tuple[Part, Columns]:
-        """Return a piece of work, and the columns of its rows that are known before it runs."""
+        """Return a part of the work, and those columns of its rows that are known before it runs."""
         first = number * self.part_size
         indices = range(first, min(first + self.part_size, self.sampler.total))
         samples = [self.sampler.sample(index) for index in indices]
@@ -156,7 +156,7 @@ class Sweep:
         return self._on_the_way.setdefault(family.number, SentPlan(family.number, family.plan, family.plan.map.file))
 
     def manifest(self) -> dict[str, Any]:
-        """Return what decides the rows, for the folder to be known by."""
+        """Return everything that determines the rows; it identifies the sweep to which a folder belongs."""
         return {
             "target": Path(self.target).name,
             "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit", "errors", "allowed", "trust"}),
@@ -207,12 +207,12 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
 def check_axes(
     axes: Mapping[str, Distribution], declared: Mapping[str, Declaration], constrained: Collection[str]
 ) -> None:
-    """Raise SweepError where a distribution gives a parameter values that it cannot have.
+    """Raise SweepError if a distribution gives a parameter values that it cannot have.
 
     Args:
         axes: The distributions by the parameter's name.
-        declared: What the parameters may be; one that is not there is the compiler's to report.
-        constrained: Parameters that constraints name, which may keep them within their limits.
+        declared: Declarations of the parameters; the compiler reports parameters without a declaration.
+        constrained: Parameters in constraints, which may keep their values inside the limits.
     """
     for name, axis in axes.items():
         if name not in declared:
@@ -227,14 +227,14 @@ def check_axes(
 
 
 def form_of(spec: SweepSpec, base: Family) -> Form:
-    """Return what runs a sweep's variants: a camera in the loop needs Python, the others run in the engine alone."""
+    """Return how a sweep's variants are run: with a camera in Python, without one in the engine alone."""
     if base.plan.perception == "camera":
         return "camera"
     return "interpreted" if spec.interpreted or library() is None else "compiled"
 
 
 def part_size_of(form: Form, total: int) -> int:
-    """Return how many variants are kept together: what is lost at most when a sweep is interrupted."""
+    """Return the number of variants in a part: the most that is lost when a sweep is interrupted."""
     if form == "camera":
         return 1
     if form == "interpreted":
@@ -243,7 +243,7 @@ def part_size_of(form: Form, total: int) -> int:
 
 
 def workers_for(sweep: Sweep, wanted: int | None) -> int:
-    """Return how many processes run a sweep: all cores where that pays, unless told."""
+    """Return the number of processes: `workers` if it is given, else all cores if there is enough work."""
     most = sweep.parts if wanted is None or sweep.form == "camera" else max(wanted, 1)
     if wanted is not None:
         return max(1, min(wanted, most))
@@ -252,7 +252,7 @@ def workers_for(sweep: Sweep, wanted: int | None) -> int:
 
 
 def open_executor(sweep: Sweep, workers: int) -> Executor:
-    """Return what runs a sweep on this machine: worker processes where a run may hang or there are several."""
+    """Return the executor on this machine; it has worker processes if a run may hang or if there are several."""
     spec = sweep.spec
     if workers == 1 and sweep.form != "camera" and spec.time_limit is None:
         runner = Runner(sweep.form, sweep.trust)
@@ -263,17 +263,17 @@ def open_executor(sweep: Sweep, workers: int) -> Executor:
 
 
 def connect(sweep: Sweep, scheduler: str) -> Executor:
-    """Return what runs a sweep on a cluster; SweepError where none answers at the address of the scheduler."""
+    """Return the executor on a cluster; raise SweepError if there is no scheduler at the address."""
     from scenario_compiler.batch.cluster import Cluster
 
     return Cluster(sweep.form, scheduler, trust=sweep.trust)
 
 
 def execute(sweep: Sweep, store: ResultStore, executor: Executor, progress: OnProgress | None = None) -> Tally:
-    """Run what is missing and keep it; return what all variants came to.
+    """Run the missing parts and store their rows; return the counts of all variants' results.
 
     Raises:
-        OSError: The rows could not be written; what was written before is kept.
+        OSError: The rows could not be written; rows that were written before are kept.
     """
     there = {number: store.tally(number) for number in sorted(store.done())}
     missing = [number for number in range(sweep.parts) if number not in there]
@@ -322,21 +322,21 @@ def run_sweep(
     Args:
         target: FILE, FILE#name or a plan's file.
         spec: What it is asked to do.
-        folder: Where the table, the chosen traces and the report go.
-        resume: Do the rest of the sweep that the folder holds.
-        progress: Told how far the sweep is, whenever something is done.
+        folder: Folder for the table, the chosen traces and the report.
+        resume: Whether to finish the sweep in the folder.
+        progress: Called with the progress whenever a part is done.
         scheduler: Address of a Dask scheduler that runs the variants.
-        workers: Number of processes; as many as pay when None.
-        maps: Folders that maps are looked for in first.
-        report: Write report.html too. It and the traces are left out where there are more than `PRESENTED` variants.
-        say: Told what runs the variants.
-        sink: Where findings of the scenario go.
+        workers: Number of processes; None chooses it by the amount of work.
+        maps: Folders in which maps are looked for first.
+        report: Whether to write report.html. It and the traces are left out for more than `PRESENTED` variants.
+        say: Called with a text on how the variants are run.
+        sink: Receives the diagnostics of the scenario.
 
     Raises:
         CompileError: The scenario is at fault.
         ScenarioNameNeededError: The file has several scenarios and no name is given.
-        SweepError: The sweep is not possible as it is asked for, or the folder is not its own.
-        OSError: Nothing more could be written; `resume` does the rest.
+        SweepError: The sweep is not possible with these options, or the folder belongs to another sweep.
+        OSError: Nothing more could be written; `resume` finishes the sweep.
     """
     sweep = prepare(target, spec, Diagnostics() if sink is None else sink, maps)
     store = sweep.store(folder)
@@ -394,7 +394,7 @@ def present(sweep: Sweep, folder: Path, *, report: bool, progress: OnProgress | 
 
 
 def describe(sweep: Sweep, workers: int, scheduler: str | None = None) -> str:
-    """Return what runs a sweep, in words."""
+    """Return in words how a sweep is run."""
     how = {
         "camera": "with a camera in the loop, each in Python",
         "interpreted": "in the interpreted engine",

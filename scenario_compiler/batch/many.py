@@ -1,4 +1,4 @@
-"""One plan with many seeds, from Python: a table of what came of each run."""
+"""Runs of one plan with many seeds from Python, as a table of results."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SHOWN = 20
-"""Rows that a notebook shows."""
+"""Number of rows that a notebook shows."""
 
 
 @dataclass(frozen=True, slots=True)
 class Runs:
-    """A table of runs: a row a seed.
+    """A table of runs with one row for each seed.
 
     Attributes:
-        columns: By name one value a run: seed, result, resolution, cause, collision_with, stop_reason, duration in s,
-            trajectory_hash, and every measure in its SI unit. None where there is no value.
+        columns: One value for each run, by the column's name: seed, result, resolution, cause, collision_with,
+            stop_reason, duration in s, trajectory_hash, and every measure in its SI unit. None if there is no value.
         units: Unit of each measure.
     """
 
@@ -71,12 +71,12 @@ def run_many(
 
     Args:
         plan: The plan.
-        seeds: The seeds, a run each.
-        network: The plan's map; looked for when None.
+        seeds: The seeds; there is one run for each.
+        network: The plan's map; None looks for it.
         world: Name of the world.
-        maps: Folders that the map is looked for in first.
-        trust: Code of the user's own that the plan may name as its controller.
-        progress: Called after each run with how many are done and how many there are.
+        maps: Folders in which the map is looked for first.
+        trust: Trusted code that the plan may name as its controller.
+        progress: Called after each run with the number of finished runs and the total.
 
     Raises:
         CompileError: The map cannot be found or read.

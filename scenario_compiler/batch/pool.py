@@ -1,4 +1,4 @@
-"""Worker processes that may die or hang: what they were at is found out, tried again, and given up alone.
+"""A pool of worker processes in which a crash or a hang costs only the variant that caused it.
 
 A worker says which variants it begins and sends their rows when they are done. When it dies, or takes longer than the
 time limit, it is replaced; several variants that ran together are tried one by one, and a single one is tried once more
@@ -163,7 +163,7 @@ class Pool:
         if not worker.begun:
             self._deaths[-1] = self._deaths.get(-1, 0) + 1
             if self._deaths[-1] >= START_ATTEMPTS:
-                raise SweepError(f"workers do not get to run anything: {why}")
+                raise SweepError(f"the workers cannot run anything: {why}")
             waiting.appendleft(replace(part, variants=rest))
             return
         if worker.begun > 1:

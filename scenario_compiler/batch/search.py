@@ -1,4 +1,4 @@
-"""Search instead of sampling: the boundary at which something begins to happen, and the least value of a measure.
+"""Searches for the boundary at which something begins to happen, and for the least value of a measure.
 
 Every evaluation is a run with the same draws (variant 0), so that what is found is about the parameters. Evaluations
 are kept like the parts of a sweep: the searches are deterministic, so a resumed one asks for the same values again and
@@ -94,7 +94,7 @@ class Search:
             SweepError: The search is not possible as it is asked for.
         """
         if spec.repeat > 1:
-            raise SweepError("a search runs each value once: --repeat is for sweeps")
+            raise SweepError("a search runs each value once, so it does not accept --repeat")
         sink = Diagnostics() if sink is None else sink
         self.sweep: Sweep = prepare(target, spec, sink, maps)
         self.ranges = {name: _range_of(name, axis) for name, axis in spec.axes.items()}

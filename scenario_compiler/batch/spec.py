@@ -1,4 +1,4 @@
-"""What a sweep is asked to do, as one frozen value that can be written down and compared."""
+"""The options of a sweep, as one frozen value that can be stored and compared."""
 
 from __future__ import annotations
 
@@ -36,22 +36,22 @@ class SweepSpec(BaseModel):
     trust: tuple[str, ...] = Field(default=(), description="Code that the scenario may name; see `Trust`.")
     traces: str = Field(default="", description="Which variants' traces are kept: worst:K, random:K, all or none.")
     errors: tuple[str, ...] = Field(default=(), description="Codes of warnings that are errors, `all` for every one.")
-    allowed: tuple[str, ...] = Field(default=(), description="Codes of warnings that are no errors all the same.")
+    allowed: tuple[str, ...] = Field(default=(), description="Codes of warnings that stay warnings nevertheless.")
     time_limit: float | None = Field(default=None, gt=0, description="Greatest time that a variant may take, s.")
     interpreted: bool = Field(default=False, description="Run variants without a camera in the interpreted engine.")
 
     @property
     def overrides(self) -> Overrides:
-        """What is set in place of the scenario."""
+        """The overrides of the scenario."""
         return Overrides(self.perception, self.controller, self.step, self.duration, driven_by="model")
 
     def trusted(self, target: str | Path) -> Trust:
-        """Return what is trusted when FILE, FILE#name or a plan's file is swept."""
+        """Return the trusted code for a sweep of FILE, FILE#name or a plan's file."""
         return self.overrides.trusting(Trust(self.trust), Path(split_target(target)[0]).parent)
 
     @property
     def axes(self) -> dict[str, Distribution]:
-        """The distributions by the parameter's name; SweepError when one cannot be read."""
+        """The distributions by the parameter's name; raises SweepError if one cannot be read."""
         axes: dict[str, Distribution] = {}
         for text in self.vary:
             name, equals, written = (part.strip() for part in text.partition("="))
@@ -63,7 +63,7 @@ class SweepSpec(BaseModel):
         return axes
 
     def traces_wanted(self) -> tuple[str, int]:
-        """Return which traces are kept: "", "worst", "random" or "all", and how many (0 for all)."""
+        """Return the traces to keep: "", "worst", "random" or "all", and how many (0 for all)."""
         kind, _, count = self.traces.partition(":")
         if kind in ("", "none") and not count:
             return "", 0

@@ -1,4 +1,4 @@
-"""Which plan a variant runs: parameters that stay numbers share one plan, others are expanded and compiled anew."""
+"""Groups variants by plan: those that differ only in numbers share a plan, the others are compiled again."""
 
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ class Families:
     def _read_plan(self, sink: Diagnostics) -> Family:
         spec = self._spec
         if spec.settings or spec.perception or spec.controller or spec.step or spec.duration:
-            raise SweepError("a plan is compiled already: settings and overrides are given to compile")
+            raise SweepError("a plan is compiled already: give settings and overrides to compile")
         plan = read_plan(self._target, sink)
         network = None if plan is None else open_plan_map(plan, sink, self._maps)
         if plan is not None:

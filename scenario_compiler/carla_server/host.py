@@ -1,4 +1,4 @@
-"""The server's state beyond one map: clock, settings, weather, who listens, and what happens in a tick."""
+"""The server's state that outlives a map: clock, settings, weather and listeners; and the work of a tick."""
 
 from __future__ import annotations
 
@@ -136,14 +136,14 @@ class Work:
 
 @dataclass(eq=False)
 class Host:
-    """What is served.
+    """The options of the server.
 
     Attributes:
         version: Version of CARLA that is answered for.
         folders: Where maps are looked for first.
         files: Folder of recordings.
         port: Port of the streams.
-        log: Takes what is to be told of the server's work, a line each.
+        log: Called with each line of the server's log.
         stage: The world on the present map.
         streams: Who listens.
         beginning: Waits until the episode begins that a client has loaded; None where none is about to begin.
@@ -283,7 +283,7 @@ class Host:
         self._bits |= LIGHTS_CHANGED
 
     def cue(self) -> int | Awaitable[int]:
-        """Do a tick for a client; wait first for who is about to listen, for cameras and for who is behind."""
+        """Do a tick for a client, after waiting for clients that join a stream, for cameras and for slow listeners."""
         busy = any(not work.ready.done() for number, work in self._work.items() if self.streams.heard(number))
         settles = self.managers and time.monotonic() < self._asked + SETTLING
         if self.streams.announced or busy or self.streams.behind or settles:
@@ -319,7 +319,7 @@ class Host:
                     self.once(f"a tick failed: {type(fault).__name__}: {str(fault)[:200]}")
 
     def tick(self) -> int:
-        """Move the world on by a step and tell who listens; return the number of the frame."""
+        """Step the world and send the snapshot to all listeners; return the number of the frame."""
         dt = self.step_length
         if self.replay is not None and not self.replay.pose(self.stage, self.version, dt):
             self.replay = None

@@ -1,4 +1,4 @@
-"""The protocol: every call that a client can make, what it takes and gives, since when, and how it is answered.
+"""The protocol: every call of clients with its arguments, its result, its first version and its handler.
 
 This table checks the arguments of every call before anything else sees them, makes the page of what is served
 (docs/carla-server.md), and is what the fuzzing makes calls from. Names and layouts are LibCarla's

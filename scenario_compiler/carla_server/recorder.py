@@ -1,4 +1,4 @@
-"""Recordings of the server: actors, poses and collisions by frame, in a format of our own, below the served folder."""
+"""Recordings of the server: actors, poses and collisions of each frame, in a format of our own."""
 
 from __future__ import annotations
 
@@ -100,13 +100,13 @@ class Recording:
             unpacked = zlib.decompressobj().decompress(path.read_bytes(), MAX_BYTES)
             magic, town, actors, frames = msgpack.unpackb(unpacked, strict_map_key=False)
         except (ValueError, zlib.error, msgpack.UnpackException) as fault:
-            raise CallError(f"File {name} is no recording of this server") from fault
+            raise CallError(f"File {name} is not a recording of this server") from fault
         if magic != MAGIC:
-            raise CallError(f"File {name} is no recording of this server")
+            raise CallError(f"File {name} is not a recording of this server")
         return cls(name, town, actors, frames)
 
     def info(self, every: bool) -> str:
-        """Return what CARLA's recorder tells of a file: actors as they come, with `every` each frame's states too."""
+        """Return CARLA's text on a recording: the actors as they appear, with `every` also their states by frame."""
         lines = ["Version: 1", f"Map: {self.town}", ""]
         known: set[int] = set()
         for frame, time, _, states, met in self.frames:
@@ -168,7 +168,7 @@ class Recording:
 
 @dataclass(eq=False)
 class Replay:
-    """A recording that is played: its bodies are spawned anew and posed frame by frame.
+    """A recording that is played: its bodies are spawned again and posed frame by frame.
 
     Attributes:
         recording: What is played.

@@ -1,4 +1,4 @@
-"""The world that clients share: actors on a map, moved by the engine, one step after the other."""
+"""The world that clients share: the actors on a map, which the engine moves step by step."""
 
 from __future__ import annotations
 
@@ -214,7 +214,7 @@ class Stage:
         return actor
 
     def destroy(self, number: int) -> None:
-        """Take an actor out; what is attached to it stays where it is.
+        """Remove an actor; things attached to it stay where they are.
 
         Raises:
             CallError: There is none, or it belongs to the map.
@@ -450,7 +450,7 @@ class Stage:
             self.collisions.append((one, other, (x, y, z)))
 
     def _arrange(self) -> None:
-        """Give every actor its row anew."""
+        """Give every actor its row again."""
         before = self.rows
         rows = Rows(len(self.actors))
         for row, actor in enumerate(self.actors.values()):

@@ -40,7 +40,7 @@ PATIENCE = 4 << 20
 """Bytes that it may be behind before a tick waits for it."""
 
 MOST_MISSED = 1000
-"""Streams that are no more of which the log tells at most."""
+"""Greatest number of missing streams that are logged."""
 
 SIZE = struct.Struct("<I")
 
@@ -131,17 +131,17 @@ class Calls(asyncio.Protocol):
     def _take_up(self, message: Any) -> None:
         """Answer a call, now or when its answer is there."""
         if type(message) is not list or len(message) not in (3, 4) or message[0] not in (REQUEST, NOTIFICATION):
-            self._refuse("the message is no call")
+            self._refuse("the message is not a call")
             return
         if message[0] == NOTIFICATION:
             number, (name, arguments) = None, message[1:3]
         else:
             number, name, arguments = message[1], message[2], message[-1]
         if len(message) == (4 if message[0] == NOTIFICATION else 3) or type(number) not in (int, type(None)):
-            self._refuse("the message is no call")
+            self._refuse("the message is not a call")
             return
         if type(name) is not str or type(arguments) is not list:
-            self._refuse("the message is no call")
+            self._refuse("the message is not a call")
             return
         found = self._answer(name, arguments)
         if not isinstance(found, Awaitable):
@@ -235,7 +235,7 @@ class Streams:
         """Log, the first time only, that a stream was asked for that there is not."""
         if number not in self._missed and len(self._missed) < MOST_MISSED:
             self._missed.add(number)
-            self._log(f"stream {number} was asked for, and there is none")
+            self._log(f"stream {number} does not exist")
 
     def leave(self, transport: asyncio.Transport) -> None:
         """Forget a connection."""
@@ -291,7 +291,7 @@ class Stream(asyncio.Protocol):
             return
         self._begun += data[: SIZE.size + 1]
         if self._joined or len(self._begun) > SIZE.size:
-            self._refuse("a listener sends nothing but the number of its stream")
+            self._refuse("a listener may only send the number of its stream")
         elif len(self._begun) == SIZE.size:
             self._joined = self._streams.join(SIZE.unpack(self._begun)[0], self._transport)
             if not self._joined:

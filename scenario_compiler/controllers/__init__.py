@@ -1,4 +1,4 @@
-"""What drives the ego vehicle from Python between steps, and the table of its names.
+"""Controllers, which drive the ego from Python at control steps, and the table of their names.
 
 In: camera images, speed and the vehicle's state. Out: throttle, steer and brake. Imports perception, the plan and the
 hall. A controller or lane detector of one's own is named `package.module:Class` or `file.py:Class`; it is imported only
@@ -95,7 +95,7 @@ def controller_class(name: str, trust: Trust | None = None, named_in: str = "") 
 
 
 def _untrusted(name: str, unchecked: str = ": its properties were not checked") -> str:
-    return f"the scenario names code of its own, '{name}', which is not trusted{unchecked}"
+    return f"the scenario names custom code, '{name}', which is not trusted{unchecked}"
 
 
 def _maker_of(detector: Detector, trust: Trust | None) -> DetectorMaker:
@@ -179,7 +179,7 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
         report_controller(controller.model, error, place, sink)
         return
     if controller.detector is not None and not found.uses_detector:
-        message = f"the controller '{controller.model}' looks for no lane: '{controller.detector.model}' is ignored"
+        message = f"the controller '{controller.model}' uses no lane detector: '{controller.detector.model}' is ignored"
         sink.add(IDLE_DETECTOR, message, controller.detector.place_of("model"))
     words = {p.name: p for p in controller.properties}
     try:
@@ -193,7 +193,7 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
 
 
 def _meant(written: Property, found: type[ControllerModel]) -> str:
-    """Return what to write in the place of a property that there is none of."""
+    """Return the hint for a property that does not exist."""
     if written.name == Detector.tag() and found.uses_detector:
         return f'the detector is an element of the controller: <detector model="{written.value}"/>'
     return did_you_mean(written.name, found.Params.model_fields)
@@ -245,7 +245,7 @@ def report_controller(name: str, error: ControllerError, named_at: Place, sink: 
 
 
 def _how_to_trust(code: CodeName) -> str:
-    return f"read the code; if you trust it, say --trust {code.source}:{code.attribute}"
+    return f"read the code; if you trust it, add --trust {code.source}:{code.attribute}"
 
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""Controllers and lane detectors of the user's own: found by name, imported, and asked so that a failure is a value.
+"""Imports and calls the user's own controllers and lane detectors, and turns their failures into values.
 
 Whatever code raises that is not ours (an exception, `SystemExit`, a model's file that is missing) is a
 `ControllerError` with the code's name and the file and line at which it was raised; never a traceback.
@@ -58,9 +58,9 @@ class Kind:
     """A kind of code that a scenario can name.
 
     Attributes:
-        name: What messages call it.
-        unknown: The diagnostic of a name under which there is none.
-        fits: Tells whether what was found under the name is of the kind.
+        name: Its name in messages.
+        unknown: The diagnostic of a name that does not exist.
+        fits: Whether the object with this name is of the kind.
         must: What it must be, for messages.
     """
 
@@ -157,7 +157,7 @@ def _file_module(name: str, file: Path, kind: Kind) -> Any:
         raise _not_there(name, f"there is no file {file}", kind)
     spec = importlib.util.spec_from_file_location(str(file), file)
     if spec is None or spec.loader is None:
-        raise _not_there(name, f"{file} is no Python file", kind)
+        raise _not_there(name, f"{file} is not a Python file", kind)
     module = importlib.util.module_from_spec(spec)
     sys.modules[str(file)] = module
     try:
@@ -231,7 +231,7 @@ class ForeignController(ControllerModel):
         """See ControllerModel; an answer that is not a command is a fault too."""
         control: object = self._ask(self._inner.control, sensor_data, speed, vehicle)
         if not isinstance(control, Control):
-            raise self._misbehaved(f"it returned {type(control).__name__}, which is no Control")
+            raise self._misbehaved(f"it returned {type(control).__name__}, which is not a Control")
         numbers = {name: getattr(control, name) for name in _NUMBERS}
         for name, value in numbers.items():
             if not isinstance(value, (int, float)) and not hasattr(value, "__float__"):

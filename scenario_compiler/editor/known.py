@@ -1,4 +1,4 @@
-"""What can be named at a place, by what its attribute names: ids, templates, models, maps, roads, weathers and so on.
+"""The names that an attribute can have at a position: ids, templates, models, maps, roads, weathers and so on.
 
 Completion offers these and hover explains them, so that both say the same of a thing.
 """
@@ -115,7 +115,7 @@ def template_text(part: Part) -> str:
 
 def parameter_text(parameter: Parameter) -> str:
     """Return what a parameter is, with its kind, unit, limits and default, as a line of Markdown."""
-    default = "must be given" if parameter.default is None else f"`{parameter.default}` when left out"
+    default = "must be given" if parameter.default is None else f"default `{parameter.default}`"
     return f"`{parameter.name}` ({parameter_kind(parameter)}; {default}) {parameter.summary}".strip()
 
 

@@ -1,4 +1,4 @@
-"""Where a name is declared, everywhere that it is used, and giving it another one, in all files of a workspace."""
+"""The declaration and all uses of a name in the files of a workspace, and renaming it."""
 
 from __future__ import annotations
 
@@ -59,17 +59,17 @@ def renaming(symbol: Symbol, name: str, files: Iterable[Analysis]) -> list[Occur
     if home is None:
         raise CannotRenameError(f"'{symbol.name}' is declared in {symbol.file}, which is not among the files open here")
     if not re.fullmatch(PATTERNS.get(symbol.kind, ANY_NAME), name):
-        raise CannotRenameError(f"'{name}' is no name for what it names: {_wanted(symbol.kind)}")
+        raise CannotRenameError(f"'{name}' cannot be the new name: {_wanted(symbol.kind)}")
     if symbol.kind == "parameter" and name in ("template", "id"):
         raise CannotRenameError(f"<use> needs the attribute '{name}' for itself")
     if name != symbol.name and _is_taken(symbol, name, home):
-        raise CannotRenameError(f"something is called '{name}' there already")
+        raise CannotRenameError(f"another thing is called '{name}' there already")
     return list(uses_of(symbol, files))
 
 
 def _wanted(kind: str) -> str:
     allowed = {
-        IDENTIFIER: "letters, digits and _, no digit first",
+        IDENTIFIER: "use letters, digits and _, and no digit at the start",
         ENTITY_ID: "letters, digits, _ and -, a letter first",
     }
     return allowed.get(PATTERNS.get(kind, ""), "no spaces, quotes or brackets")

@@ -1,4 +1,4 @@
-"""What an editor has open: texts with their findings, and the files below its folders."""
+"""The open texts of an editor with their findings, and the files in its folders."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Workspace:
         self._read_again(path)
 
     def saved(self, path: str) -> None:
-        """Look at all texts anew: a file that they may name was saved."""
+        """Look at all texts again: a file that they may name was saved."""
         self._read_again(path)
         for name, analysis in list(self.texts.items()):
             self.texts[name] = Analysis(analysis.path, analysis.draft.text)

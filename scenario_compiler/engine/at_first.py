@@ -1,4 +1,4 @@
-"""What the weather and the sensors' noise do before a conflict: what a plan's automation is short of from the start.
+"""Checks whether the weather or the sensors' noise alone causes a request at the start of a run.
 
 A scenario in HardRainSunset asks as soon as it begins, because the camera does not see the paint, and whatever comes
 200 m on is never met. That is found by the engine itself: the same plan is run in clear weather, with a camera without
@@ -30,24 +30,23 @@ from scenario_compiler.vocabulary.word import number_value
 ASKS_AT_FIRST = Code(
     "SC512",
     "asks-at-first",
-    "A cause of a request holds from the start of the run, and for the weather or the camera's noise alone, whatever "
-    "else is in the scenario: the car asks before it meets the conflict. In clear weather and without noise it would "
-    "not:\n\n"
-    '    <scenario ... weather="HardRainSunset">     asks at 1.3 s because of HardRainSunset, before the conflict at '
-    "200 m\n\n"
-    "Choose another weather or less noise, let it begin later (`rain_front` of the library's templates, or the action "
-    "<weather>), or switch the cause off: <takeover> has the causes that it names, and no others. Where the weather is "
-    'the conflict, the file can say so: <allow code="SC512"/>.',
+    "The weather or the camera's noise alone causes a request at the start of the run, before the conflict. In "
+    "clear weather and without noise there would be no such request:\n\n"
+    '    <scenario ... weather="HardRainSunset">     a request at 1.3 s, before the conflict at 200 m\n\n'
+    "Choose another weather or less noise, let it begin later (`rain_front` of the library's templates, or the "
+    "action <weather>), or disable the cause: if <takeover> names causes, it has no others. If the weather is the "
+    'conflict, write <allow code="SC512"/> in the file.',
     Severity.WARNING,
 )
 SHORT_SIGHT = Code(
     "SC513",
     "short-sight",
-    "The forward sensor sees far enough for the time budget in clear air by day, but not in the scenario's weather, or "
-    "with its noise: a limit ahead is asked for as soon as it is seen, which is later than the budget says:\n\n"
+    "The forward sensor sees far enough for the time budget in clear air by day, but not in the scenario's "
+    "weather, or with its noise: the request for a limit ahead comes as soon as the sensor detects it, which is "
+    "later than the budget:\n\n"
     '    <scenario ... weather="HardRainNoon">  <ego speed="22">     7 s are 154 m, but the camera sees 96 m\n\n'
-    "That may be what the scenario is about. If not, choose another weather, another sensor "
-    '(<forward_sensor kind="radar"/>), a longer range, a shorter `budget` or a lower speed.',
+    'This may be intended. Otherwise choose another weather, another sensor (<forward_sensor kind="radar"/>), a '
+    "longer range, a shorter `budget` or a lower speed.",
     Severity.WARNING,
 )
 
@@ -88,14 +87,14 @@ def _check_sight(plan: Plan, reach: float, sink: Diagnostics) -> None:
     if reach < needed <= number_value(plan.forward_sensor.range, parameter_values(plan.parameters)):
         message = (
             f"a budget of {asked.time:g} s at {asked.speed:g} m/s is {needed:.0f} m, but in this weather and with its "
-            f"noise the {plan.forward_sensor.kind} sees {reach:.0f} m: the car asks {reach / asked.speed:.1f} s before "
-            "what it sees"
+            f"noise the {plan.forward_sensor.kind} sees {reach:.0f} m: the request comes {reach / asked.speed:.1f} s "
+            "before the limit"
         )
         sink.add(SHORT_SIGHT, message, place_of(plan, "weather"))
 
 
 def _check_request(plan: Plan, ideal: Plan, network: Network, state: State, enough: float, sink: Diagnostics) -> None:
-    """Warn where the first request comes for what the weather or the camera's noise hide, and no limit is the cause."""
+    """Warn if the weather or the camera's noise causes the first request, and not a limit ahead."""
     asked = first_request(ideal, network, plan.duration)
     if asked is None or asked.cause not in (op.CAUSE_SENSOR_HEALTH, op.CAUSE_LANE_CONFIDENCE):
         return
@@ -107,8 +106,8 @@ def _check_request(plan: Plan, ideal: Plan, network: Network, state: State, enou
     weather = "the weather" if plan.weather.preset == "custom" else plan.weather.preset
     reasons = [weather] if by_weather or not by_camera else []
     reasons += ["the camera's noise or failures"] if by_camera or not by_weather else []
-    then = "without it the car would not ask" if clear is None else f"before the conflict at {clear.place:.0f} m"
-    message = f"asks at {asked.time:.1f} s because of {' and '.join(reasons)}, {then}"
+    otherwise = "without this there is no request" if clear is None else f"before the conflict at {clear.place:.0f} m"
+    message = f"a request at {asked.time:.1f} s because of {' and '.join(reasons)}, {otherwise}"
     place = plan.camera.place_of("sensor_noise") if by_camera and not by_weather else place_of(plan, "weather")
     sink.add(ASKS_AT_FIRST, message, place)
 

@@ -1,4 +1,4 @@
-"""Expressions of marked functions as C, with the kind of their value.
+"""Translates expressions of marked functions to C, with the kinds of their values.
 
 Python evaluates operands from left to right, C in any order. So an operand may change the state only where the others
 cannot see it: beside it stand numbers and local variables alone.
@@ -180,7 +180,7 @@ class Expressions:
             raise Broken(None)
         number = number_named(self.source, node)
         if number is None:
-            raise self.broken(node, f"uses {node.id}, which is no variable, number or marked function")
+            raise self.broken(node, f"uses {node.id}, which is not a variable, number or marked function")
         return literal(number, node.id)
 
     def _attribute(self, node: ast.expr) -> CText:
@@ -195,7 +195,7 @@ class Expressions:
         owner = node.value.id if isinstance(node.value, ast.Name) else ""
         columns = container_columns(owner) if owner in CONTAINERS and owner in self.variables else {}
         if node.attr not in columns:
-            raise self.broken(node, f"reads {ast.unparse(node)}, which is no column")
+            raise self.broken(node, f"reads {ast.unparse(node)}, which is not a column")
         return owner, node.attr, columns[node.attr]
 
     def place(self, node: ast.Subscript) -> CText:
@@ -314,7 +314,7 @@ class Expressions:
         if isinstance(node.func, ast.Subscript):
             return self._call_of_table(node, node.func)
         if not isinstance(node.func, ast.Name):
-            raise self.broken(node, f"calls {ast.unparse(node.func)}, which is no bare name")
+            raise self.broken(node, f"calls {ast.unparse(node.func)}, which is not a plain name")
         meaning = self.source.meaning(node.func.id)
         if callable(meaning) and c_name(meaning) in self.around.signatures:
             name = c_name(meaning)
@@ -354,7 +354,7 @@ class Expressions:
         """Return the container that a call takes first."""
         name = ast.unparse(node.args[0]) if node.args else "nothing"
         if name not in self.variables or name not in CONTAINERS:
-            raise self.broken(node, f"calls {ast.unparse(node.func)} with {name}, which is no container")
+            raise self.broken(node, f"calls {ast.unparse(node.func)} with {name}, which is not a container")
         return name
 
     def _call_of_table(self, node: ast.Call, func: ast.Subscript) -> CText:
@@ -362,7 +362,7 @@ class Expressions:
         table = table_named(self.source, func.value)
         names = [c_name(one) for one in table or () if callable(one)]
         if table is None or len(names) < len(table) or any(name not in self.around.signatures for name in names):
-            raise self.broken(node, f"calls an element of {ast.unparse(func.value)}, which is no table of functions")
+            raise self.broken(node, f"calls an element of {ast.unparse(func.value)}, which is not a table of functions")
         kinds = {(tuple(one.arguments.values()), one.result) for one in map(self.around.signatures.get, names) if one}
         if len(kinds) > 1:
             raise self.broken(node, f"calls an element of {ast.unparse(func.value)}, whose functions differ in kind")

@@ -1,4 +1,4 @@
-"""The machine code: one file of C, built by whatever compiler the machine has.
+"""Makes the machine code: writes one C file and builds it with the machine's compiler.
 
 The code is made with the package: by the build hook for a wheel, by `make setup` in a checkout, and by
 `python -m scenario_compiler.forms.making` at any time. Beside the library lies a note of what it was made of,
@@ -29,8 +29,12 @@ LIBRARY = FORMS / "engine.library"
 NOTE = FORMS / "engine.json"
 """What is known of the library: how it was made, of which sources, and which entries it has."""
 
-FLAGS = ("-std=gnu11", "-O2", "-fwrapv", "-ffp-contract=off", "-fvisibility=hidden", "-shared", "-fPIC")
-"""Two forms of one source: no contraction and no fast arithmetic, and whole numbers wrap as Python's are masked to."""
+FLAGS = (
+    *("-std=gnu11", "-O3", "-fwrapv", "-ffp-contract=off", "-fno-math-errno"),
+    *("-fvisibility=hidden", "-shared", "-fPIC"),
+)
+"""Two forms of one source: no contraction and no fast arithmetic, and whole numbers wrap as Python's are masked to.
+What has no result is told from the result, so that mathematical functions need not set `errno`."""
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")
 
@@ -109,7 +113,7 @@ def source_files() -> Iterator[Path]:
 
 
 def compiler() -> list[str]:
-    """Return the command of a C compiler: $CC, gcc, clang, or the one that the Python package ziglang brings.
+    """Return the command of a C compiler: $CC, gcc, clang, or that of the Python package ziglang.
 
     Raises:
         NoCompilerError: There is none.

@@ -1,4 +1,4 @@
-"""Statements of marked functions as C, and whole functions.
+"""Translates statements of marked functions, and whole functions, to C.
 
 A local variable has one kind everywhere, that of what is assigned to it first; it is declared at the function's head.
 """
@@ -277,7 +277,7 @@ class Statements:
     def _literal_step(self, call: ast.Call) -> int:
         step = ast.literal_eval(call.args[2]) if not isinstance(call.args[2], ast.Name) else 0
         if not isinstance(step, int) or step == 0:
-            raise self.expressions.broken(call, "has a step of range that is no written number")
+            raise self.expressions.broken(call, "has a step of range that is not a number in the source")
         return step
 
     def _for_each(self, statement: ast.For, target: ast.Name, values: ast.Tuple) -> None:

@@ -1,4 +1,4 @@
-"""One wheel: the page that drives, those that watch, and the run under way.
+"""One driver's place: the page that drives, the pages that watch, and the run in progress.
 
 A page gets pictures and what belongs to them over a WebSocket, each as one binary message: the length of the JSON text
 (four bytes, big-endian), the text, the length of the view ahead, that JPEG file, and the mirror's. It tells what the
@@ -36,7 +36,7 @@ A page that is frozen, or whose network is gone, keeps its connection open, and 
 """
 
 NO_MESSAGE = (ValueError, ValidationError, KeyError, TypeError, RecursionError)
-"""What reading a message raises that is none of ours; its socket is closed."""
+"""Exceptions of reading a message from a page; its socket is then closed."""
 
 
 @dataclass(eq=False)
@@ -55,7 +55,7 @@ class Viewer:
 
 
 class Begin(Protocol):
-    """Makes the next run, which has not started; None where there is none to come."""
+    """Makes the next run, which has not started; None if there are no more runs."""
 
     def __call__(self, show: Callable[[Picture], bool]) -> Session | None:
         """Return a run that shows its pictures by a function."""

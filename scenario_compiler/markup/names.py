@@ -1,4 +1,4 @@
-"""The codes of names that lead nowhere, or to two things (SC2xx), and of what is special to AISA's files."""
+"""The codes of names that refer to nothing or to two things (SC2xx), and those for AISA's files."""
 
 from scenario_compiler.diagnostics import Code, Place, Related, Severity
 
@@ -115,27 +115,27 @@ UNKNOWN_ENTITY = Code(
 UNKNOWN_EVENT = Code(
     "SC228",
     "unknown-event",
-    "An <event> condition names an event that the scenario does not have. Give the <when> that is meant a name:\n\n"
+    "An <event> condition names an event that the scenario does not have. Give the <when> a name:\n\n"
     '    <when name="brakes"><time after="5"/><do><speed to="0" over_time="3"/></do></when>\n'
     '    <when><event name="brakes" state="started"/><do><sensor_noise sigma="40"/></do></when>\n\n'
-    "An event of a template is known inside it by its own name, and outside by the name of the use, a point, and its "
-    "own name.",
+    "An event of a template is known inside it by its own name, and outside by the name of the use, a point, and "
+    "its own name.",
 )
 TOO_MANY_ITEMS = Code(
     "SC223",
     "too-many-items",
-    "Uses and loops bring more into a scenario than can be meant; it is looked at no further:\n\n"
+    "Uses and loops insert so many items into a scenario that this cannot be intended; the rest is not read:\n\n"
     '    <repeat count="1000"><repeat count="1000"><use template="jam"/></repeat></repeat>\n\n'
-    "A loop makes at most 1000 rounds, a scenario holds at most 20000 items, and uses, loops and branches stand in "
-    "one another at most 100 deep. Make the counts smaller, or use <traffic> where many vehicles are wanted.",
+    "The limits are 1000 rounds of a loop, 20000 items of a scenario, and a depth of 100 for nested uses, loops "
+    "and branches. Reduce the counts, or use <traffic> for many vehicles.",
 )
 TOO_MANY_WAYS = Code(
     "SC229",
     "too-many-ways",
-    "A `<when>` holds so many `<any>` that there are more than 1000 ways to fulfil it: their numbers of choices are "
+    "The `<any>` elements of a `<when>` can be combined in more than 1000 ways; the numbers of their choices are "
     "multiplied.\n\n"
     "    <when><any>...3 choices...</any><any>...3 choices...</any> ... seven in all ...\n\n"
-    "Write several `<when>`, or fewer choices.",
+    "Split it into several `<when>`, or reduce the choices.",
 )
 
 
@@ -152,8 +152,8 @@ LEAVING_WHOLE = frozenset(
 UNUSED_TEMPLATE = Code(
     "SC226",
     "unused-template",
-    "A file that holds scenarios also holds a template that none of them uses, directly or through other templates, so "
-    "it has no effect:\n\n"
+    "A file with scenarios contains a template that none of them uses, directly or through other templates, so it "
+    "has no effect:\n\n"
     '    <template name="blocked_lane">...</template>\n'
     '    <use template="blocked_lame"/>     was this one meant?\n\n'
     "Use it, remove it, or move it to a file of templates that others include.",
@@ -162,17 +162,17 @@ UNUSED_TEMPLATE = Code(
 NOT_ALLOWABLE = Code(
     "SC225",
     "not-allowable",
-    "An <allow> names an error. Only warnings and notes can be kept quiet: after an error there is nothing to run.\n\n"
+    "An <allow> names an error. Only warnings and notes can be allowed: after an error there is nothing to run.\n\n"
     '    <allow code="SC226"/>     an unused template is a warning\n\n'
-    "Remove the <allow> and mend what the error reports.",
+    "Remove the <allow> and correct the error.",
 )
 UNKNOWN_CODE = Code(
     "SC227",
     "unknown-code",
     "An <allow> names a code that no warning or note has, so it has no effect:\n\n"
-    '    <allow code="SC999"/>     SC401, an event that never fires, was meant\n\n'
-    "Correct the code. A warning shows its code after the word `warning`; `scenario-compiler explain SC401` explains "
-    "a code.",
+    '    <allow code="SC999"/>     was SC401 meant, an event that never fires?\n\n'
+    "Correct the code. A warning shows its code after the word `warning`; `scenario-compiler explain SC401` "
+    "explains a code.",
     Severity.WARNING,
 )
 NO_START = Code(

@@ -1,4 +1,4 @@
-"""The one reader of XML words: an element and a word's type in, the word out, driven by the word's declaration.
+"""Reads an XML element as a word, driven by the word's declaration; every language uses this reader.
 
 Every fault of an element and of all below it is reported in one pass, each at its attribute or tag.
 """
@@ -203,7 +203,7 @@ def _report_text(element: etree._Element, reading: ReadingContext) -> None:
         shown = stray.split("\n")[0][:40]
         reading.sink.add(
             codes.STRAY_TEXT,
-            f"text '{shown}' stands in <{element.tag}>, which holds elements only",
+            f"text '{shown}' is not allowed in <{element.tag}>, which has child elements only",
             reading.origin(element),
         )
 

@@ -1,4 +1,4 @@
-"""An attribute's text to its value, by the attribute's declaration: literals, expressions, units and limits."""
+"""Converts an attribute's text to its value by its declaration: literals, expressions, units and limits."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
             return "a name of letters from A to Z and digits", ""
         if rule.spelling.pattern:
             return "a name of letters, digits and _, with a letter first", ""
-        return "a text that says something", ""
+        return "a text that is not empty", ""
     quantity = QUANTITIES.get(rule.spelling.quantity)
     unit = f" in {quantity.unit}" if quantity and quantity.unit not in ("", "1") else ""
     converted = in_unit(text, rule.spelling.quantity)

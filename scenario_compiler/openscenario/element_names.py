@@ -1,4 +1,4 @@
-"""Names of storyboard elements: each element's full path, and the element that a condition means by a shorter name."""
+"""Names of storyboard elements: full paths, and the element that a shorter name in a condition means."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Siblings:
             name = f"{written}#{number}"
         self.counts[written] = number
         if name != written:
-            message = f"<{node.tag}> '{written}' stands beside another of that name"
+            message = f"<{node.tag}> '{written}' has the same name as another one beside it"
             node.report(DUPLICATE_ELEMENT, message, "name", related=first_at(self.taken.get(written)))
         self.taken[name] = node.place("name")
         return name

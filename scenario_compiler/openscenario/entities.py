@@ -1,4 +1,4 @@
-"""<Entities>: scenario objects in document order, the vehicles they are, their controllers, and selections of them."""
+"""<Entities>: scenario objects in document order, their kinds, their controllers, and selections of them."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def _described(node: Node) -> Node | None:
         return None
     found = given(node, *OBJECTS)
     if found is None and node.child("CatalogReference") is None:
-        node.report(NO_OBJECT, "nothing says what this entity is; it is taken to be a car")
+        node.report(NO_OBJECT, "the entity has no kind; a car is used for it")
     return found
 
 

@@ -139,7 +139,7 @@ SHAPES = Forms(
 def _read_shape(node: Node) -> Word | None:
     inner = node.first()
     if inner is None or inner.tag not in SHAPES.by_tag:
-        (inner or node).report(codes.UNKNOWN_ELEMENT, f"<{(inner or node).tag}> is no form of a trajectory")
+        (inner or node).report(codes.UNKNOWN_ELEMENT, f"<{(inner or node).tag}> is not a shape of a trajectory")
         return None
     if inner.tag == "Nurbs" and inner.integer("order") < 2:
         inner.report(codes.OUT_OF_LIMITS, "the order of a NURBS is at least 2", "order")
@@ -163,7 +163,7 @@ TRAJECTORY = regular(
 
 
 def read_route(node: Node) -> RouteWord | None:
-    """Return the route that an element holds or that its catalog reference names; report when there is none."""
+    """Return the route in an element or in its catalog reference; report if there is none."""
     found = given(node, "Route")
     if found is None and node.child("CatalogReference") is None:
         node.required("Route", "CatalogReference")
@@ -171,7 +171,7 @@ def read_route(node: Node) -> RouteWord | None:
 
 
 def read_trajectory(node: Node) -> Trajectory | None:
-    """Return the trajectory that an element holds or that its catalog reference names; report when there is none."""
+    """Return the trajectory in an element or in its catalog reference; report if there is none."""
     found = given(node, "Trajectory")
     if found is None and node.child("CatalogReference") is None:
         node.required("Trajectory", "CatalogReference")
@@ -206,7 +206,7 @@ _PLACES = Forms(
 def _read_place(node: Node) -> Word | None:
     inner = node.first()
     if inner is None or inner.tag not in _PLACES.by_tag:
-        (inner or node).report(codes.UNKNOWN_ELEMENT, f"<{(inner or node).tag}> is no place on a route")
+        (inner or node).report(codes.UNKNOWN_ELEMENT, f"<{(inner or node).tag}> is not a position on a route")
         return None
     place: Word | None = _PLACES.by_tag[inner.tag].read(inner)
     return place

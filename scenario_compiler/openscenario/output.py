@@ -1,4 +1,4 @@
-"""What OpenSCENARIO is written with: the version, who acts, and what cannot be expressed in it."""
+"""The context for writing OpenSCENARIO: the version, the actors, and what cannot be expressed."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ VERSIONS: tuple[Version, ...] = ((1, 0), (1, 1), (1, 2), (1, 3))
 LOST = Code(
     "SC783",
     "lost-in-openscenario",
-    "Something of the scenario cannot be expressed in OpenSCENARIO, or not in the version that is written: other "
-    "programs will not know of it. Where it can, the file keeps it as a property of the controller "
-    "`scenario_compiler`, which this program reads back.\n\n"
+    "A part of the scenario cannot be expressed in OpenSCENARIO, or not in the written version, so other programs "
+    "will not execute it. If possible, the file contains it as a property of the controller `scenario_compiler`, "
+    "which this program reads back.\n\n"
     "    scenario-compiler export conflict.xml -o out.xosc --version 1.0     1.0 has no <SpeedProfileAction>\n\n"
-    "Write a newer version, or do without.",
+    "Export to a newer version, or leave the part out.",
     Severity.WARNING,
 )
 
@@ -42,10 +42,10 @@ _PER_DEGREE = "0.017453292519943295"
 
 @dataclass(frozen=True)
 class Output:
-    """What words are written with.
+    """The context for writing words.
 
     Attributes:
-        version: Version that is written.
+        version: Version of the written file.
         sink: Where what OpenSCENARIO cannot express is reported.
         values: Values of the scenario's open parameters.
         actor: Id of the entity that acts, empty where there is none or several do.

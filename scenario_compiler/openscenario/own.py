@@ -1,4 +1,4 @@
-"""What OpenSCENARIO has no words for, as properties of a controller named `scenario_compiler`.
+"""Parts that OpenSCENARIO cannot express, as properties of a controller named `scenario_compiler`.
 
 Words of the conflict language are kept as the attributes of their elements, each a property whose name is the way to
 it: `takeover/@budget` or `ego/camera/failure[2]/@kind`. An element without attributes and children is a property with
@@ -25,9 +25,9 @@ OWN = "scenario_compiler"
 UNREADABLE_PROPERTY = Code(
     "SC786",
     "unreadable-property",
-    "A property of the controller `scenario_compiler`, in a file that this program has exported, is not one that it "
-    "writes, so it has no effect:\n\n"
-    '    <Property name="takeover/budget" value="7"/>     an attribute has an @ before it: takeover/@budget\n\n'
+    "A property of the controller `scenario_compiler`, in a file that this program has exported, is not one that "
+    "it writes, so it has no effect:\n\n"
+    '    <Property name="takeover/budget" value="7"/>     attributes are written with an @: takeover/@budget\n\n'
     "Correct the name, or export the scenario again.",
     Severity.WARNING,
 )
@@ -71,7 +71,7 @@ def gathered(properties: Iterable[ControllerProperty], sink: Diagnostics) -> etr
         attribute = _ATTRIBUTE.match(last) is not None
         way = steps if attribute else [*steps, last]
         if not way or len(way) > MOST_STEPS or not all(map(_STEP.match, way)):
-            sink.add(UNREADABLE_PROPERTY, f"'{one.name}' is no property of ours", one.place_of("name"))
+            sink.add(UNREADABLE_PROPERTY, f"'{one.name}' is not a property of this program", one.place_of("name"))
             continue
         element = _at(way, known, one.origin.line)
         if attribute:

@@ -1,4 +1,4 @@
-"""The structure of a scenario file by ASAM's own schema, and ASAM's rules, where the user has them.
+"""Checks a scenario file against ASAM's own schema and ASAM's rules, if the user has them.
 
 The schemas are those in a folder or those that ASAM's checker for OpenSCENARIO XML brings. It is an extra
 (`pip install 'scenario-compiler[asam]'`), imported here alone, and runs in this process: its rules are functions from a
@@ -36,8 +36,8 @@ SCHEMA_FAULT = Code(
 NO_SCHEMA = Code(
     "SC731",
     "no-scenario-schema",
-    "There is no ASAM schema for the version of the scenario file, so it was judged by what this program knows of "
-    "OpenSCENARIO (SC701 to SC712). ASAM's checker brings the schemas of 1.0 to 1.3, and rules beyond them:\n\n"
+    "There is no ASAM schema for the version of the scenario file, so it was checked by this program's own rules "
+    "(SC701 to SC712). ASAM's checker contains the schemas of 1.0 to 1.3 and additional rules:\n\n"
     "    pip install 'scenario-compiler[asam]'\n"
     "    scenario-compiler validate scenario.xosc --xsd\n\n"
     "It needs a version of lxml below 6.",
@@ -46,17 +46,17 @@ NO_SCHEMA = Code(
 ASAM_RULE = Code(
     "SC732",
     "asam-rule",
-    "The scenario file breaks a rule of ASAM's checker for OpenSCENARIO XML. The message begins with the rule's id, by "
-    "which ASAM documents it:\n\n"
+    "The scenario file breaks a rule of ASAM's checker for OpenSCENARIO XML. The message begins with the rule's "
+    "id, by which ASAM documents it:\n\n"
     "    asam.net:xosc:1.2.0:reference_control.resolvable_entity_references\n\n"
-    "The rules go beyond the schema, so that the file may be valid all the same.",
+    "The rules go beyond the schema, so the file may still be valid.",
     Severity.WARNING,
 )
 RULES_FAILED = Code(
     "SC733",
     "asam-checker-failed",
-    "ASAM's checker could not apply its rules to the file, for a reason of its own. The schema's verdict does not "
-    "depend on it.\n\n"
+    "ASAM's checker could not apply its rules to the file, because of an error in the checker. The result of the "
+    "schema does not depend on it.\n\n"
     "    ASAM's rules could not be checked: UnicodeDecodeError",
     Severity.WARNING,
 )

@@ -12,23 +12,35 @@ from numpy.typing import NDArray
 from scenario_compiler.perception.camera import Camera, View
 from scenario_compiler.perception.degradation import Degradation, Sensor
 from scenario_compiler.perception.render import Drawing, Renderer
-from scenario_compiler.perception.roadside import roadside_of
+from scenario_compiler.perception.roadside import Roadside, roadside_of
 from scenario_compiler.perception.scene import Scene, joined_marks
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.perception.weather_look import WeatherNumbers, look_of
-from scenario_compiler.roads.mesh import road_marks, road_surface
+from scenario_compiler.roads.mesh import Surface, road_marks, road_surface
 from scenario_compiler.roads.positions import Pose, SecondaryLine
 
 if TYPE_CHECKING:
     from scenario_compiler.roads.network import Network
 
 
+_UNPAINTED: dict[str, tuple[Surface, Roadside]] = {}
+"""What no plan paints of the map that was drawn last, by the digest of its file."""
+
+
 def scene_of(network: Network, secondary: Sequence[SecondaryLine] = ()) -> Scene:
     """Return the scene of a network with lines beside its marks, to be shared by the cameras of one run."""
-    beside = roadside_of(network)
-    return Scene(
-        road_surface(network), joined_marks(road_marks(network, secondary=secondary), beside.marks), beside.uprights
-    )
+    surface, beside = _unpainted(network)
+    return Scene(surface, joined_marks(road_marks(network, secondary=secondary), beside.marks), beside.uprights)
+
+
+def _unpainted(network: Network) -> tuple[Surface, Roadside]:
+    """Return the surface of the roads and what stands beside them, kept for the next run on the same map."""
+    found = _UNPAINTED.get(network.sha256)
+    if found is None:
+        found = road_surface(network), roadside_of(network)
+        _UNPAINTED.clear()
+        _UNPAINTED[network.sha256] = found
+    return found
 
 
 class RoadCamera:

@@ -1,4 +1,4 @@
-"""Positions bound to the map: road, lane, s and offset for every way an author can write a position."""
+"""Binds positions to the map: every way to write a position becomes road, lane, s and offset."""
 
 from __future__ import annotations
 
@@ -262,7 +262,7 @@ class Binder:
         projection = read_projection(header.geo_reference)
         if projection is None:
             hint = f"its geoReference is '{header.geo_reference}'" if header.geo_reference else "it has no geoReference"
-            message = f"the map '{self.network.name}' says no projection that is known"
+            message = f"the map '{self.network.name}' names no known projection"
             self.sink.add(NOT_ON_EARTH, message, position.origin, hint=hint)
             return None
         x, y = projection.project(math.radians(position.latitude), math.radians(position.longitude))

@@ -1,4 +1,4 @@
-"""Lowering: a scenario and a network to a plan, in named passes that each do one thing.
+"""Lowers a scenario and a network to a plan, in named passes that each do one thing.
 
 `PASSES` is the whole story: each pass reads the scenario, reports into the sink and fills its part of the draft; none
 calls another.
@@ -261,7 +261,7 @@ def bind_fixed(draft: PlanDraft, position: Position) -> BoundPosition | None:
     """Bind a position that must be the same in every run."""
     bound = draft.binder.bind(position, 0.0)
     if isinstance(bound, RandomPosition | AnyOfPosition):
-        draft.sink.add(RANDOM_HERE, f"<{position.word}> is drawn anew in each run", position.origin)
+        draft.sink.add(RANDOM_HERE, f"<{position.word}> is random in each run", position.origin)
         return None
     return bound
 
@@ -377,7 +377,7 @@ def fill_duration(draft: PlanDraft) -> None:
     elif _is_written(draft.scenario.origin, "duration"):
         return  # it is at fault, which has been reported
     elif draft.scenario.storyboard.stop is None and (draft.scenario.ego is None or not draft.scenario.ego.destination):
-        message = f"'{draft.scenario.name}' says nothing of its end; it ends after {DEFAULT_DURATION:g} s"
+        message = f"'{draft.scenario.name}' defines no end; it ends after {DEFAULT_DURATION:g} s"
         draft.sink.add(NO_DURATION, message, draft.scenario.origin)
 
 

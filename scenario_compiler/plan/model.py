@@ -2,7 +2,7 @@
 
 A plan holds the vocabulary's own words, with every position bound to a road, a lane, s and an offset, every default
 filled in and every reference resolved. Its digest covers the words, the numbers as written and the map's content;
-`origins` and `derived` ride along outside the digest.
+`origins` and `derived` are not part of the digest.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class MapReference(PlanPart):
 
 
 class RouteLeg(PlanPart):
-    """A stretch of one lane on the way to the destination."""
+    """A stretch of one lane on the route to the destination."""
 
     road: str = Field(description="Id of the road.")
     lane: int = Field(description="Id of the lane.")
@@ -70,7 +70,7 @@ class Entity(PlanPart):
 
 
 class StartPose(PlanPart):
-    """Where an entity starts in the world at the parameters' defaults."""
+    """Start pose of an entity in the world, at the default values of the parameters."""
 
     x: float = Field(description="x of the reference point, m.")
     y: float = Field(description="y of the reference point, m.")
@@ -79,7 +79,7 @@ class StartPose(PlanPart):
 
 
 class PlanOrigin(PlanPart):
-    """Where the author wrote a part of the plan."""
+    """Place in the author's file at which a part of the plan is written."""
 
     file: str = Field(description="Path of the file.")
     line: int = Field(description="Line, counted from 1.")
@@ -137,16 +137,16 @@ class Plan(PlanPart):
 
     @property
     def step_limit(self) -> int:
-        """A number of time steps that no run of the plan exceeds."""
+        """Greatest number of time steps of a run of the plan."""
         return int(self.duration / self.step) + 2
 
     @property
     def ego(self) -> Entity:
-        """The vehicle that reports are about: the first entity; IndexError where there is none."""
+        """The vehicle of the reports, which is the first entity; raises IndexError if there is none."""
         return self.entities[0]
 
     @property
     def failures(self) -> tuple[Failure, ...]:
-        """All failures of the camera: its own, and those that actions begin."""
+        """All failures of the camera: those in <camera>, and those that actions start."""
         begun = (action for _, action in self.storyboard.actions() if isinstance(action, Failure))
         return (*self.camera.failures, *begun)

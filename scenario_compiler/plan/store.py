@@ -82,10 +82,10 @@ def _parsed(raw: bytes, place: FilePlace, sink: Diagnostics) -> Plan | None:
     except (ValueError, RecursionError) as error:
         line, column = (error.lineno, error.colno) if isinstance(error, json.JSONDecodeError) else (0, 0)
         why = error.msg if isinstance(error, json.JSONDecodeError) else "it is not text, or nested too deeply"
-        sink.add(BAD_PLAN, f"the file is no plan: it is not JSON: {why}", FilePlace(place.file, line, column))
+        sink.add(BAD_PLAN, f"the file is not a plan: it is not JSON: {why}", FilePlace(place.file, line, column))
         return None
     if not isinstance(content, dict) or content.get("format") != Plan.model_fields["format"].default:
-        sink.add(BAD_PLAN, "the file is no plan: it is JSON, but does not say that it is a plan of this version", place)
+        sink.add(BAD_PLAN, "the file is not a plan: it is JSON, but not marked as a plan of this version", place)
         return None
     try:
         return Plan.model_validate_json(raw)
@@ -94,7 +94,7 @@ def _parsed(raw: bytes, place: FilePlace, sink: Diagnostics) -> Plan | None:
             where = "/".join(str(part) for part in fault["loc"])
             sink.add(BAD_PLAN, f"{where or 'plan'}: {fault['msg']}", place)
     except (ValueError, RecursionError) as error:
-        sink.add(BAD_PLAN, f"the file is no plan: {error}", place)
+        sink.add(BAD_PLAN, f"the file is not a plan: {error}", place)
     return None
 
 

@@ -1,4 +1,4 @@
-"""Criteria: whether a run did what its plan asks of it, when it failed, and why."""
+"""Criteria: whether a run meets those of its plan, and when and why it failed."""
 
 from __future__ import annotations
 
@@ -272,7 +272,7 @@ def _least_time_found(recording: Recording, traces: Traces, when: float | None, 
     least = float(least_time_to_collision(traces))
     none = f"nothing would have been reached within {HORIZON:g} s"
     found = none if math.isnan(least) else f"the least was {least:.2f} s"
-    return f"{found}, at least {limit:g} s is asked for"
+    return f"{found}, at least {limit:g} s is required"
 
 
 def _response_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:

@@ -1,4 +1,4 @@
-"""The recording as a Parquet file: one row an entity present and step, entities in document order.
+"""Recordings as Parquet files: one row for each step and present entity, with entities in document order.
 
 The run's own columns stand in the ego vehicle's rows and are null in the others; codes and roads are written by name.
 Header, units, events and the end of the run are JSON in the file's metadata under `scenario-compiler`, first-person
@@ -75,7 +75,7 @@ def read_recording(path: Path) -> Recording:
             table, metadata = file.read(), file.metadata.metadata or {}
         about = json.loads(metadata.get(_KEY, b"{}"))
         if about.get("format") != FORMAT:
-            raise RecordingError(f"{path} is no recording of the format {FORMAT}")
+            raise RecordingError(f"{path} is not a recording of the format {FORMAT}")
         return _decoded(table, about, metadata)
     except RecordingError:
         raise

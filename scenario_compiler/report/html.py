@@ -1,4 +1,4 @@
-"""The report page: one file of HTML with its style, pictures and tables inside, which needs nothing from outside."""
+"""The report page: one HTML file with style, pictures and tables, which needs no other file and no network."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TEMPLATE = "report.html.jinja"
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """What the template shows of one run."""
+    """The parts of one run that the template shows."""
 
     anchor: str
     run: Run
@@ -53,10 +53,10 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """The page of runs, which shows itself in a notebook: `Report([run])`.
+    """The page of runs, which a notebook displays: `Report([run])`.
 
     Attributes:
-        runs: The runs, one at least.
+        runs: The runs, at least one.
         title: Title of the page.
     """
 
@@ -72,16 +72,16 @@ class Report:
 def write_report(
     runs: Sequence[Run], folder: Path, *, title: str = "", pictures: Sequence[Sequence[Picture]] | None = None
 ) -> Path:
-    """Write report.html into a folder and return its path: a section a run, and a table over several.
+    """Write report.html to a folder and return its path; it has a section for each run, and a table of several runs.
 
     Args:
         runs: The runs.
-        folder: The folder, which is made when there is none.
+        folder: The folder, which is created if it does not exist.
         title: Title of the page.
-        pictures: First-person pictures of each run, ordered by time; those of the recordings when None.
+        pictures: First-person pictures of each run, ordered by time; None takes those of the recordings.
 
     Raises:
-        ValueError: When there is no run to report.
+        ValueError: There is no run to report.
     """
     if not runs:
         raise ValueError("a report needs at least one run")

@@ -1,4 +1,4 @@
-"""`Run`: all that belongs to one run, as a report needs it."""
+"""`Run`: one run with everything that a report needs."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ MOMENTS: tuple[EventKind, ...] = (
     "collision",
     "standstill",
 )
-"""Events that are marked in pictures, by their first time."""
+"""Events that pictures mark at their first time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A run and what belongs to it."""
+    """A run: the plan, its map, the recording and the outcome."""
 
     plan: Plan
     network: Network
@@ -42,7 +42,7 @@ class Run:
 
     @property
     def focus(self) -> tuple[str, float]:
-        """What the close-up shows and when: the request, else the collision, else the end of the run: (words, s)."""
+        """The moment of the close-up as (words, s): the request, else the collision, else the end of the run."""
         moments = dict(self.moments)
         for kind in ("request", "collision"):
             if kind in moments:

@@ -1,4 +1,4 @@
-"""Statistics that a sweep's report states: how sure a rate is."""
+"""Statistics in a sweep's report: the uncertainty of rates."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from statistics import NormalDist
 
 
 def wilson_interval(hits: int, count: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Return the interval of a rate that was observed `hits` times of `count`, by Wilson's score (1927).
+    """Return the confidence interval of a rate with `hits` of `count` runs, by Wilson's score (1927).
 
-    It holds for rates near 0 and 1 and for few runs, where the normal interval does not (Brown, Cai and DasGupta
-    2001). (0, 1) without a run.
+    It is also valid for rates near 0 and 1 and for few runs, unlike the normal interval (Brown, Cai and DasGupta 2001).
+    Without a run it is (0, 1).
     """
     if count == 0:
         return 0.0, 1.0

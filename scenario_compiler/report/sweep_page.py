@@ -31,6 +31,7 @@ SHOWN = (
     "time_budget",
     "takeover_buffer",
     "minimum_time_to_collision",
+    "minimum_lane_time_to_collision",
     "minimum_time_headway",
     "maximum_drac",
     "minimum_distance",

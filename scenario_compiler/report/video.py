@@ -156,7 +156,7 @@ def _video_stream(
     """Add a stream for pictures like the first to a film."""
     stream = container.add_stream(codec, rate=rate, options=options)
     if not isinstance(stream, VideoStream):
-        raise TypeError(f"{codec} is no codec of pictures")
+        raise TypeError(f"{codec} is not a video codec")
     stream.height, stream.width = first.shape[:2]
     stream.pix_fmt = pixels
     return stream

@@ -1,4 +1,4 @@
-"""What a report says in words and numbers: of a run in one line, of its conditions, and how to repeat it."""
+"""Texts of a report: a run in one line, its conditions, and the command that repeats it."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ STANDS: dict[StandingPlace, str] = {
     "shoulder": "stopped safely on the shoulder",
     "off_road": "stopped off the road",
 }
-"""Where a vehicle stands that touched nothing: safely is in its own lane, or on a shoulder."""
+"""Words for the place of a stop without a collision; a stop is safe in the own lane or on a shoulder."""
 
 OUTCOMES: dict[str, str] = {
     "no_request": "no takeover request",
@@ -49,7 +49,7 @@ OUTCOMES: dict[str, str] = {
     "no_collision": "no collision",
     **{str(place): text for place, text in STANDS.items()},
 }
-"""How takeovers were resolved and runs ended, in words."""
+"""Words for the resolution of takeovers and the end of runs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ class Summary:
         request_time: Time of the request, s.
         takeover_time: Time from the request to the driver's response, s.
         minimum_ttc: Least time to collision, s.
-        outcome: What came of it.
+        outcome: The outcome in words.
         result: pass, fail or error; "not judged" for a run without criteria.
     """
 
@@ -107,7 +107,7 @@ def outcome_keys(outcome: Outcome) -> tuple[str, str]:
 
 
 def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
-    """Return what came of a run in a few words; without an automated vehicle, nothing of takeovers."""
+    """Return the outcome of a run in a few words; without an automated vehicle they do not mention takeovers."""
     took_over, ended = (OUTCOMES[key] for key in outcome_keys(outcome))
     if outcome.collision_with:
         ended += f" with {outcome.collision_with}"
@@ -115,14 +115,14 @@ def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
 
 
 def place_words(where: Where) -> str:
-    """Return where something happened, in words."""
+    """Return a place in words."""
     if where.road is None or where.s is None:
         return f"off every road, x {fixed(where.x)} m, y {fixed(where.y)} m"
     return f"road {where.road}, lane {where.lane}, s {fixed(where.s)} m"
 
 
 def broken_criteria(outcome: Outcome) -> list[tuple[str, str]]:
-    """Return each criterion that does not hold, and when, where and why in a sentence."""
+    """Return each criterion that failed, and a sentence on when, where and why."""
     found = []
     for one in outcome.criteria:
         if not one.passed:
@@ -133,7 +133,7 @@ def broken_criteria(outcome: Outcome) -> list[tuple[str, str]]:
 
 
 def measured(outcome: Outcome, name: str) -> str:
-    """Return a measure as text, a dash where it has no value."""
+    """Return a measure as text; a dash if it has no value."""
     measure = outcome.measures.get(name)
     return "–" if measure is None or measure.value is None else fixed(measure.value)
 
@@ -145,17 +145,17 @@ def fixed(value: float) -> str:
 
 
 def decimal(value: float) -> str:
-    """Return a number with two decimals, fewer where they are 0."""
+    """Return a number with up to two decimals, without zeros at the end."""
     return fixed(value).rstrip("0").rstrip(".")
 
 
 def unit_words(unit: str) -> str:
-    """Return a unit as readers write it, empty for numbers without one."""
+    """Return a unit as readers write it; empty for numbers without a unit."""
     return {"1": "", "deg": "°", "m/s2": "m/s²"}.get(unit, unit)
 
 
 def with_unit(name: str, unit: str) -> str:
-    """Return what a column or an axis is called: its name, and its unit where it has one."""
+    """Return the title of a column or an axis: its name, and its unit if it has one."""
     words = unit_words(unit)
     return f"{name} ({words})" if words else name
 
@@ -275,7 +275,7 @@ def _plain(value: float | bool | str) -> str:
 
 
 def classification(run: Run) -> str:
-    """Return the conflict's places in taxonomies in words, empty without any; what is not rated is left out."""
+    """Return the conflict's classifications in words; missing ratings are left out, and there may be none."""
     return "; ".join(map(_placed, run.plan.classifications))
 
 

@@ -226,7 +226,7 @@ def _replace_junctions(
     taken: set[str],
     renamed: dict[str, str],
 ) -> list[etree._Element]:
-    """Write the junctions' connections anew; return the connecting roads."""
+    """Write the junctions' connections again; return the connecting roads."""
     written: list[etree._Element] = []
     for junction in junctions:
         name = str(junction.element.get("id"))

@@ -1,4 +1,4 @@
-"""<lanes> to lane sections, lanes, widths, heights, speeds and marks in the tables."""
+"""Reads <lanes> into the tables: lane sections, lanes, widths, heights, speeds and marks."""
 
 from __future__ import annotations
 
@@ -27,37 +27,38 @@ from scenario_compiler.roads.tables import RoadTables
 BAD_LANE = Code(
     "SC310",
     "bad-lane",
-    "A lane cannot be used and is left out: its id is no integer, is used twice in its section, or has the wrong sign "
-    "for its side (left lanes are positive, right lanes negative)."
-    '\n\n    <right><lane id="1" type="driving">...</lane></right>     -1: right lanes have negative ids'
-    "\n\nCorrect the id; lanes count from 1 (left) and from -1 (right) outward, and the centre lane is 0.",
+    "A lane cannot be used and is left out: its id is not an integer, is used twice in its section, or has the "
+    "wrong sign for its side (left lanes are positive, right lanes negative).\n\n"
+    '    <right><lane id="1" type="driving">...</lane></right>     -1: right lanes have negative ids\n\n'
+    "Correct the id; lanes count from 1 (left) and from -1 (right) outward, and the centre lane is 0.",
     Severity.WARNING,
 )
 BAD_SECTION = Code(
     "SC311",
     "bad-lane-section",
-    "A lane section starts at or beyond the end of its road, or where another one starts, so nothing of it lies on the "
-    "road. It is left out."
-    '\n\n    <road length="100" ...> ... <laneSection s="100">     where the road ends'
-    "\n\nCorrect s, or remove the section.",
+    "A lane section starts at or beyond the end of its road, or where another one starts, so it covers no part of "
+    "the road. It is left out.\n\n"
+    '    <road length="100" ...> ... <laneSection s="100">     the road ends there\n\n'
+    "Correct s, or remove the section.",
     Severity.WARNING,
 )
 UNKNOWN_LANE_WORD = Code(
     "SC312",
     "unknown-lane-word",
-    "OpenDRIVE does not define this lane type, mark type, mark colour or direction. A default is used in its place."
-    '\n\n    <roadMark sOffset="0" type="dashed" .../>     broken'
-    "\n\nWrite a word of the standard.",
+    "OpenDRIVE does not define this lane type, mark type, mark colour or direction. A default is used in its "
+    "place.\n\n"
+    '    <roadMark sOffset="0" type="dashed" .../>     broken\n\n'
+    "Use a value of the standard.",
     Severity.WARNING,
 )
 
 MANY_CUTS = Code(
     "SC369",
     "many-attached-roads",
-    "So many roads begin or end inside another one (elementS, virtual junctions) that only the first ones are joined "
-    "to it."
-    '\n\n    <predecessor elementType="road" elementId="1" elementS="12.5" elementDir="+"/>     on hundreds of roads'
-    "\n\nDivide the road that they begin in.",
+    "So many roads begin or end inside another one (elementS, virtual junctions) that only the first ones are "
+    "joined to it.\n\n"
+    '    <predecessor elementType="road" elementId="1" elementS="12.5" elementDir="+"/>     on hundreds of roads\n\n'
+    "Split the road in which they begin.",
     Severity.WARNING,
 )
 

@@ -1,4 +1,4 @@
-"""What a road file holds beside the tables: header, objects, signals, controllers, junctions.
+"""The contents of a road file besides the tables: header, objects, signals, controllers, junctions.
 
 Running a scenario needs none of it, so it is read only when asked for (`Network.model`). Words are kept as the file
 spells them; numbers are in metres and radians in the road's frame (s, t, h). What these values do not name stays
@@ -22,10 +22,10 @@ from scenario_compiler.roads.reading import Reader
 TOO_MANY_REPEATS = Code(
     "SC314",
     "too-many-repeats",
-    "A repeated object would stand at more places than any road needs. Only the first ones are used; its distance is "
-    "probably wrong."
-    '\n\n    <repeat s="0" length="900" distance="0.0001" .../>     9 million poles'
-    "\n\nCorrect `distance`; 0 stands for one object without gaps, such as a guard rail.",
+    "A repeated object would have more copies than any road needs. Only the first ones are used; its distance is "
+    "probably wrong.\n\n"
+    '    <repeat s="0" length="900" distance="0.0001" .../>     9 million poles\n\n'
+    "Correct `distance`; 0 means one continuous object, such as a guard rail.",
     Severity.WARNING,
 )
 
@@ -349,7 +349,7 @@ def report_repeats(reader: Reader, root: etree._Element) -> None:
     for element in root.iterfind("road/objects/object/repeat"):
         count = read_repeat(reader, element).count()
         if count > REPEAT_LIMIT:
-            message = f"the object stands at {count} places; {REPEAT_LIMIT} are used"
+            message = f"the object is repeated at {count} places; {REPEAT_LIMIT} are used"
             reader.report(TOO_MANY_REPEATS, message, element)
 
 

@@ -1,4 +1,4 @@
-"""`Network`: the questions that can be asked of a road network, by ids and in values.
+"""`Network`: queries of a road network, by ids and in values.
 
 The work is done by the compiled functions.
 """
@@ -42,9 +42,9 @@ if TYPE_CHECKING:
 CHANGED_FILE = Code(
     "SC315",
     "changed-road-file",
-    "The road file was changed while a program that had loaded it was running."
-    '\n\n    network = load_network("town.xodr")     then town.xodr is written again'
-    "\n\nLoad the map again, or let nothing write it while the program runs.",
+    "The road file was changed while a program that had loaded it was running.\n\n"
+    '    network = load_network("town.xodr")     then town.xodr is written again\n\n'
+    "Load the map again, and do not change the file while the program runs.",
 )
 
 END_TOLERANCE = 1e-6

@@ -1,4 +1,4 @@
-"""OpenDRIVE XML to `RoadTables`, with diagnostics for what cannot be used.
+"""Reads OpenDRIVE XML into `RoadTables`, with diagnostics for parts that cannot be used.
 
 Faults of a road file are warnings: the record is left out or takes the standard's default, and the rest is read. Errors
 are left for files that give no network at all. What the tables do not hold (objects, signals, controllers, header) is
@@ -26,17 +26,17 @@ from scenario_compiler.roads.topology import build_links
 NOT_OPENDRIVE = Code(
     "SC301",
     "not-opendrive",
-    "The root element of the road file is not <OpenDRIVE>, or it holds no usable <road>."
-    "\n\n    <OpenSCENARIO>...</OpenSCENARIO>     in the file that `map` names"
-    "\n\nCheck that the scenario names the right file, and that every <road> has a reference line and a length.",
+    "The root element of the road file is not <OpenDRIVE>, or the file has no usable <road>.\n\n"
+    "    <OpenSCENARIO>...</OpenSCENARIO>     in the file that `map` names\n\n"
+    "Check that the scenario names the right file, and that every <road> has a reference line and a length.",
 )
 DUPLICATE_ROAD = Code(
     "SC302",
     "duplicate-road",
-    "Two roads have the same id. Links and positions name a road by its id, so only the first one is used."
-    '\n\n    <road id="4" ...>...</road>'
-    '\n    <road id="4" ...>...</road>     not used; which of them would road="4" mean?'
-    "\n\nGive one of them another id, and let the links that mean it name that.",
+    "Two roads have the same id. Links and positions name a road by its id, so only the first one is used.\n\n"
+    '    <road id="4" ...>...</road>\n'
+    '    <road id="4" ...>...</road>     not used; which of them would road="4" mean?\n\n'
+    "Give one of them another id, and change the links to it.",
     Severity.WARNING,
 )
 UNUSABLE_ROAD = Code(
@@ -51,10 +51,10 @@ UNUSABLE_ROAD = Code(
 UNKNOWN_WORD = Code(
     "SC304",
     "unknown-road-word",
-    "An attribute has a value that OpenDRIVE does not know (a lane type, a mark type, a colour, a traffic rule). The "
-    "default is used in its place."
-    '\n\n    <road id="4" rule="left" ...>     RHT or LHT'
-    "\n\nWrite a word of the standard. A file written for another program may have words of that program's own.",
+    "An attribute has a value that OpenDRIVE does not know (a lane type, a mark type, a colour, a traffic rule). "
+    "The default is used in its place.\n\n"
+    '    <road id="4" rule="left" ...>     RHT or LHT\n\n'
+    "Use a value of the standard. A file that was written for another program may use values of that program.",
     Severity.WARNING,
 )
 

@@ -1,4 +1,4 @@
-"""Attributes to numbers, with diagnostics: the part of the OpenDRIVE reader that knows no element by name."""
+"""Reads attributes as numbers, with diagnostics; this part of the reader is independent of the elements."""
 
 from __future__ import annotations
 
@@ -14,21 +14,20 @@ from scenario_compiler.roads.tables import NO_SPEED, RoadTables
 BAD_NUMBER = Code(
     "SC305",
     "bad-road-number",
-    "An attribute of the road file should hold a finite number of sensible size and does not: it is missing, is not a "
-    "number, is NaN or infinite, or is larger than any real road needs. The default (mostly 0) is used, or the record "
-    "is left out."
-    '\n\n    <geometry s="0" x="nan" y="0" hdg="0" length="50">     x is not a finite number'
-    "\n\nWrite the number that is meant. Look at what wrote the file where many are wrong.",
+    "A number in the road file is missing, not a number, NaN, infinite, or larger than any real road needs. The "
+    "default (mostly 0) is used, or the record is left out.\n\n"
+    '    <geometry s="0" x="nan" y="0" hdg="0" length="50">     x is not a finite number\n\n'
+    "Correct the number. If many numbers are wrong, check the program that wrote the file.",
     Severity.WARNING,
 )
 UNSORTED = Code(
     "SC306",
     "unsorted-records",
-    "Records along a road (geometries, elevations, lane sections, widths, marks) should stand in ascending order of s. "
-    "They are sorted before they are used."
-    '\n\n    <width sOffset="20" a="3.5" .../>'
-    '\n    <width sOffset="0" a="3.0" .../>     belongs before the other'
-    "\n\nPut them in order; check whether one of them has a wrong s.",
+    "Records along a road (geometries, elevations, lane sections, widths, marks) should stand in ascending order "
+    "of s. They are sorted before they are used.\n\n"
+    '    <width sOffset="20" a="3.5" .../>\n'
+    '    <width sOffset="0" a="3.0" .../>     must come before the other\n\n'
+    "Put them in order; check whether one of them has a wrong s.",
     Severity.WARNING,
 )
 

@@ -1,4 +1,4 @@
-"""<planView> to the pieces of the reference line and their uniform s-index."""
+"""Reads <planView> into the pieces of the reference line and their uniform index over s."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, SPIRAL, RoadTa
 UNKNOWN_GEOMETRY = Code(
     "SC308",
     "unknown-geometry",
-    "A <geometry> holds none of line, arc, spiral, poly3 and paramPoly3. It is read as a straight line."
-    '\n\n    <geometry s="0" x="0" y="0" hdg="0" length="50"><curve curvature="0.01"/></geometry>     <arc> is meant'
-    "\n\nWrite one of the five. A clothoid is a <spiral>.",
+    "A <geometry> has no child line, arc, spiral, poly3 or paramPoly3. It is read as a straight line.\n\n"
+    '    <geometry s="0" x="0" y="0" hdg="0" length="50"><curve curvature="0.01"/></geometry>     <arc> is meant\n\n'
+    "Add one of the five. A clothoid is a <spiral>.",
     Severity.WARNING,
 )
 COARSE_SPIRAL = Code(
     "SC309",
     "coarse-spiral",
-    "A spiral turns so often that it would need too many pieces to be exact. It is evaluated more coarsely; no road is "
-    "like that, so its curvatures or its length are probably wrong."
-    '\n\n    <geometry ... length="5000"><spiral curvStart="0" curvEnd="20"/></geometry>     7958 turns'
-    "\n\nCheck the unit of the curvatures: 1/m, not degrees and not a radius.",
+    "A spiral has so many turns that an exact evaluation would need too many pieces. It is evaluated more "
+    "coarsely. No real road has such a spiral, so its curvatures or its length are probably wrong.\n\n"
+    '    <geometry ... length="5000"><spiral curvStart="0" curvEnd="20"/></geometry>     7958 turns\n\n'
+    "Check the unit of the curvatures: 1/m, not degrees and not a radius.",
     Severity.WARNING,
 )
 

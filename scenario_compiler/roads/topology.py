@@ -1,4 +1,4 @@
-"""Links of roads, lanes and junctions, resolved to rows: which lane goes on in which.
+"""Links of roads, lanes and junctions as rows: the lanes in which each lane continues.
 
 A link joins an end of a lane's row (in one lane section) to an end of another's, and is kept in both directions,
 whoever of the two files it. Sources: the lanes' own predecessors and successors, at joints of lane sections and of
@@ -26,10 +26,10 @@ from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 UNKNOWN_LINK = Code(
     "SC313",
     "unknown-road-link",
-    "A road, junction or connection links to a road or junction that the file does not hold (or that could not be "
-    "used). The link is ignored, so traffic cannot go on there."
-    '\n\n    <successor elementType="road" elementId="77" contactPoint="start"/>     there is no road 77'
-    "\n\nCorrect the id, or remove the link where the road really ends.",
+    "A road, junction or connection links to a road or junction that the file does not have, or that could not be "
+    "used. The link is ignored, so traffic cannot continue there.\n\n"
+    '    <successor elementType="road" elementId="77" contactPoint="start"/>     there is no road 77\n\n'
+    "Correct the id, or remove the link if the road really ends there.",
     Severity.WARNING,
 )
 

@@ -1,4 +1,4 @@
-"""The structure of a road file by ASAM's own schemas, where the user has them.
+"""Checks the structure of a road file by ASAM's own schemas, if the user has them.
 
 Those up to 1.7 are XSD 1.0 (see `structure.schemas`); those of 1.8 need XSD 1.1 and the package xmlschema, imported
 here alone.
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 SCHEMA_FAULT = Code(
     "SC331",
     "schema-fault",
-    "The road file is not valid by the ASAM schema of the version that its header names. The message is the schema "
-    "processor's."
-    "\n\n    validate town.xodr --xsd schemas     Element 'lane': This element is not expected."
-    "\n\nWithout --xsd the file is judged by this program's own reading of the standard, whose messages say more.",
+    "The road file is not valid by the ASAM schema of the version that its header names. The message is the "
+    "schema processor's.\n\n"
+    "    validate town.xodr --xsd schemas     Element 'lane': This element is not expected.\n\n"
+    "Without --xsd the file is checked by this program's own rules, whose messages contain more details.",
 )
 NO_SCHEMA = Code(
     "SC332",

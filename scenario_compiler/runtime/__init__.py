@@ -1,7 +1,7 @@
-"""The one loop that executes plans, and the door to the worlds.
+"""The loop that executes plans in worlds.
 
-In: a `Plan` and a `World`. Out: a `Recording`. Imports everything below it but no front end: a plan from JSON runs with
-`source` never imported.
+In: a `Plan` and a `World`. Out: a `Recording`. Imports the packages below it except the languages: a plan from JSON
+runs without importing `source`.
 """
 
 from scenario_compiler.runtime.loop import open_world, run

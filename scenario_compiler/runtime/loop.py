@@ -1,4 +1,4 @@
-"""The one loop: engine and world step by step, with the controller between steps."""
+"""The run loop: it steps engine and world, and calls the controller between steps."""
 
 from __future__ import annotations
 
@@ -79,15 +79,15 @@ RUN_COLUMNS = {
     "lane_heading": "path_heading",
     "on_road": "on_road",
 }
-"""Recorded column to the engine's."""
+"""Column of the engine for each recorded column."""
 
 BRAKE_LIGHTS = 1.3
-"""Deceleration from which the brake lights of a vehicle that is not driven by commands are on, m/s2: that from which UN
-R13-H (5.2.22.4) has them on when a vehicle brakes without its driver's pedal.
+"""Deceleration from which the brake lights are on for a vehicle that is not driven by commands, m/s2: the value of UN
+R13-H (5.2.22.4) for braking without the driver's pedal.
 """
 
 PERSON_COLUMNS = ("person_throttle", "person_brake", "person_steer", "person_wish")
-"""Columns of the engine that a person's inputs stand in, recorded where one is at the wheel."""
+"""Columns of the engine with a person's inputs; they are recorded if a person is at the wheel."""
 
 SOURCE_CODES = {source: code for code, source in SOURCES.items()}
 WISH_CODES = {wish: code for code, wish in WISHES.items()}
@@ -96,11 +96,11 @@ LANE_COLUMNS = tuple(f"{side}_{name}" for side in ("left", "right") for name in 
 
 
 def open_world(name: str, plan: Plan, network: Network, **options: object) -> World:
-    """Open a world; use it in a `with` statement, so that it gives back what it holds.
+    """Open a world; use it in a `with` statement, so that it is closed at the end.
 
     Args:
-        name: Its name in WORLDS.
-        plan: The plan that it is for.
+        name: Name of the world in WORLDS.
+        plan: The plan that will run in it.
         network: The plan's map.
         **options: Options of the world, as its `Options` model declares them.
 
@@ -129,18 +129,18 @@ def run(
 ) -> Recording:
     """Execute a plan in a world.
 
-    A run that cannot go on, because the world is lost, the controller fails or the engine has no result, ends there:
-    the recording says so by its stop reason and its last event, and holds everything until then.
+    A run ends early if the world is lost, the controller fails or the engine has no result. The stop reason and the
+    last event of the recording then give the reason, and the recording has everything up to that time.
 
     Args:
         plan: The plan.
         world: A world opened for the plan; it can be used for several runs.
-        seed: Seed of all that is drawn.
-        variant: Index of the variant, which the draws depend on too.
-        interpreted: Whether the engine runs interpreted although its machine code is there.
+        seed: Seed of all random numbers.
+        variant: Index of the variant, on which the random numbers depend too.
+        interpreted: Whether to use the interpreted engine even if the compiled one is available.
         progress: Called with the time, s, after every step.
-        trust: Code of the user's own that the plan may name as its controller.
-        person: Who is at the wheel of a plan with a person; without one nobody answers.
+        trust: Trusted code that the plan may name as its controller.
+        person: The person at the wheel of a plan with a person; without one nobody responds.
     """
     execution = Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust, person=person)
     while execution.going:
@@ -151,11 +151,11 @@ def run(
 
 
 def entities_of(state: State, step: float) -> Entities:
-    """Return the entities as they are now: their columns are copied, each one's state is built when it is asked for.
+    """Return the present entities: the columns are copied, and the state of an entity is built when it is read.
 
     Args:
         state: The engine's state.
-        step: How long they have moved since stock was taken of them, s; 0 where it has just been taken.
+        step: Time that they have moved since the end of the last step, s; 0 at the end of a step.
     """
     present, visible, lights = state.present[:], state.visible[:], state.lights[:]
     poses = [column[:] for column in (state.x, state.y, state.z, state.h, state.pitch, state.roll)]
@@ -192,7 +192,7 @@ def entities_of(state: State, step: float) -> Entities:
 
 
 def faults_of(program: Program, state: State) -> CameraFaults:
-    """Return what is wrong with the camera beside its noise, from the engine's state."""
+    """Return the camera's failures, without its noise, from the engine's state."""
     now = state.failure_now
     return CameraFaults(
         dark=now[op.FAILURE_BLACKOUT],
@@ -211,7 +211,7 @@ def faults_of(program: Program, state: State) -> CameraFaults:
 
 
 def turned_of(program: Program, state: State) -> tuple[float, float, float]:
-    """Return yaw, pitch and roll by which failures turn the camera now, rad: those of all of them together."""
+    """Return yaw, pitch and roll by which all failures together turn the camera now, rad."""
     yaw = pitch = roll = 0.0
     if state.failure_now[op.FAILURE_MISALIGNMENT] > 0.0:
         for f in range(program.failure_count[0]):
@@ -224,7 +224,7 @@ def turned_of(program: Program, state: State) -> tuple[float, float, float]:
 
 
 def source_of(st: State, program: Program) -> int:
-    """Return who commands the ego, a code of `SOURCES`."""
+    """Return who controls the ego, as a code of `SOURCES`."""
     if st.takeover_state[0] in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK):
         return SOURCE_CODES["person" if program.person[0] == 1 else "driver model"]
     stopping = st.takeover_state[0] in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL)
@@ -232,7 +232,7 @@ def source_of(st: State, program: Program) -> int:
 
 
 class Execution:
-    """One run under way, step by step; `run` goes through one, and a page keeps one in step with the clock."""
+    """A run in progress, step by step; `run` executes one at once, a page executes one in real time."""
 
     def __init__(
         self,
@@ -277,11 +277,11 @@ class Execution:
 
     @property
     def going(self) -> bool:
-        """Whether the run goes on."""
+        """Whether the run continues."""
         return not self.broken and not self.simulation.over
 
     def advance(self) -> None:
-        """Let the controller act where a control step is due, then step the engine and the world."""
+        """Call the controller if this is a control step, then step the engine and the world."""
         with self._noticing_failures():
             if self.person is not None:
                 self._let_act(self.person)
@@ -348,7 +348,7 @@ class Execution:
             raise ControllerError.of(name, error) from error
 
     def snapshot(self, moved_for: float = 0.0) -> Snapshot:
-        """Return the entities' states now, `moved_for` s after stock was taken of them."""
+        """Return the present states of the entities, `moved_for` s after the end of the last step."""
         st = self.state
         return Snapshot(
             st.clock[0],
@@ -368,11 +368,11 @@ class Execution:
         return tuple((name, texts[state] if state >= 0 else "") for name, state in states)
 
     def note(self, kind: EventKind, *, cause: str = "", message: str = "") -> None:
-        """Take down an event that the engine does not know of."""
+        """Record an event that does not come from the engine."""
         self.builder.event(self.state.clock[0], kind, cause=cause, message=message)
 
     def finish(self, ended: StopReason = "") -> Recording:
-        """Return the recording; `ended` is why a run was ended that could have gone on."""
+        """Return the recording; `ended` is the reason if the run was ended from outside."""
         st = self.state
         reason = self.broken or STOP_REASONS[st.stop[0]] or ended
         if st.flag[0]:

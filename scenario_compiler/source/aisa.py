@@ -1,4 +1,4 @@
-"""The AISA toolkit's file, as it is: a `<config>` of named scenarios, and what the toolkit's code adds to each name.
+"""The AISA toolkit's file: a `<config>` of named scenarios, and the additions that the toolkit's code makes.
 
 The toolkit keeps the obstacles of its scenarios in its code, by the scenario's name; they are a table here. It reads
 <object> elements and the numbers of background traffic and never uses them; neither do we, and say so.
@@ -100,13 +100,13 @@ KNOWN: dict[str, _Known] = {
 OFF_MAP = Code(
     "SC243",
     "aisa-start-off-map",
-    "The scenario's start, its destination and the obstacles that the toolkit's code adds lie far off every road of "
-    "the custom map that the toolkit publishes, HRI_custommap.xodr, which its file calls `conflictmap`. On that map "
-    "the scenario cannot run as it is filed.\n\n"
-    "Start it elsewhere, in CARLA's axes, metres and degrees: --set start=X,Y,YAW, with --set obstacles=false where "
-    "the toolkit's code adds obstacles. On a map that does reach there, say that they are meant: --set town=NAME and "
-    "--set obstacles=true."
-    "\n\n    scenario-compiler run aisa_conflicts.xml#customramp --set start=413,39,90 --set obstacles=false",
+    "The scenario's start, its destination and the obstacles that the toolkit's code adds lie far from every road "
+    "of the custom map that the toolkit publishes, HRI_custommap.xodr, which its file calls `conflictmap`. On "
+    "that map the scenario cannot run as it is filed.\n\n"
+    "Start it elsewhere with --set start=X,Y,YAW in CARLA's axes, metres and degrees, and with --set "
+    "obstacles=false if the toolkit's code adds obstacles. On a map that contains these positions, confirm them "
+    "with --set town=NAME and --set obstacles=true.\n\n"
+    "    scenario-compiler run aisa_conflicts.xml#customramp --set start=413,39,90 --set obstacles=false",
 )
 BAD_POSE = Code(
     "SC244",
@@ -285,7 +285,7 @@ def _waypoints(element: etree._Element, values: Mapping[str, Value], reading: Re
     for name, text in set_here.items():
         pose = _pose(name, text)
         if pose is None:
-            reading.sink.add(BAD_POSE, f"'{text}' is no pose: X,Y or X,Y,YAW", COMMAND_LINE)
+            reading.sink.add(BAD_POSE, f"'{text}' is not a pose: write X,Y or X,Y,YAW", COMMAND_LINE)
         else:
             waypoints[name] = pose
     return waypoints

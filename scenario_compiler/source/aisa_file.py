@@ -1,4 +1,4 @@
-"""The AISA toolkit's file as it is written: its scenario elements by name. `aisa` makes scenarios of them."""
+"""The contents of an AISA toolkit file: its scenario elements by name. `aisa` makes scenarios of them."""
 
 from __future__ import annotations
 
@@ -28,8 +28,6 @@ def read_aisa(document: Document, sink: Diagnostics) -> AisaConfig:
         if name in scenarios:
             place = document.origin(element, "name")
             first = names.first_at(document.origin(scenarios[name], "name"))
-            sink.add(
-                names.DUPLICATE_NAME, f"a scenario named '{name}' stands in this file already", place, related=first
-            )
+            sink.add(names.DUPLICATE_NAME, f"a scenario named '{name}' is in this file already", place, related=first)
         scenarios.setdefault(name, element)
     return AisaConfig(document, scenarios)

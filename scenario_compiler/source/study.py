@@ -20,9 +20,9 @@ from scenario_compiler.vocabulary.word import IDENTIFIER, LABEL, Word, attribute
 UNREADABLE_PART = Code(
     "SC260",
     "unreadable-part",
-    "A study names a file that cannot be read: a page of instructions or consent, a questionnaire, or a scenario's "
-    "file. Relative paths start from the folder of the study. A page is Markdown in UTF-8; a questionnaire is a file "
-    "whose first element is <questionnaire>.\n\n"
+    "A study names a file that cannot be read: a page of instructions or consent, a picture in one, a questionnaire, "
+    "or a scenario's file. Relative paths start from the folder of the study, those of pictures from the folder of "
+    "their page. A page is Markdown in UTF-8; a questionnaire is a file whose first element is <questionnaire>.\n\n"
     '    <page file="wellcome.md"/>     the study\'s folder contains welcome.md\n\n'
     "Correct the path, or add the file.",
 )

@@ -1,4 +1,4 @@
-"""A file of a study, or of a questionnaire, as it is known without the words of their language.
+"""A file of a study or of a questionnaire, without its words, which are imported when such a file is read.
 
 They are imported (`study`) where such a file is read, since other files need none of them.
 """
@@ -27,7 +27,7 @@ class StudyFile:
         study: The study; None for a questionnaire, or where it could not be read.
         questionnaire: The questionnaire that the file itself is; None for a study.
         questionnaires: The questionnaires that a study names, by the names of their files.
-        pages: The texts of the Markdown files that a study names, by their names.
+        pages: The Markdown files that a study names, as HTML with their pictures, by their names.
         scenarios: Empty: conflicts stand in files of their own.
     """
 

@@ -1,4 +1,4 @@
-"""Reading the study's own files, with the pages and questionnaires that a study names."""
+"""Reads study files, with the pages and questionnaires that they name."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Document, read_document
-from scenario_compiler.files import read_file
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import read_word
@@ -39,6 +38,7 @@ from scenario_compiler.source.study import (
     square_rows,
 )
 from scenario_compiler.source.study_file import StudyFile
+from scenario_compiler.source.study_page import read_page
 
 MOST_POINTS = 101
 """Points of a scale at most: 0 to 100."""
@@ -68,9 +68,9 @@ def read_study(document: Document, sink: Diagnostics) -> StudyFile:
         )
     pages = {}
     for step in _pages_of(study):
-        text = _page(step.file, document.folder, step.place_of("file"), sink)
-        if text is not None:
-            pages[step.file] = text
+        page = read_page(step.file, document.folder, step.place_of("file"), sink)
+        if page is not None:
+            pages[step.file] = page
     questionnaires: dict[str, QuestionnaireElement] = {}
     for ask in _asks_of(study):
         if ask.file not in questionnaires:
@@ -182,17 +182,6 @@ def _asks_of(study: StudyElement) -> Iterator[Ask]:
         for step in () if part is None else part.steps:
             if isinstance(step, Ask):
                 yield step
-
-
-def _page(name: str, folder: Path, place: Place, sink: Diagnostics) -> str | None:
-    try:
-        return read_file(folder / name).decode("utf-8-sig")
-    except UnicodeDecodeError as fault:
-        sink.add(UNREADABLE_PART, f"'{name}' is not UTF-8: byte {fault.start}", place)
-    except (OSError, ValueError) as fault:
-        reason = fault.strerror if isinstance(fault, OSError) and fault.strerror else str(fault)
-        sink.add(UNREADABLE_PART, f"'{name}' cannot be read: {reason}", place)
-    return None
 
 
 def _questionnaire_in(ask: Ask, folder: Path, sink: Diagnostics) -> QuestionnaireElement | None:

@@ -1,4 +1,4 @@
-"""Templates: where they are found, the scopes of ids that their uses make, and putting their items in place."""
+"""Templates: finding them, the scopes of ids in their uses, and inserting their items."""
 
 from __future__ import annotations
 
@@ -542,7 +542,7 @@ def _shelve(library: Library, templates: dict[str, Part], sink: Diagnostics) -> 
     for name in library.own_templates:
         part, there = library.templates[name], templates.get(name)
         if there is not None and there.document.path != part.document.path:
-            message = f"a template named '{name}' stands in {there.document.path} already"
+            message = f"a template named '{name}' is in {there.document.path} already"
             sink.add(names.DUPLICATE_NAME, message, part.document.origin(part.element, "name"))
     for name, part in library.templates.items():
         if name in library.own_templates or name not in templates:

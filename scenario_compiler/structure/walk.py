@@ -251,7 +251,7 @@ class _Children:
         counts = Counter(tags)
         state, before = self.content.start, ""
         for child, tag in self.known:
-            where = "stands too often or too late" if counts[tag] > 1 else f"has no place after <{before}>"
+            where = "occurs too often or too late" if counts[tag] > 1 else f"has no place after <{before}>"
             state = self._step(state, child, tag, where)
             before = tag
         if not self.content.complete(state) and (lacking := self.content.missing(state, None)) is not None:
@@ -279,7 +279,7 @@ class _Children:
         for child, tag in self.known:
             state = self.content.move(state, tag)
             if not state:
-                message = f"<{tag}> stands in the wrong place in <{self._name()}>"
+                message = f"<{tag}> is in the wrong place in <{self._name()}>"
                 hint = f"the order is: {', '.join(self.content.tags())}"
                 self._report(self.walk.faults.order, message, child, hint)
                 return

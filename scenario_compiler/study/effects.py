@@ -1,4 +1,4 @@
-"""What a pilot says of the study to come: means by condition, differences within participants, and power.
+"""The effects that a pilot lets expect: means by condition, differences within participants, and power.
 
 The participant is the unit of analysis. Trials of one participant are not independent of each other, so those of a
 condition are averaged first, and each participant counts once, with one number: a summary measure (Matthews et al.
@@ -30,8 +30,8 @@ from scenario_compiler.study.dataset import seats_of
 from scenario_compiler.study.tables import MISSING, read_table
 
 SHOWN = (
-    *("takeover_time", "minimum_time_to_collision", "minimum_distance", "maximum_lateral_acceleration"),
-    *("maximum_longitudinal_acceleration", "maximum_lateral_offset"),
+    *("takeover_time", "minimum_time_to_collision", "minimum_lane_time_to_collision", "minimum_distance"),
+    *("maximum_lateral_acceleration", "maximum_longitudinal_acceleration", "maximum_lateral_offset"),
 )
 """Measures of the page."""
 

@@ -1,6 +1,6 @@
-"""The pages of a study: one for each participant, and one for the experimenter apart from them.
+"""The pages of a study: those of the participants, and that of the experimenter.
 
-A participant's page is made anew at each step, so that a page that is loaded again stands where the participant does.
+A participant's page is made again at each step, so that a page that is loaded again stands where the participant does.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from types import MappingProxyType
 from typing import Any
 from urllib.parse import parse_qs
 
-from markdown_it import MarkdownIt
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from starlette.applications import Starlette
 from starlette.requests import ClientDisconnect, Request
@@ -76,7 +75,6 @@ class StudyServer:
         study = rules.compilation.study
         self.words = WORDS[study.language]
         self.attendances = {str(one): Attendance(rules, one) for one in range(1, study.participants + 1)}
-        self._markdown = MarkdownIt("commonmark", {"html": False})
         self._environment = page_environment(PAGES)
         self.app = Starlette(
             routes=[
@@ -148,11 +146,10 @@ class StudyServer:
             return self._rendered("waiting.html.jinja", **values)
         if step.kind == "drive":
             return HTMLResponse(drive_page(attendance.drive().language, base))
-        text = self._markdown.render(source.pages[step.file]) if step.file in source.pages else ""
         if step.kind == "ask":
             asked = source.questionnaires[step.file]
             return self._rendered("questionnaire.html.jinja", **values, asked=asked)
-        return self._rendered("page.html.jinja", **values, text=text)
+        return self._rendered("page.html.jinja", **values, text=source.pages.get(step.file, ""))
 
     async def _sent(self, request: Request) -> Response:
         refusal = self.door.refusal(request)
@@ -168,7 +165,7 @@ class StudyServer:
             await asyncio.to_thread(attendance.go_on, number, fields)
         except (KeyError, ValueError) as error:
             known = isinstance(error, OutOfPlaceError)
-            fault = str(error) if known else "that is no answer of this page"
+            fault = str(error) if known else "this is not an answer to this page"
             return self.door.answer(request, lambda: _status(self._step_page(attendance, fault), 400))
         return self.door.answer(request, lambda: RedirectResponse(request.url.path, status_code=303))
 
@@ -229,7 +226,7 @@ class StudyServer:
             else:
                 await asyncio.to_thread(ACTIONS[order.action], attendance)
         except (KeyError, ValidationError, OutOfPlaceError):
-            return self.desk.answer(request, lambda: PlainTextResponse("that is no order", status_code=400))
+            return self.desk.answer(request, lambda: PlainTextResponse("this is not a command", status_code=400))
         return self.desk.answer(request, lambda: JSONResponse(_row(attendance)))
 
 

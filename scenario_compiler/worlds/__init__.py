@@ -1,7 +1,7 @@
-"""Worlds that a plan is executed in, and the table of their names.
+"""The worlds in which plans are executed, and the table of their names.
 
-In: a plan, its map and the engine's snapshots. Out: camera images, and where the world's own physics has moved the ego
-vehicle. Imports controllers' types, perception, the plan, roads and the hall.
+In: a plan, its map and the engine's snapshots. Out: camera images, and the ego's new state if the world's own physics
+moves it. Imports controllers' types, perception, the plan, roads and the hall.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ WORLDS: dict[str, str] = {
     "carla": "scenario_compiler.worlds.carla:CarlaWorld",
     "kinematic": "scenario_compiler.worlds.kinematic:KinematicWorld",
 }
-"""Name of a world to its class; the modules are imported only when a world is opened."""
+"""Class of each world by its name; a module is imported only when its world is opened."""
 
 __all__ = [
     "WORLDS",

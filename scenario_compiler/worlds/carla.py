@@ -1,7 +1,8 @@
-"""CARLA as a world: its cameras see, its physics moves the ego vehicle, and all others are mirrored from the engine.
+"""CARLA as a world: its camera takes pictures, its physics moves the ego, and it mirrors the other entities.
 
-The client runs in synchronous mode. In a step the others are put where the engine has them at its end, the ego gets its
-command, the server ticks, and its ego comes back. Settings are put back and actors destroyed however a run ends.
+The client runs in synchronous mode. In a step, the others are moved to their poses at the end of the step, the ego gets
+its command, the server ticks, and the ego's new state is read. However a run ends, the settings are restored and the
+actors destroyed.
 """
 
 from __future__ import annotations
@@ -89,19 +90,19 @@ STAND_INS: dict[Category, str] = {
     "sign": "static.prop.trafficwarning",
     "prop": "static.prop.barrel",
 }
-"""Blueprint that stands in for one that the server's library lacks, by category."""
+"""Blueprint by category that replaces one that the server's library lacks."""
 
 LONGEST_STEP = 0.1
-"""Longest time step that CARLA's physics takes, s."""
+"""Longest time step of CARLA's physics, s."""
 
 LIFTED = 0.3
-"""How far above its start the ego is spawned, so that it does not touch the road, m."""
+"""Height above its start at which the ego is spawned, so that it does not touch the road, m."""
 
 ASIDE = 5000.0
-"""Where others are spawned before they are put to their places, m: nothing is there to be touched."""
+"""Position at which others are spawned before they are moved to their places, m: nothing else is there."""
 
 SAME_PLACE = 0.25
-"""How far the server's lanes may be from the plan's, m."""
+"""Greatest distance between the server's lanes and the plan's, m."""
 
 HAZARD = ("indicatorLeft", "indicatorRight")
 LIGHTS = {
@@ -124,16 +125,16 @@ YELLOW, PURPLE = (255, 200, 0), (190, 40, 210)
 """Colours of the route and of the predicted path, red, green, blue."""
 
 LIFTED_LINE, LINE_WIDTH, DISPLAY_WIDTH = 0.3, 0.1, 2.0
-"""How far above the road lines are drawn, m, and how broad: in the world, m, and on the server's display, pixels."""
+"""Height of drawn lines above the road, m, and their width in the world, m, and on the server's display, pixels."""
 
 PATH_STEP = 2.0
-"""Length of the pieces of the predicted path at least, m."""
+"""Least length of the pieces of the predicted path, m."""
 
 TAKEN: set[tuple[str, int]] = set()
-"""Addresses of the servers that runs of this program are in: each run has its server for itself."""
+"""Addresses of the servers in use by runs of this program: each server serves one run at a time."""
 
 ONCE = 1.5
-"""Life time of a line that is seen in one picture, time steps."""
+"""Lifetime of a line that is visible in one picture, time steps."""
 
 
 class CarlaOptions(WorldOptions):
@@ -278,7 +279,7 @@ class CarlaWorld:
             self._client.start_recorder(self.options.recording)
 
     def close(self) -> None:
-        """Destroy the actors and put the settings back; a server that does not answer is left as it is."""
+        """Destroy the actors and restore the settings; a server that does not respond is left unchanged."""
         if not self._open:
             return
         self._open = False
@@ -321,7 +322,7 @@ class CarlaWorld:
     # A run.
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:
-        """Spawn everybody, and tick once with nobody moving, so that there is a picture of t = 0."""
+        """Spawn all entities, and tick once without motion, so that there is a picture of t = 0."""
         from scenario_compiler.perception.degradation import Sensor
 
         self._built_in.reset(snapshot, seed)
@@ -397,7 +398,7 @@ class CarlaWorld:
         stand_in = STAND_INS[entity.vehicle.category]
         if not self._library.filter(stand_in):
             raise WorldError(f"CARLA's library has neither '{wanted}' nor '{stand_in}'")
-        told = f"CARLA's library has no '{wanted}', '{stand_in}' stands in for it"
+        told = f"CARLA's library has no '{wanted}', '{stand_in}' replaces it"
         if all(one.message != told for one in self.findings):
             self.findings.append(WorldFinding(OTHER_BLUEPRINT, told, f"entities/{entity.id}"))
         return self._library.find(stand_in)
@@ -515,7 +516,7 @@ class CarlaWorld:
         )
 
     def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
-        """Mirror the others, command the ego, tick, and return what the ego has become."""
+        """Mirror the others, command the ego, tick, and return the ego's new state."""
         self._clock = snapshot.t
         ego = self.plan.entities[0]
         with self._answering():
@@ -568,7 +569,7 @@ class CarlaWorld:
         self._image = np.ascontiguousarray(pixels[..., :3])
 
     def observe(self, snapshot: Snapshot) -> SensorData:
-        """Return what the camera sees: CARLA's last picture through our degradation, or one that is drawn here."""
+        """Return the camera's image: CARLA's last picture with our degradation, or one from the built-in renderer."""
         if self._image is None or self._degradation is None or not self._carla_sees:
             return self._built_in.observe(snapshot)
         wrong = degradation_of(snapshot, self.plan.ego.vehicle.wheelbase)
@@ -576,11 +577,11 @@ class CarlaWorld:
         return SensorData(snapshot.t, image, self._built_in.mounting)
 
     def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:
-        """Draw what the driver sees."""
+        """Draw the driver's view."""
         return self._built_in.picture(snapshot)
 
     def events(self) -> Sequence[WorldEvent]:
-        """Return what the ego's collision and lane sensors have told since the last call."""
+        """Return the reports of the ego's collision and lane sensors since the last call."""
         found = []
         while not self._told.empty():
             found.append(self._told.get_nowait())

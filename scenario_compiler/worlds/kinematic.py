@@ -1,4 +1,4 @@
-"""The built-in world: the map's own geometry, drawn for the camera, with the engine moving everything."""
+"""The built-in world: the renderer draws the map for the camera, and the engine moves everything."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class KinematicWorld:
         )
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:
-        """Begin a run: noise and rain are drawn from its seed."""
+        """Begin a run; its seed determines noise and rain."""
         lines = lines_beside(self.plan, self.network, snapshot.poses)
         if seed != self._seed or lines != self._lines:
             self._camera = self._viewer = self._drawn = None
@@ -69,7 +69,7 @@ class KinematicWorld:
         self._seed = seed
 
     def observe(self, snapshot: Snapshot) -> SensorData:
-        """Draw what the camera sees."""
+        """Draw the camera's image."""
         image = self._road_camera().frame(
             snapshot.poses[0],
             self._boxes(snapshot),
@@ -82,7 +82,7 @@ class KinematicWorld:
         return SensorData(snapshot.t, image, self.mounting)
 
     def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:
-        """Draw what the driver sees."""
+        """Draw the driver's view."""
         from scenario_compiler.perception.overlay import DRIVER
         from scenario_compiler.perception.road_camera import RoadCamera
 
@@ -99,7 +99,7 @@ class KinematicWorld:
 
     @property
     def versions(self) -> dict[str, str]:
-        """What pictures depend on, of a run with a camera."""
+        """Versions on which the pictures of a run with a camera depend."""
         if self.plan.perception != "camera":
             return {}
         from scenario_compiler.perception.machine import drawn_by
@@ -107,12 +107,12 @@ class KinematicWorld:
         return drawn_by()
 
     def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
-        """Leave the motion to the engine."""
+        """Do nothing: the engine moves all entities."""
         del snapshot, command
         return None
 
     def events(self) -> Sequence[WorldEvent]:
-        """Nothing: the engine notices what happens."""
+        """Return nothing: the engine itself records all events."""
         return ()
 
     def close(self) -> None:
@@ -153,7 +153,7 @@ class KinematicWorld:
 
 
 def degradation_of(snapshot: Snapshot, wheelbase: float) -> Degradation:
-    """Return what is wrong with the camera in the image of a snapshot; the ego has a wheelbase, m.
+    """Return the camera's degradation in the image of a snapshot, for an ego with a wheelbase, m.
 
     The yaw rate is that of the kinematic bicycle model which moves the ego: v tan(steering angle) / wheelbase.
     """

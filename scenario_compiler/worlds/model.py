@@ -1,8 +1,8 @@
-"""The interface of a world: where the ego vehicle moves and its camera sees.
+"""The interface of a world, in which the ego moves and its camera takes images.
 
-The engine moves everything else and tells the world where it is. One step is: the engine begins it (storyboard,
-commands), moves all that it moves, the world steps, and the engine takes stock. So when a world steps, all others are
-where they will be at the end of the step.
+The engine moves everything else and gives the world the positions. In a step, the engine begins (storyboard, commands),
+moves its entities, the world steps, and the engine ends the step (collisions, stop). When a world steps, all others are
+therefore at their positions at the end of the step already.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ WORLD_LOST = Code(
 
 
 class WorldError(Exception):
-    """A world cannot be opened, or cannot go on.
+    """A world cannot be opened, or cannot continue.
 
     Attributes:
-        code: The diagnostic code that explains it.
+        code: The code of the diagnostic.
     """
 
     def __init__(self, message: str, code: Code = WORLD_LOST) -> None:
@@ -61,15 +61,15 @@ class EntityState:
     """An entity at one instant.
 
     Attributes:
-        there: Whether it is in the world, so that it can be hit.
-        shown: Whether pictures show it; only what is there is shown.
+        there: Whether it is in the world, so that others can collide with it.
+        shown: Whether pictures show it; an absent entity is never shown.
         pose: Pose of its reference point, OpenDRIVE axes, m and rad.
         speed: Speed, m/s, signed along its heading.
         steering: Angle of the front wheels, rad, positive to the left.
         throttle: 0 to 1, of a vehicle that is driven by commands.
-        brake: 0 to 1, likewise.
+        brake: 0 to 1, of a vehicle that is driven by commands.
         braking: Whether its brake lights are on.
-        velocity: Velocity in the world, (x, y, z), m/s: how its reference point has moved in the last step.
+        velocity: Velocity of its reference point in the last step, (x, y, z) in the world, m/s.
         lights: Lights that the scenario has switched on, by ASAM OpenSCENARIO's names.
     """
 
@@ -86,7 +86,7 @@ class EntityState:
 
 
 class Entities(Sequence[EntityState]):
-    """The entities at one instant: each one's state is built when it is asked for, and once.
+    """The entities at one instant; the state of an entity is built when it is first read.
 
     Two are equal where all states are.
     """
@@ -129,8 +129,8 @@ class Snapshot:
         frame: Number of the time step.
         entities: Every entity, in the plan's order.
         sigma: Standard deviation of the camera's noise, grey levels.
-        faults: What else is wrong with the camera.
-        weather: The weather now; None while it is the plan's.
+        faults: The camera's failures other than noise.
+        weather: The present weather; None for that of the plan.
         signals: State of each traffic signal that the scenario names, in the order of its words; empty for unknown.
         hazard_lights: Whether the ego's hazard lights flash.
     """
@@ -152,7 +152,7 @@ class Snapshot:
 
 @dataclass(frozen=True, slots=True)
 class EgoCommand:
-    """What the ego vehicle is commanded to do in a step.
+    """The command to the ego in a step.
 
     Attributes:
         throttle: 0 to 1.
@@ -169,7 +169,7 @@ class EgoCommand:
 
 @dataclass(frozen=True, slots=True)
 class EgoState:
-    """What the ego vehicle has become in a world that moves it.
+    """The new state of the ego in a world that moves it.
 
     Attributes:
         pose: Pose of its reference point, OpenDRIVE axes, m and rad.
@@ -188,12 +188,12 @@ class EgoState:
 
 @dataclass(frozen=True, slots=True)
 class WorldFinding:
-    """Something of a plan that a world does otherwise than it is written.
+    """A part of a plan from which a world deviates.
 
     Attributes:
-        code: What it is.
-        message: What is done instead.
-        part: The part of the plan that it is about, as `plan.provenance.place_of` names parts.
+        code: The code of the diagnostic.
+        message: What the world does instead.
+        part: The part of the plan, named as in `plan.provenance.place_of`.
     """
 
     code: Code
@@ -203,13 +203,13 @@ class WorldFinding:
 
 @dataclass(frozen=True, slots=True)
 class WorldEvent:
-    """Something that a world's own sensors noticed.
+    """An event that a world's own sensors reported.
 
     Attributes:
         kind: What happened.
         t: Time, s.
-        entity: Id of the entity that was touched; empty for none of the plan's.
-        message: What the world says of it.
+        entity: Id of the touched entity; empty if it is not an entity of the plan.
+        message: The world's description of it.
     """
 
     kind: Literal["world_collision", "lane_invasion"]
@@ -219,7 +219,7 @@ class WorldEvent:
 
 
 class World(Protocol):
-    """A world that a plan is executed in; a context manager that gives back what it holds."""
+    """A world in which a plan is executed; a context manager that closes the world."""
 
     name: ClassVar[str]
     Options: ClassVar[type[WorldOptions]]
@@ -229,36 +229,36 @@ class World(Protocol):
 
     @property
     def findings(self) -> Sequence[WorldFinding]:
-        """What of the plan the world does otherwise than it is written, as far as it is known."""
+        """The deviations of the world from the plan that are known so far."""
         ...
 
     @property
     def versions(self) -> dict[str, str]:
-        """Versions of what the world is made of: client, server, map."""
+        """Versions of the parts of the world: client, server, map."""
         ...
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:
-        """Put every entity where the run begins."""
+        """Put every entity at its start."""
         ...
 
     def observe(self, snapshot: Snapshot) -> SensorData:
-        """Return what the ego vehicle's sensors deliver now."""
+        """Return the present data of the ego's sensors."""
         ...
 
     def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:
-        """Return a driver's view for people to look at, (height, width, 3) uint8, BGR."""
+        """Return the driver's view for people, (height, width, 3) uint8, BGR."""
         ...
 
     def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
-        """Do a step: the others are where the snapshot says; return the ego's new state where the world moves it."""
+        """Do a step, with the others at the poses in the snapshot; return the ego's new state if the world moves it."""
         ...
 
     def events(self) -> Sequence[WorldEvent]:
-        """Return what the world has noticed since the last call."""
+        """Return the events that the world has noticed since the last call."""
         ...
 
     def close(self) -> None:
-        """Give back what the world holds; may be called twice."""
+        """Release everything that the world uses; it may be called twice."""
         ...
 
     def __enter__(self) -> Self:

@@ -144,6 +144,57 @@ def test_who_steers_and_brakes_slows_down_on_the_way_around() -> None:
     assert speeds[1] < speeds[0] - 1.0
 
 
+WORKS = """<scenarios version="1"><scenario name="works" map="motorway" duration="45" control_every="2">
+<parameter name="speed" type="speed" default="20"/> <parameter name="beside" type="integer" default="0"/>
+<ego speed="$speed"><start><lane road="1" lane="-2" s="100"/></start><forward_sensor range="300"/></ego>
+<work_zone id="works" length="60" taper="30" across="3.75">
+  <at><ahead_of entity="ego" distance="250" offset="-1.9"/></at></work_zone>
+<for each="side" in="-1 1"><repeat id="row" count="$beside" as="k"><dynamic id="car" speed="$speed">
+  <start><ahead_of entity="ego" distance="${150 - 16 * $k}" lanes="$side"/></start><follow time_gap="0.3"/>
+</dynamic></repeat></for>
+<takeover budget="6" minimum_risk="false"><cause kind="path_blocked"/><driver takeover_time="2"/>
+<automation after="hold_speed"/></takeover></scenario></scenarios>"""
+
+
+@pytest.mark.parametrize("speed", [12.0, 20.0, 30.0])
+def test_a_closed_lane_is_passed_as_a_whole_in_the_lane_beside(speed: float, tmp_path: Path) -> None:
+    recording, outcome = next(runs(compiled(tmp_path, WORKS, speed=speed), range(1, 2)))
+    s = recording.s[:, 0]
+    closed = (s > 100.0 + 250.0 + 15.0) & (s < 100.0 + 250.0 + 90.0)
+    assert outcome.collision_with is None
+    assert closed.any()
+    assert -2 not in recording.lane[closed, 0]
+    assert time_of(recording, "brake") == np.inf
+    assert recording.lane[-1, 0] == -2
+    assert recording.v[:, 0].min() > 0.9 * speed
+
+
+def test_between_full_lanes_a_driver_stops_before_a_closed_lane_and_not_within_it(tmp_path: Path) -> None:
+    recording, outcome = next(runs(compiled(tmp_path, WORKS, speed=20.0, beside=18), range(1, 2)))
+    assert outcome.collision_with is None
+    slowest = int(np.argmin(recording.v[:, 0]))
+    assert recording.s[slowest, 0] < 100.0 + 250.0
+
+
+@pytest.mark.parametrize("deceleration", [2.0, 4.0, 6.0])
+def test_a_leader_that_stops_is_followed_to_its_standstill(deceleration: float, tmp_path: Path) -> None:
+    text = """<scenarios version="1"><scenario name="leader" map="motorway" duration="30" control_every="2">
+    <parameter name="over" type="time" default="5"/>
+    <ego speed="25"><start><spawn_point name="middle_lane"/></start></ego>
+    <dynamic id="lead" speed="25"><start><ahead_of entity="ego" distance="60"/></start>
+      <when><time after="6"/><do><speed to="0" over_time="$over"/></do></when></dynamic>
+    <when><time after="1"/><do><request/></do></when>
+    <takeover minimum_risk="false"><cause kind="controller"/><driver takeover_time="2"/></takeover>
+    </scenario></scenarios>"""
+    recording, outcome = next(runs(compiled(tmp_path, text, over=25.0 / deceleration), range(1, 2)))
+    until = row_at(recording, min(6.0 + 25.0 / deceleration + 4.0, float(recording.t[-1])))
+    assert outcome.collision_with is None
+    assert time_of(recording, "evade") > recording.t[until]
+    assert recording.v[until, 0] < 4.0
+    assert -recording.a[:, 0].min() == pytest.approx(deceleration, rel=0.3)
+    assert (outcome.measures["minimum_lane_time_to_collision"].value or 0.0) > 1.5
+
+
 @pytest.mark.parametrize(("perception", "reaction"), [(0.4, 0.75), (0.2, 0.3)])
 def test_what_is_new_is_acted_on_after_perception_and_reaction(perception: float, reaction: float) -> None:
     numbers = {slots.K_PERCEPTION_TIME: perception, slots.K_REACTION_TIME: reaction}

@@ -141,7 +141,7 @@ def decides_by_float(x: float) -> int:
     [
         (raises, "a statement that the engine's language lacks: Raise"),
         (uses_power, "has an operator that the engine's language lacks"),
-        (calls_hypot, "calls math.hypot, which is no bare name"),
+        (calls_hypot, "calls math.hypot, which is not a plain name"),
         (divides, "divides by y without a guard"),
         (takes_root, "calls sqrt(x) without a guard"),
         (makes_list, "takes an element of [x]"),
@@ -150,7 +150,7 @@ def decides_by_float(x: float) -> int:
         (keeps_two_kinds, "keeps real in y, which is int elsewhere"),
         (writes_program, "writes p.ego"),
         (takes_column, "takes st.v, which is not a number of a module, as a whole"),
-        (reads_no_column, "reads st.nonsense, which is no column"),
+        (reads_no_column, "reads st.nonsense, which is not a column"),
         (has_default, "has optional, named or collected arguments"),
         (wrong_order, "does not take p and st first and in this order"),
         (speaks, "annotated as str"),

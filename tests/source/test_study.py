@@ -8,10 +8,11 @@ import pytest
 from lxml import etree
 
 from scenario_compiler.compiler import Overrides, compile_study, read_source
-from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.diagnostics import Diagnostics, FilePlace
 from scenario_compiler.source.form import study_xsd
 from scenario_compiler.source.study import STUDIES, conditions_of, located, square_rows
 from scenario_compiler.source.study_file import StudyFile
+from scenario_compiler.source.study_page import read_page
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.schema import words_below
 from scenario_compiler.vocabulary.takeover import Message, Say
@@ -35,6 +36,34 @@ def test_a_study_brings_its_pages_and_questionnaires() -> None:
     assert set(found.pages) == {"consent.md", "welcome.md"}
     assert found.questionnaires["questionnaire.xml"].scores[0].of == ("hard", "calm")
     assert read(FILES / "questionnaire.xml").questionnaire == found.questionnaires["questionnaire.xml"]
+
+
+def page(folder: Path, text: str) -> tuple[str | None, list[tuple[str, int, str]]]:
+    """Return a page as HTML, and what is wrong with it: file, line, words."""
+    (folder / "page.md").write_text(text, encoding="utf-8")
+    sink = Diagnostics()
+    found = read_page("page.md", folder, FilePlace("study.xml", 3), sink)
+    return found, [(Path(one.place.file).name, one.place.line, one.message) for one in sink]
+
+
+def test_pictures_become_part_of_their_page(tmp_path: Path) -> None:
+    (tmp_path / "the car.png").write_bytes(b"\x89PNG")
+    found, wrong = page(tmp_path, "# Welcome\n\nThis is ![the car](<the car.png>).\n")
+    assert wrong == []
+    assert found is not None
+    assert '<img src="data:image/png;base64,iVBORw==" alt="the car"' in found
+
+
+def test_pages_that_participants_could_not_see_as_meant_are_reported(tmp_path: Path) -> None:
+    text = "# Hi\n\n![a](gone.png)\n\n![b](https://example.org/b.png) ![c](notes.txt)\n\n<script>alert(1)</script>\n"
+    found, wrong = page(tmp_path, text)
+    assert wrong == [
+        ("page.md", 3, "the picture 'gone.png' cannot be read: No such file or directory"),
+        ("page.md", 5, "'https://example.org/b.png' is no file beside the page, which is shown without a network"),
+        ("page.md", 5, "'notes.txt' is no picture: .png, .jpg, .jpeg, .gif, .webp, .svg are"),
+    ]
+    assert "<script>" not in (found or "")
+    assert page(tmp_path, " \n") == (None, [("study.xml", 3, "'page.md' is empty")])
 
 
 def test_conditions_are_all_combinations_of_the_factors() -> None:

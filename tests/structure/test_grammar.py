@@ -152,12 +152,12 @@ def test_a_child_of_another_version_is_walked_along_that_version() -> None:
 def test_order_and_number() -> None:
     turned = '<house name="a" height="3"><roof/><door><handle/></door></house>'
     assert found(turned, 1) == [
-        ("SC710", "<roof> stands in the wrong place in <house>", "the order is: door, window, roof")
+        ("SC710", "<roof> is in the wrong place in <house>", "the order is: door, window, roof")
     ]
     twice = HOUSE.replace("<roof/>", "<roof/><roof/>")
-    assert found(twice, 1) == [("SC705", "<roof> stands too often or too late in <house>", "")]
+    assert found(twice, 1) == [("SC705", "<roof> occurs too often or too late in <house>", "")]
     assert found(HOUSE.replace("<handle/>", "<handle/><handle/>"), 2) == [
-        ("SC705", "<handle> stands too often or too late in <door>", "here may stand: lock, hinge")
+        ("SC705", "<handle> occurs too often or too late in <door>", "here may stand: lock, hinge")
     ]
 
 

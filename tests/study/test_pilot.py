@@ -165,7 +165,7 @@ def test_unequal_numbers_of_trials_do_not_weigh() -> None:
 
 
 def test_levels_are_compared_where_all_else_is_the_same() -> None:
-    """Far is 3 s slower, text 1 s quicker; a far trial with text without a value must not make text look quicker."""
+    """Far is 3 s slower, text 1 s quicker; far trials with text that have no value must not make text look quicker."""
     rows = [
         trial(person, hmi, setting, 4.0 + 0.1 * person * (hmi == "text") - (hmi == "text") + 3.0 * (setting == "far"))
         for person in (1, 2, 3) for hmi in ("tone", "text") for setting in ("near", "far")

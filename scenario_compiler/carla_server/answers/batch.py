@@ -1,4 +1,4 @@
-"""Batches: several commands in one call, each answered by itself."""
+"""Batches: several commands in one call, each with its own response."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def _unwrapped(wrapped: Any) -> tuple[int, list[Any]]:
         number, values = wrapped[0]
         if type(number) is int and 0 <= number < len(COMMANDS) and type(values) is list:
             return number, values
-    raise CallError("the batch holds something that is no command")
+    raise CallError("the batch contains something that is not a command")
 
 
 def _spawn(host: Host, values: list[Any]) -> int:

@@ -1,4 +1,4 @@
-"""Calls that ask what is where: rays, boxes of the map, things beside the roads."""
+"""Calls that query the world: rays, boxes of the map, objects beside the roads."""
 
 from __future__ import annotations
 

@@ -19,6 +19,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.foresight import CALL, LIFT_OFF, ONCOMING, called_for, meets, reacts_to
+from scenario_compiler.engine.ego.objects_ahead import row_gap
 from scenario_compiler.engine.ego.passing import (
     CLEARANCE,
     GIVE_UP_TIME,
@@ -37,6 +38,7 @@ from scenario_compiler.engine.ego.sensor import (
     gap_between,
     gap_is_free,
     look_ahead,
+    obstructs,
 )
 from scenario_compiler.engine.motion.ahead import measure_on_way, walk
 from scenario_compiler.engine.motion.beside import neighbour_lane
@@ -77,6 +79,11 @@ chosen, after what is called comfortable.
 
 GAP_ROOM = 2.0
 """Distance before a block at which a driver means to stop who has waited for a gap, m; chosen, as the automation's."""
+
+LEADER_WAIT = 5.0
+"""Time for which a driver who can stop in comfort waits behind a leader that has come to a stop, before he passes it,
+s; chosen.
+"""
 
 STANDOFF = 7.0
 """Distance that a driver who stops keeps to what blocks the path beyond the standstill gap, m: room to pull out
@@ -182,7 +189,7 @@ def same_direction(n: RoadTables, road: int, lane: int, s: float, side: int) -> 
 
 @compiled
 def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> int:
-    """Return 1 where the lane of the same direction on a side has a free gap; the way ahead is then measured anew.
+    """Return 1 where the lane of the same direction on a side has a free gap; the way ahead is then measured again.
 
     Where there is traffic in it the driver looks at it for a while before he finds one.
     """
@@ -200,15 +207,51 @@ def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> 
 
 
 @compiled
-def evasion_over(p: Program, st: State, i: int, centre: float) -> float:
+def room_to_move(p: Program, st: State, i: int, blocker: int, centre: float) -> float:
+    """Return the distance to the first thing that stands where the ego moves to a corridor past a block, m.
+
+    That is the block, or what stands less than a `row_gap` before it beside the lane.
+    """
+    front = front_of(p, i)
+    half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH]
+    begin = st.near[blocker] - row_gap(st, i)
+    room = st.blocked_distance[0]
+    for j in range(p.entity_count[0]):
+        aside = st.low[j] < max(centre, st.path_off[0]) + half and st.high[j] > min(centre, st.path_off[0]) - half
+        if aside and obstructs(st, j, front) == 1 and st.far[j] >= begin:
+            room = min(room, max(st.near[j] - front, 0.0))
+    return room - 1.0
+
+
+@compiled
+def evasion_over(p: Program, st: State, i: int, blocker: int, centre: float) -> float:
     """Return the distance over which the move to a corridor past a block is spread, m.
 
     It is over well before the block: who has little time moves faster, up to the greatest lateral acceleration.
     """
     change = centre - st.path_off[0]
-    room = st.blocked_distance[0] - 1.0
+    room = room_to_move(p, st, i, blocker, centre)
     gentle = min(shift_distance(st.v[i], change, RETURN_ACCELERATION), EVASION_SHARE * room)
     return min(max(gentle, shift_distance(st.v[i], change, p.const[slot.K_DRIVER_LATERAL])), room)
+
+
+@compiled
+def meets_standing(p: Program, st: State, i: int, centre: float, out: float, begin: float) -> int:
+    """Return 1 where a move to an offset over a distance leads into something that stands nearer than `begin`, m."""
+    front = front_of(p, i)
+    base = p.entity_const[i]
+    half = 0.5 * p.const[base + slot.E_WIDTH]
+    for j in range(p.entity_count[0]):
+        if obstructs(st, j, front) == 0 or st.far[j] >= begin:
+            continue
+        enters = clip(ratio(st.near[j] - front, out, 1.0), 0.0, 1.0)
+        leaves = clip(ratio(st.far[j] - front + p.const[base + slot.E_LENGTH], out, 1.0), 0.0, 1.0)
+        change = centre - st.path_off[0]
+        first = st.path_off[0] + change * 0.5 * (1.0 - cos(pi * enters))
+        last = st.path_off[0] + change * 0.5 * (1.0 - cos(pi * leaves))
+        if st.low[j] < max(first, last) + half and st.high[j] > min(first, last) - half:
+            return 1
+    return 0
 
 
 @compiled
@@ -226,7 +269,6 @@ def corridor_beside(
     `side` 0 is the own lane alone; `against` tells whether lanes of oncoming traffic are looked for, or the others.
     """
     base = p.entity_const[i]
-    size = p.const[base + slot.E_LENGTH]
     front = front_of(p, i)
     need = p.const[base + slot.E_WIDTH] + 2.0 * CLEARANCE
     left = st.border_left[blocker]
@@ -241,14 +283,19 @@ def corridor_beside(
         high = low + wide
         left = max(left, high)
         right = min(right, low)
-    found, centre, _ = gap_between(p, st, blocker, front, size, right, left, need, 0.0)
+    begin = st.near[blocker] - row_gap(st, i)
+    end = front + st.blocked_far[0] + row_gap(st, i)
+    found, centre, _ = gap_between(p, st, begin, end, front, right, left, need, 0.0)
     if found == 0:
         return 0, 0.0
-    if shift_distance(st.v[i], centre - st.path_off[0], p.const[slot.K_DRIVER_LATERAL]) > st.blocked_distance[0] - 1.0:
+    fastest = shift_distance(st.v[i], centre - st.path_off[0], p.const[slot.K_DRIVER_LATERAL])
+    if fastest > room_to_move(p, st, i, blocker, centre):
         return 0, 0.0
     if against == 0:
         high = low
-    out = evasion_over(p, st, i, centre)
+    out = evasion_over(p, st, i, blocker, centre)
+    if meets_standing(p, st, i, centre, out, begin) == 1:
+        return 0, 0.0
     if meets_oncoming(p, st, i, centre, out, evasion_length(p, st, i), op.NONE, 0.0, MEETING_TIME, 0, low, high) == 1:
         return 0, 0.0
     if side != 0 and against == 0 and gap_beside_free(n, p, st, i, side) == 0:
@@ -279,9 +326,9 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
 
 
 @compiled
-def evade(p: Program, st: State, i: int, centre: float) -> None:
-    """Plan the move to a corridor, and how far it is kept."""
-    plan_shift(st, i, centre, evasion_over(p, st, i, centre))
+def evade(p: Program, st: State, i: int, blocker: int, centre: float) -> None:
+    """Plan the move to a corridor past a block, and how far it is kept."""
+    plan_shift(st, i, centre, evasion_over(p, st, i, blocker, centre))
     st.evade_until[0] = st.odometer[i] + evasion_length(p, st, i)
     st.evade_commit[0] = 0.5 * (st.shift_begin[0] + st.shift_end[0])
     st.manoeuvre[0] = op.MANOEUVRE_EVADE
@@ -309,6 +356,23 @@ def is_past(p: Program, st: State, i: int, j: int) -> int:
 
 
 @compiled
+def way_back_free(p: Program, st: State, i: int) -> int:
+    """Return 1 where nothing that stands is met on the move back to the lane's centre."""
+    base = p.entity_const[i]
+    front = front_of(p, i)
+    rear = front - p.const[base + slot.E_LENGTH]
+    half = 0.5 * p.const[base + slot.E_WIDTH]
+    off = st.path_off[0]
+    end = front + shift_distance(st.v[i], off, RETURN_ACCELERATION)
+    for j in range(p.entity_count[0]):
+        if j == i or st.on_way[j] == 0 or abs(st.along[j]) >= SLOW or st.near[j] > end or st.far[j] < rear:
+            continue
+        if st.low[j] < max(off, 0.0) + half and st.high[j] > min(off, 0.0) - half:
+            return 0
+    return 1
+
+
+@compiled
 def shift_time(p: Program, st: State, target: float) -> float:
     """Return the time of a move to an offset at the driver's greatest lateral acceleration, s."""
     return safe_sqrt(SHIFT_PEAK * abs(target - st.path_off[0]) / max(p.const[slot.K_DRIVER_LATERAL], 0.5))
@@ -316,7 +380,7 @@ def shift_time(p: Program, st: State, target: float) -> float:
 
 @compiled
 def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
-    """Come back when what was evaded is past, or early where an oncoming vehicle would be met."""
+    """Come back when what was evaded is past and nothing stands in between; early where an oncoming vehicle is met."""
     out = max(st.shift_end[0] - st.odometer[i], 0.1)
     early = st.odometer[i] < st.evade_commit[0]
     if st.evaded[0] >= 0:
@@ -330,7 +394,8 @@ def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
         return
     rest = st.evade_until[0] - st.odometer[i]
     if rest <= 0.0:
-        come_back(st, i, op.MANOEUVRE_KEEP)
+        if way_back_free(p, st, i) == 1:
+            come_back(st, i, op.MANOEUVRE_KEEP)
     elif (
         early
         and blocker >= 0
@@ -353,7 +418,7 @@ def moving_threat(p: Program, st: State, i: int) -> int:
 
 @compiled
 def free_behind(n: RoadTables, p: Program, st: State, i: int, lane: int) -> int:
-    """Return 1 where nobody in a lane beside closes up from behind too soon; the way ahead is then measured anew."""
+    """Return 1 where nobody in a lane beside closes up from behind too soon; the way ahead is then measured again."""
     road = st.path_road[0]
     walk(n, st, road, lane, st.path_s[0], -1, GAP_HORIZON, preferred_road(p, st, road))
     for j in range(p.entity_count[0]):
@@ -437,17 +502,30 @@ def begin_braking(st: State, distance: float) -> None:
 
 
 @compiled
+def waits_behind(p: Program, st: State, i: int, blocker: int) -> int:
+    """Return 1 where what blocks the path led the ego until just now, and can be stopped behind in comfort.
+
+    It is followed on to its standstill, as any leader.
+    """
+    needed = 0.5 * st.v[i] * st.v[i] / max(st.blocked_distance[0] - GAP_ROOM, 0.1)
+    return 1 if st.clock[0] - st.led_at[blocker] < LEADER_WAIT and needed <= GAP_BRAKE else 0
+
+
+@compiled
 def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
     """Decide between going on, braking, evading and coming back."""
     st.seeks_gap[0] = 0
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
         go_on_evading(p, st, i, blocker)
         return
+    if blocker >= 0 and waits_behind(p, st, i, blocker) == 1:
+        st.manoeuvre[0] = op.MANOEUVRE_KEEP
+        return
     if blocker >= 0 and reacts_to(p, st, blocker) == 1:
         if st.style[0] != op.STYLE_BRAKES and abs(st.across[blocker]) < CROSSING:
             found, centre = find_corridor(n, p, st, i, blocker)
             if found == 1:
-                evade(p, st, i, centre)
+                evade(p, st, i, blocker, centre)
                 return
         begin_braking(st, st.blocked_distance[0])
         return

@@ -1,4 +1,4 @@
-"""What each object ahead is to the vehicle: followed, blocking, or neither.
+"""Classifies each object ahead of the vehicle as followed, blocking, or neither.
 
 Followed is a leader that moves along the way, and a vehicle that stands in a queue behind one or before a red signal:
 a vehicle keeps its distance to these, and stops where they stop. Whatever else reaches into the corridor that is
@@ -17,7 +17,7 @@ from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.limits import behaviour
-from scenario_compiler.engine.ego.sensor import SLOW, obstructs
+from scenario_compiler.engine.ego.sensor import CROSSING, SLOW
 from scenario_compiler.marker import compiled
 
 QUEUE_GAP = 12.0
@@ -26,6 +26,15 @@ queue, m: chosen, the length of a truck that has not closed up."""
 
 BESIDE_LEADER = 0.1
 """How near to the vehicle's side, m, an object that moves along the way must reach to lead it."""
+
+
+ROW_GAP = 20.0
+"""Distance from one thing that stands in the path to the next up to which they block it together, m: chosen, too short
+to move back between them and out again.
+"""
+
+ROW_TIME = 2.0
+"""The same as a time at the speed driven, s; chosen."""
 
 
 @compiled
@@ -86,6 +95,7 @@ def judge_objects(p: Program, st: State, i: int) -> None:
         if st.along[j] >= SLOW:
             if in_corridor(p, st, i, j, BESIDE_LEADER) == 1:
                 st.ahead_is[j] = op.AHEAD_FOLLOWED
+                st.led_at[j] = st.clock[0]
         elif in_corridor(p, st, i, j, beside) == 1:
             st.ahead_is[j] = op.AHEAD_FOLLOWED if stands_in_queue(p, st, j) == 1 else op.AHEAD_BLOCKING
 
@@ -113,10 +123,30 @@ def nearest_ahead(p: Program, st: State, i: int, what: int) -> tuple[int, float]
 
 
 @compiled
+def row_gap(st: State, i: int) -> float:
+    """Return the distance from one thing that stands in the path to the next up to which they block it together, m."""
+    return max(ROW_GAP, ROW_TIME * st.v[i])
+
+
+@compiled
+def row_end(p: Program, st: State, i: int, blocker: int) -> float:
+    """Return how far from the reference point the row ends that stands in the path and begins with a blocker, m."""
+    between = row_gap(st, i)
+    end = st.far[blocker]
+    grows = 1
+    while grows == 1:
+        grows = 0
+        for j in range(p.entity_count[0]):
+            stands = st.ahead_is[j] == op.AHEAD_BLOCKING and st.along[j] > -SLOW and abs(st.across[j]) < CROSSING
+            if stands and st.near[j] <= end + between and st.far[j] > end:
+                end = st.far[j]
+                grows = 1
+    return end
+
+
+@compiled
 def find_block(p: Program, st: State, i: int) -> int:
     """Write where the path is first blocked; return the entity that blocks it, NONE for a free path."""
-    base = p.entity_const[i]
-    size = p.const[base + slot.E_LENGTH]
     front = front_of(p, i)
     st.blocked_distance[0] = op.FAR
     st.blocked_far[0] = op.FAR
@@ -125,11 +155,7 @@ def find_block(p: Program, st: State, i: int) -> int:
     if blocker >= 0:
         st.blocked_distance[0] = max(gap, 0.0)
         st.blocked_speed[0] = max(-st.along[blocker], 0.0)
-        far = st.far[blocker]
-        for j in range(p.entity_count[0]):
-            if obstructs(st, j, front) == 1 and st.near[j] <= st.far[blocker] + size and st.far[j] > far:
-                far = st.far[j]
-        st.blocked_far[0] = far - front
+        st.blocked_far[0] = row_end(p, st, i, blocker) - front
     return blocker
 
 

@@ -161,7 +161,7 @@ def reach_in_weather(p: Program, st: State, quality: float) -> float:
 
 @compiled
 def driver_sight(p: Program, st: State) -> float:
-    """Return how far the driver sees now, m: as a camera of that range; worked out anew as the weather changes."""
+    """Return how far the driver sees now, m: as a camera of that range; worked out again as the weather changes."""
     if st.sight_known[0] == 0:
         st.sight_known[0] = 1
         st.driver_sight[0] = seen_in_weather(p, st, op.SENSOR_CAMERA, p.const[slot.K_SIGHT], 1.0)
@@ -182,7 +182,7 @@ def quality_of_sensor(p: Program, health: float) -> float:
 
 @compiled
 def sensor_reach(p: Program, st: State) -> float:
-    """Return how far the forward sensor sees now, m; worked out anew where the weather or the camera has changed."""
+    """Return how far the forward sensor sees now, m; worked out again where the weather or the camera has changed."""
     health = health_of_camera(p, st) if p.forward_sensor[0] == op.SENSOR_CAMERA else 1.0
     if st.reach_known[0] == 0 or health != st.reach_health[0]:
         st.reach_known[0] = 1

@@ -41,6 +41,9 @@ THROUGH_MORE = 20.0
 GAP_HORIZON = 150.0
 """How far ahead and behind vehicles in the lane beside are looked for, m."""
 
+EDGE = 0.2
+"""How far something may reach over the edge of a lane beside that counts as free of it, m; chosen: half a cone."""
+
 LEAST_GAP = 2.0
 """Distance to a vehicle in the lane beside that is never free, m."""
 
@@ -169,7 +172,7 @@ def foresee(st: State, i: int, j: int, front: float) -> None:
 
 @compiled
 def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view: float) -> None:
-    """Measure every entity on the ego's way and tell which of those ahead are seen in a range and an angle of view."""
+    """Measure every entity along the ego's path, and find those ahead that are in a range and an angle of view."""
     front = front_of(p, i)
     far = reach + 50.0
     open_eye(p, st, i, reach, view)
@@ -195,12 +198,12 @@ def obstructs(st: State, j: int, front: float) -> int:
 
 @compiled
 def gap_between(
-    p: Program, st: State, j: int, front: float, size: float, right: float, left: float, need: float, wish: float
+    p: Program, st: State, begin: float, end: float, front: float, right: float, left: float, need: float, wish: float
 ) -> tuple[int, float, float]:
-    """Return (found, centre, width) of a gap between `right` and `left` beside entity j and all that stands with it.
+    """Return (found, centre, width) of a gap between `right` and `left` past all that stands from `begin` to `end`.
 
-    Of the gaps at least `need` wide, the one is taken whose admissible centre lies nearest to `wish`; with none,
-    found is 0 and width is that of the widest. Whatever stands within the ego's length `size` of j counts with it.
+    Both are distances along the way, m. Of the gaps at least `need` wide, the one is taken whose admissible centre lies
+    nearest to `wish`; with none, found is 0 and width is that of the widest.
     """
     found = 0
     best = 0.0
@@ -208,19 +211,19 @@ def gap_between(
     for c in range(-1, p.entity_count[0]):
         start = right
         if c >= 0:
-            if obstructs(st, c, front) == 0 or st.near[c] > st.far[j] + size or st.far[c] < st.near[j] - size:
+            if obstructs(st, c, front) == 0 or st.near[c] > end or st.far[c] < begin:
                 continue
             start = max(st.high[c], right)
-        end = left
+        stop = left
         for k in range(p.entity_count[0]):
-            if obstructs(st, k, front) == 1 and st.near[k] <= st.far[j] + size and st.far[k] >= st.near[j] - size:
+            if obstructs(st, k, front) == 1 and st.near[k] <= end and st.far[k] >= begin:
                 if st.low[k] <= start and st.high[k] > start:
-                    end = start
-                elif st.low[k] > start and st.low[k] < end:
-                    end = st.low[k]
-        width = max(end - start, 0.0)
+                    stop = start
+                elif st.low[k] > start and st.low[k] < stop:
+                    stop = st.low[k]
+        width = max(stop - start, 0.0)
         if width >= need:
-            centre = min(max(wish, start + 0.5 * need), end - 0.5 * need)
+            centre = min(max(wish, start + 0.5 * need), stop - 0.5 * need)
             if found == 0 or abs(centre - wish) < abs(best - wish):
                 best = centre
                 found = 1
@@ -267,8 +270,8 @@ def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def in_lane(st: State, j: int) -> int:
-    """Return 1 where the box of an entity on the way reaches into the way's lane."""
-    if st.on_way[j] == 1 and st.low[j] < st.border_left[j] and st.high[j] > st.border_right[j]:
+    """Return 1 where the box of an entity on the way reaches into the way's lane, and not over its edge alone."""
+    if st.on_way[j] == 1 and st.low[j] < st.border_left[j] - EDGE and st.high[j] > st.border_right[j] + EDGE:
         return 1
     return 0
 
@@ -300,8 +303,8 @@ def gap_behind_free(p: Program, st: State, i: int) -> int:
 def gap_is_free(n: RoadTables, p: Program, st: State, i: int, road: int, lane: int, s: float) -> int:
     """Return 1 where the ego may enter a lane beside it: front by time gap, behind by the time to close up.
 
-    All vehicles count: the sensors to the side and behind are taken as perfect. Writes the scratch columns anew, and
-    whether there is anybody in that lane.
+    All vehicles count: the sensors to the side and behind are taken as perfect. Writes the scratch columns again, and
+    whether there is traffic in that lane: anything but what stands there for good.
     """
     st.used_beside[0] = 0
     front = front_of(p, i)
@@ -311,7 +314,8 @@ def gap_is_free(n: RoadTables, p: Program, st: State, i: int, road: int, lane: i
             st.on_way[j] = 0
             if j != i and length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < GAP_HORIZON:
                 measure_on_way(n, p, st, j)
-                st.used_beside[0] = max(st.used_beside[0], in_lane(st, j))
+                if p.entity_motion[j] != op.MOTION_STATIC:
+                    st.used_beside[0] = max(st.used_beside[0], in_lane(st, j))
         free = gap_ahead_free(p, st, i, front) if along == 1 else gap_behind_free(p, st, i)
         if free == 0:
             return 0

@@ -1,9 +1,9 @@
 """Actions on an entity's speed: to a target, or to one that depends on another entity's speed.
 
-The speed of a change is read at the progress after the step, so it moves in the first one. A relative target is read
-anew in every step; a change by a rate keeps its rate while the target moves, so that its time is that of the whole
-change anew ("rate: change per second", ASAM OpenSCENARIO, DynamicsDimension). A change that is faster than the entity's
-limits takes longer; what still is, is cut off. After esmini 3.6.
+The speed of a change is read at its progress after the step, so it changes in the first step already. A relative target
+is read again in every step. A change by a rate keeps its rate while the target moves, so its duration is computed again
+for the whole change ("rate: change per second", ASAM OpenSCENARIO, DynamicsDimension). A change that exceeds the limits
+of the entity takes longer; accelerations that still exceed them are limited. After esmini 3.6.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Arriving at a position when another entity, the master, arrives at its own.
+"""Arriving at a position at the same time as another entity, the master, arrives at its own.
 
-The speed is solved for anew in each step from the ways that remain up to the tolerances. With a speed on arrival two
+The speed is solved for again in each step from the ways that remain up to the tolerances. With a speed on arrival two
 phases of even acceleration meet way, time and speed; whether the entity speeds up or slows down first is decided once.
 Near the second phase the rest is a straight line of speed. The last stretch may be driven at the final speed; the way
 and the time of it are taken off first. While the master stands the entity comes to a stand and waits. Without a final

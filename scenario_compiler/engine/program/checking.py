@@ -1,4 +1,4 @@
-"""The check of a program: its columns by their declarations, its actions and conditions by their entries."""
+"""Checks a program: its columns by their declarations, its actions and conditions by their entries."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def check_program(program: Program) -> None:
             check_values(f"position_{name}", [getattr(p, f"position_{name}")[k]], allowed, p)
     for k, number in enumerate(p.action_op):
         if number >= len(ACTIONS):
-            raise ValueError(f"column action_op holds {number}, which is no action")
+            raise ValueError(f"column action_op holds {number}, which is not an action")
         entry = ACTIONS[number]
         if p.action_entity[k] == op.NONE and not entry.of_the_run:
             raise ValueError(f"column action_entity holds no entity for {entry.words[0]}")
@@ -48,6 +48,6 @@ def check_program(program: Program) -> None:
             check_values(f"action_{name}", [getattr(p, f"action_{name}")[k]], allowed, p)
     for c, number in enumerate(p.condition_op):
         if number >= len(CONDITIONS):
-            raise ValueError(f"column condition_op holds {number}, which is no condition")
+            raise ValueError(f"column condition_op holds {number}, which is not a condition")
         for name, allowed in CONDITIONS[number].refers.items():
             check_values(f"condition_{name}", [getattr(p, f"condition_{name}")[c]], allowed, p)

@@ -28,9 +28,8 @@ UNFITTED: tuple[FailureKind, ...] = ("motion_blur", "misalignment")
 NO_SURROGATE = Code(
     "SC514",
     "no-surrogate",
-    "Surrogate perception stands for one controller, `lane_detection`, with one detector, behind one camera: it was "
-    "fitted to what they did. It knows nothing of another controller, of another detector or of a camera that is "
-    "mounted otherwise:\n\n"
+    "Surrogate perception was fitted to one controller, `lane_detection`, with the classical detector and the "
+    "default camera mounting. It is not valid for another controller, detector or mounting:\n\n"
     '    <controller><detector model="learned"/></controller>     with --perception surrogate\n\n'
     "Run such a scenario with `--perception camera`. `python tools/fit_surrogate.py` fits the coefficients again.",
 )
@@ -38,11 +37,11 @@ NO_SURROGATE = Code(
 
 @dataclass(frozen=True, slots=True)
 class Surrogate:
-    """What surrogate perception was fitted to, and the numbers that came of it.
+    """The fit of surrogate perception: its conditions and its coefficients.
 
     Attributes:
-        detector: The lane detector that it stands for.
-        camera: What that looked through, by the names of `MOUNTING`.
+        detector: The lane detector that it replaces.
+        camera: The mounting of the camera, by the names of `MOUNTING`.
         runs: Number of runs that it was fitted to.
         probes: What the detector says of pictures that the renderer draws for it (`perception.calibration.probes`):
             where that has changed, the coefficients are those of another detector or renderer.

@@ -102,7 +102,7 @@ def variable_value(draft: ProgramBuilder, variable: Variable, text: str) -> floa
         return float(draft.texts[text])
     number = number_of(variable.type, text or ("false" if variable.type == "boolean" else "0"))
     if number is None:
-        raise ValueError(f"'{text}' is no value of the variable '{variable.name}'")
+        raise ValueError(f"'{text}' is not a value of the variable '{variable.name}'")
     return number
 
 

@@ -184,7 +184,7 @@ def change_gain(n: RoadTables, p: Program, st: State, i: int, lane: int, present
     Args:
         n: The roads.
         p: The program.
-        st: The state; its way is walked anew.
+        st: The state; its way is walked again.
         i: The vehicle.
         lane: The lane beside.
         present: The vehicle's acceleration without a change, m/s2.
@@ -293,7 +293,7 @@ def lane_goes_on(n: RoadTables, st: State, i: int) -> float:
 
 @compiled
 def think(n: RoadTables, p: Program, st: State, i: int, gap: float, lead: float) -> None:
-    """Decide on the speed aimed for and on a lane change; the way ahead must have been walked, and is walked anew."""
+    """Decide on the speed aimed for and on a lane change; the way ahead must have been walked, and is walked again."""
     st.wish[i] = max(wished_speed(n, p, st, i), 0.5)
     st.lane_rest[i] = lane_goes_on(n, st, i)
     room = st.way_from[1] if st.way_count[0] > 1 else LOOK_AHEAD

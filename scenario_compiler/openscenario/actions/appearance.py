@@ -70,7 +70,7 @@ class _Animation:
         inner = None if kind is None else kind.first()
         found = None if inner is None else _animation_type(inner)
         if found is None:
-            node.report(codes.MISSING_ELEMENT, "<AnimationType> does not say what moves")
+            node.report(codes.MISSING_ELEMENT, "<AnimationType> names no animation")
             return None
         state = node.child("AnimationState")
         return {"type": found, **({} if state is None else {"state": state.number("state")})}

@@ -35,9 +35,9 @@ from scenario_compiler.vocabulary.weather import complete_weather, weather_numbe
 SNOW = Code(
     "SC784",
     "snow-as-rain",
-    "A file lets it snow. CARLA's weather has no snow, so it is taken for rain of the same intensity:\n\n"
+    "The weather of a file has snow. CARLA's weather has no snow, so rain of the same intensity is used instead:\n\n"
     '    <Precipitation precipitationType="snow" precipitationIntensity="10"/>\n\n'
-    "Snow on the road's marks can be said in the conflict language, as the `coverage` of <markings>.",
+    "In the conflict language, the `coverage` of <markings> describes snow on road marks.",
     Severity.WARNING,
 )
 
@@ -124,7 +124,7 @@ def _precipitation(weather: Node) -> dict[str, float]:
     elif inner.has("intensity"):
         share = 100.0 * inner.float("intensity")
     if kind == "snow":
-        inner.report(SNOW, "there is no snow here: it is taken for rain", "precipitationType")
+        inner.report(SNOW, "there is no snow here; rain is used instead", "precipitationType")
     return {"precipitation": 0.0 if kind == "dry" else _percent(share)}
 
 

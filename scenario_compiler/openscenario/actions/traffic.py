@@ -1,4 +1,4 @@
-"""Actions on background traffic: sources, sinks, swarms and their end; what a <TrafficDefinition> says of vehicles."""
+"""Actions on background traffic: sources, sinks, swarms and their end, and traffic definitions."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ from scenario_compiler.vocabulary.word import Word
 NO_MEANING_IN_TRAFFIC = Code(
     "SC785",
     "part-of-traffic-without-meaning",
-    "A part of an action on traffic has no meaning here. All vehicles of traffic drive by the same rules, so there are "
-    "no controllers and no roles; they are cars, vans, trucks, buses, motorbikes and bicycles; traffic in an area, or "
-    "of people, cannot be made by an action.\n\n"
+    "A part of an action on traffic has no meaning here. All vehicles of background traffic drive by the same "
+    "rules, so they have no controllers and no roles. They are cars, vans, trucks, buses, motorbikes and "
+    "bicycles. An action cannot create traffic in an area, or of pedestrians.\n\n"
     "    <ControllerDistribution>     the vehicles follow, change lanes and yield by our own rules\n\n"
-    "The rest of the action is executed. For traffic all over the map the conflict language has "
-    "<traffic vehicles='20' pedestrians='5'/>.",
+    "The rest of the action is executed. For traffic on the whole map, the conflict language has <traffic "
+    "vehicles='20' pedestrians='5'/>.",
     Severity.WARNING,
 )
 

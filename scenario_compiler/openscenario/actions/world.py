@@ -59,7 +59,7 @@ def _read_variable(node: Node) -> SetVariableAction | ModifyVariableAction | Non
     rule = inner.required("Rule")
     change = None if rule is None else rule.first()
     if change is None or change.tag not in ("AddValue", "MultiplyByValue"):
-        node.report(codes.MISSING_ELEMENT, "<ModifyAction> does not say what is added or multiplied by")
+        node.report(codes.MISSING_ELEMENT, "<ModifyAction> names no value to add or multiply by")
         return None
     value = change.number("value")
     if change.tag == "AddValue":

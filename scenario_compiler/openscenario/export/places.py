@@ -1,4 +1,4 @@
-"""Where entities of a plan start and go, in positions that the standard has words for."""
+"""The starts and targets of a plan's entities, as positions of the standard."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from scenario_compiler.vocabulary.traversal import parameters_in
 from scenario_compiler.vocabulary.word import Number
 
 SEED = 1
-"""Seed whose draws a file shows of what is drawn anew in each run."""
+"""Seed whose draws a file shows of what is drawn again in each run."""
 
 
 def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -> Position:
-    """Return where an entity starts in a position that the standard knows; told where that is one draw of many."""
+    """Return an entity's start as a position of the standard; report a random start, of which one draw is written."""
     start = entity.start
     if start is not None and type(start) in POSITIONS.by_word:
         return start  # type: ignore[return-value]  # every position that is said is one
@@ -38,7 +38,7 @@ def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -
             message = f"where '{entity.id}' starts is written for the parameters' present values"
             output.sink.add(LOST, message, start.origin)
         return FreePosition(x=pose.x, y=pose.y, z=pose.z, heading=pose.heading)
-    message = f"where '{entity.id}' starts is drawn anew in each run; the file has the place of seed {SEED}"
+    message = f"where '{entity.id}' starts is random in each run; the file has the place for seed {SEED}"
     output.sink.add(LOST, message, FilePlace(plan.name) if start is None else start.origin)
     return _drawn(plan, network, entity.id)
 

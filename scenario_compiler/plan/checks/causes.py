@@ -1,4 +1,4 @@
-"""Every limit of a cause, and of the forward sensor, is one that its kind has, and the numbers agree."""
+"""Checks that every limit of a cause or of the forward sensor belongs to its kind, and that the numbers agree."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
             spelling = spelling_of(field)
             if getattr(cause, name) is not None and name not in allowed and isinstance(spelling, AttributeSpelling):
                 attribute = spelling.name or name
-                message = f"'{attribute}' is no limit of the cause '{cause.kind}'"
+                message = f"'{attribute}' is not a limit of the cause '{cause.kind}'"
                 sink.add(FOREIGN_LIMIT, message, cause.place_of(attribute))
         if cause.count is not None and cause.of is not None and cause.count > cause.of:
             message = f"{cause.count} of {cause.of} control steps can never ask"

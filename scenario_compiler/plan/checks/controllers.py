@@ -1,4 +1,4 @@
-"""Actions on controllers and on lights are of entities that have such, and can be done."""
+"""Checks that actions on controllers and lights are for entities that have them, and can be executed."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
     del network
     own = plan.controller
     if own is not None and plan.perception == "ideal" and own.model != Controller.model_construct().model:
-        message = f"'{own.model}' is not asked with ideal perception: the automation keeps the lane by the map"
+        message = f"'{own.model}' is not called with ideal perception: the automation keeps the lane by the map"
         sink.add(NOT_ASKED, message, own.place_of("model"), hint="--perception camera runs it")
     entities = {entity.id: entity for entity in plan.entities}
     for actor, word in plan.storyboard.actions():
@@ -80,7 +80,7 @@ def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
 def _check_assigned(word: AssignControllerAction, entity: Entity | None, sink: Diagnostics) -> None:
     if entity is not None and entity.kind == "ego":
         if word.model != "default":
-            sink.add(IDLE_CONTROLLER, f"'{entity.id}' keeps the controller of its own", word.place_of("model"))
+            sink.add(IDLE_CONTROLLER, f"'{entity.id}' keeps its own controller", word.place_of("model"))
         return
     if word.model not in DRIVING:
         name = "" if entity is None else f" of '{entity.id}'"

@@ -1,4 +1,4 @@
-"""What is said of the driver makes a difference."""
+"""Checks that every property of the driver has an effect."""
 
 from __future__ import annotations
 
@@ -44,4 +44,4 @@ def _idle(driver: DriverModel) -> Iterator[tuple[str, str]]:
         for attribute in (name for name, is_said in said.items() if is_said):
             yield attribute, f"{attribute} changes nothing: the takeover time is fixed"
     elif said["traffic_density"] and not any(one.of == "traffic_density" for one in driver.effects):
-        yield "traffic_density", "no <effect> says by how much the traffic density changes the takeover time"
+        yield "traffic_density", "no <effect> defines how the traffic density changes the takeover time"

@@ -1,4 +1,4 @@
-"""Every failure of the camera begins before the run ends, and lasts long enough to come to what it is to be."""
+"""Checks that every failure of the camera begins before the run ends, and reaches its amount."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ NO_SEVERITY = Code(
 UNNOTICED = Code(
     "SC407",
     "failure-without-effect",
-    "With ideal perception no image is rendered, and a failure affects only the sensor's health. There is no curve of "
-    "the health for impulse_noise, overexposure, dead_rows, quantisation, latency, motion_blur and misalignment. The "
-    "failure is ignored; `--perception camera` shows it.\n\n"
+    "With ideal perception no image is rendered, and a failure affects only the sensor's health. There is no "
+    "model of the health for impulse_noise, overexposure, dead_rows, quantisation, latency, motion_blur and "
+    "misalignment. The failure is ignored; `--perception camera` shows it.\n\n"
     '    <failure kind="dead_rows" amount="0.2"/>     with --perception ideal',
     Severity.WARNING,
 )
@@ -68,7 +68,7 @@ def _check(failure: Failure, end: float, values: Mapping[str, Value], sink: Diag
     if failure.severity is not None:
         if failure.kind not in SEVERITIES:
             message = f"ImageNet-C has no severities of '{failure.kind}'"
-            sink.add(NO_SEVERITY, message, failure.place_of("severity"), hint="say `amount`, from 0 to 1")
+            sink.add(NO_SEVERITY, message, failure.place_of("severity"), hint="use `amount`, from 0 to 1")
         elif failure.amount != 1.0:
             message = "the failure has an amount and a severity"
             sink.add(NO_SEVERITY, message, failure.place_of("severity"), hint="leave one of them out")
@@ -76,7 +76,7 @@ def _check(failure: Failure, end: float, values: Mapping[str, Value], sink: Diag
     turned = [name for name, angle in angles.items() if angle != 0.0]
     if failure.kind == "misalignment" and not turned:
         message = "the camera is turned by no angle"
-        sink.add(ANGLES, message, failure.place_of("kind"), hint='say by which: yaw="2", for instance, in degrees')
+        sink.add(ANGLES, message, failure.place_of("kind"), hint='give an angle: yaw="2", for instance, in degrees')
     elif failure.kind != "misalignment" and turned:
         message = f"a failure of the kind '{failure.kind}' has no {turned[0]}"
         sink.add(ANGLES, message, failure.place_of(turned[0]), hint="misalignment turns the camera")

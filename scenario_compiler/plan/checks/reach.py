@@ -1,4 +1,4 @@
-"""The conflict lies within the run, and the budget leaves room for the minimum-risk manoeuvre."""
+"""Checks that the conflict is within the run, and that the budget is enough for the minimum-risk manoeuvre."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def check_range(plan: Plan, network: Network, sink: Diagnostics) -> None:
     if reach < asked.time * asked.speed:
         message = (
             f"a budget of {asked.time:g} s at {asked.speed:g} m/s is {asked.time * asked.speed:.0f} m, but the forward "
-            f"sensor sees {reach:g} m: the car asks {reach / asked.speed:.1f} s before what it sees"
+            f"sensor sees {reach:g} m: the request comes {reach / asked.speed:.1f} s before the limit"
         )
         sink.add(BLIND_BUDGET, message, asked.place)
 

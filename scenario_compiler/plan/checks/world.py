@@ -1,4 +1,4 @@
-"""Variables, traffic signals, elements of the storyboard, dates and controllers that words name are there, and fit."""
+"""Checks that variables, traffic signals, storyboard elements, dates and controllers exist and fit."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def check_world(plan: Plan, network: Network, sink: Diagnostics) -> None:
             )
     for variable in plan.variables:
         if variable.type != "string" and variable.value and number_of(variable.type, variable.value) is None:
-            message = f"'{variable.value}' is no value of the type {variable.type}"
+            message = f"'{variable.value}' is not a value of the type {variable.type}"
             sink.add(WRONG_VALUE, message, variable.place_of("value"))
 
 
@@ -123,7 +123,7 @@ def _check_variable(plan: Plan, word: Any, sink: Diagnostics) -> None:
             message = f"'{variable.name}' is not a number: its type is {variable.type}"
             sink.add(WRONG_VALUE, message, word.place_of("variable"))
     elif variable.type != "string" and number_of(variable.type, word.value) is None:
-        message = f"'{word.value}' is no value of '{variable.name}', which is of the type {variable.type}"
+        message = f"'{word.value}' is not a value of '{variable.name}', which is of the type {variable.type}"
         sink.add(WRONG_VALUE, message, word.place_of("value"))
 
 
@@ -163,7 +163,7 @@ def _check_date(plan: Plan, word: Any, sink: Diagnostics) -> None:
     try:
         seconds_of(word.date_time or "1970-01-01T00:00:00")
     except (ValueError, OverflowError):
-        sink.add(BAD_DATE, f"'{word.date_time}' is no date and time", word.place_of("date_time"))
+        sink.add(BAD_DATE, f"'{word.date_time}' is not a date and time", word.place_of("date_time"))
 
 
 def _check_given(plan: Plan, word: Any, sink: Diagnostics) -> None:

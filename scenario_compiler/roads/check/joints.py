@@ -1,4 +1,4 @@
-"""Joints: gaps and kinks of reference lines and lane borders, within roads, between roads and into junctions."""
+"""Checks joints: gaps and kinks of reference lines and lane borders, inside and between roads and junctions."""
 
 from __future__ import annotations
 
@@ -29,42 +29,41 @@ from scenario_compiler.structure.findings import Findings
 GAP = Code(
     "SC344",
     "road-gap",
-    "A reference line or a lane does not go on where the next one begins. Vehicles jump there, the surface has a hole "
-    "or an overlap, and a position near the joint lies on no lane or on two."
-    '\n\n    <geometry s="0" x="0" y="0" hdg="0" length="50"><line/></geometry>'
-    '\n    <geometry s="50" x="50.4" y="0" hdg="0" length="50"><line/></geometry>     x="50"'
-    "\n\nLet the next one start where this one ends. Tools that round coordinates leave gaps of millimetres, which are "
-    "not reported. Rules: asam.net:xodr:1.7.0:lane_smoothness.contact_point_no_horizontal_gaps, "
+    "A reference line or a lane does not end where the next one begins. Vehicles jump there, the surface has a "
+    "hole or an overlap, and a position near the joint is on no lane or on two lanes.\n\n"
+    '    <geometry s="0" x="0" y="0" hdg="0" length="50"><line/></geometry>\n'
+    '    <geometry s="50" x="50.4" y="0" hdg="0" length="50"><line/></geometry>     x="50"\n\n'
+    "Move the start of the next one to the end of this one. Gaps of millimetres, as left by programs that round "
+    "coordinates, are not reported. Rules: asam.net:xodr:1.7.0:lane_smoothness.contact_point_no_horizontal_gaps, "
     "asam.net:xodr:1.4.0:road.geometry.contact_point.",
     Severity.WARNING,
 )
 KINK = Code(
     "SC345",
     "road-kink",
-    "The reference line changes its direction at a joint. Vehicles turn there at once, and the surface beside it "
-    "overlaps on the inner side and is open on the outer."
-    '\n\n    <geometry s="0" x="0" y="0" hdg="0" length="50"><line/></geometry>'
-    '\n    <geometry s="50" x="50" y="0" hdg="0.2" length="50"><line/></geometry>     11 degrees to the left'
-    "\n\nLay an <arc> or a <spiral> between the two, or correct `hdg`.",
+    "The reference line changes its direction abruptly at a joint. Vehicles turn abruptly there; the road surface "
+    "overlaps on the inner side and has a gap on the outer side.\n\n"
+    '    <geometry s="0" x="0" y="0" hdg="0" length="50"><line/></geometry>\n'
+    '    <geometry s="50" x="50" y="0" hdg="0.2" length="50"><line/></geometry>     11 degrees to the left\n\n'
+    "Insert an <arc> or a <spiral> between the two, or correct `hdg`.",
     Severity.WARNING,
 )
 STEP = Code(
     "SC363",
     "road-step",
-    "The height of a road jumps at a joint: where two roads meet, one ends higher than the other begins. Vehicles jump "
-    "there, and the surface has a step."
-    '\n\n    <road id="1" length="100"> ... <elevation s="0" a="0" b="0.02" c="0" d="0"/>     2 m high at its end'
-    '\n    <road id="2"> ... <elevation s="0" a="0" b="0" c="0" d="0"/>     0 m high at its start'
-    '\n\nLet the elevation of the one start with the height at which the other ends: a="2".',
+    "The height of the road jumps at a joint of two roads. Vehicles jump there, and the surface has a step.\n\n"
+    '    <road id="1" length="100"> ... <elevation s="0" a="0" b="0.02" c="0" d="0"/>     2 m high at its end\n'
+    '    <road id="2"> ... <elevation s="0" a="0" b="0" c="0" d="0"/>     0 m high at its start\n\n'
+    'Start the elevation of the second road at the height at which the first ends: a="2".',
     Severity.WARNING,
 )
 COVERAGE = Code(
     "SC364",
     "road-length",
-    "The lengths of a road's geometries do not add up to the places where the next ones start, or to the length of the "
-    "road. The line is drawn on beyond its end, or cut."
-    '\n\n    <road length="120" ...><planView><geometry s="0" ... length="100">     20 m are missing'
-    "\n\nCorrect the lengths, or add the geometry that is missing. Rule: openmsl.net:xodr:1.4.0:road.geometry.length.",
+    "The lengths of a road's geometries do not agree with the starts of the next geometries, or with the length "
+    "of the road. The line is extended beyond its end, or cut.\n\n"
+    '    <road length="120" ...><planView><geometry s="0" ... length="100">     20 m are missing\n\n'
+    "Correct the lengths, or add the missing geometry. Rule: openmsl.net:xodr:1.4.0:road.geometry.length.",
     Severity.WARNING,
 )
 

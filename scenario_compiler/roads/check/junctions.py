@@ -1,4 +1,4 @@
-"""Junctions: connections that lead somewhere, by the end that they name, lane by lane."""
+"""Checks junctions: connections must join existing roads at the right ends, lane by lane."""
 
 from __future__ import annotations
 
@@ -18,51 +18,53 @@ from scenario_compiler.structure.findings import Findings
 LOST_CONNECTION = Code(
     "SC338",
     "lost-connection",
-    "A connection of a junction leads nowhere: it names no roads, its connecting road does not lie in the junction, or "
-    "the end of it that the connection names (contactPoint) is not linked to the incoming road. Traffic cannot enter "
-    "there, or enters at the wrong end."
-    '\n\n    <connection id="0" incomingRoad="1" connectingRoad="9" contactPoint="end">     it starts at road 1'
-    "\n\nCorrect the roads or `contactPoint`, so that the connecting road's end there is linked to the incoming road. "
-    "Rules: asam.net:xodr:1.7.0:junctions.connection.start_along_linkage and end_opposite_linkage, "
+    "A connection of a junction cannot be used: it names no roads, its connecting road is not part of the "
+    "junction, or the end of the connecting road that it names (contactPoint) is not linked to the incoming road. "
+    "Traffic cannot enter there, or enters at the wrong end.\n\n"
+    '    <connection id="0" incomingRoad="1" connectingRoad="9" contactPoint="end">     road 9 starts at road 1\n\n'
+    "Correct the roads or `contactPoint`. The named end of the connecting road must be linked to the incoming "
+    "road. Rules: asam.net:xodr:1.7.0:junctions.connection.start_along_linkage and end_opposite_linkage, "
     "openmsl.net:xodr:1.4.0:road.semantic.junction_connection_road_linkage.",
     Severity.WARNING,
 )
 UNKNOWN_LINKED_LANE = Code(
     "SC339",
     "unknown-connected-lane",
-    "A lane link of a junction names a lane that the incoming or the connecting road does not have where they touch. "
-    "Traffic cannot go on there."
-    '\n\n    <laneLink from="-4" to="-1"/>     the incoming road has lanes -1 and -2'
-    "\n\nCorrect the ids; they are those of the lane sections that touch. Rule: "
+    "A lane link of a junction names a lane that the incoming or the connecting road does not have at the place "
+    "where they meet. Traffic cannot continue there.\n\n"
+    '    <laneLink from="-4" to="-1"/>     the incoming road has lanes -1 and -2\n\n'
+    "Correct the ids. They refer to the lane sections that meet. Rule: "
     "openmsl.net:xodr:1.4.0:road.semantic.junction_connection_lane_link_id.",
     Severity.WARNING,
 )
 UNORDERED_LINKS = Code(
     "SC340",
     "unordered-lane-links",
-    "The lane links of a connection do not stand from left to right (descending ids of the incoming lanes). Nothing is "
-    "wrong with them; they are harder to read."
-    '\n\n    <laneLink from="-2" to="-2"/><laneLink from="-1" to="-1"/>     -1 comes first'
-    "\n\nExchange them, if anybody reads the file. Rule: "
+    "The lane links of a connection are not listed from left to right (with descending ids of the incoming "
+    "lanes). They are valid, but harder to read.\n\n"
+    '    <laneLink from="-2" to="-2"/><laneLink from="-1" to="-1"/>     -1 comes first\n\n'
+    "Change the order if people read the file. Rule: "
     "openmsl.net:xodr:1.4.0:road.semantic.junction_connection_lane_linkage_order.",
     Severity.NOTE,
 )
 UNCONNECTED_LANE = Code(
     "SC341",
     "unconnected-lane",
-    "A lane on which traffic drives into a junction has no connection there, so it ends at the junction."
-    '\n\n    <connection incomingRoad="1" ...><laneLink from="-1" to="-1"/></connection>     and lane -2?'
-    "\n\nAdd a <laneLink>, or end the lane before the junction. Rule: "
+    "Traffic can drive on a lane into a junction, but the lane has no connection there, so it ends at the "
+    "junction.\n\n"
+    '    <connection incomingRoad="1" ...><laneLink from="-1" to="-1"/></connection>     lane -2 has no connection\n\n'
+    "Add a <laneLink>, or end the lane before the junction. Rule: "
     "openmsl.net:xodr:1.4.0:road.semantic.junction_driving_lanes_continue.",
     Severity.WARNING,
 )
 REPEATED_CONNECTION = Code(
     "SC342",
     "repeated-connection",
-    "A junction connects the same two roads twice. Each connecting road has one connection for each incoming road."
-    '\n\n    <connection id="0" incomingRoad="1" connectingRoad="9" ...>'
-    '\n    <connection id="1" incomingRoad="1" connectingRoad="9" ...>'
-    "\n\nMake one connection of them, with the lane links of both. Rules: "
+    "A junction connects the same two roads twice. Each connecting road has one connection for each incoming "
+    "road.\n\n"
+    '    <connection id="0" incomingRoad="1" connectingRoad="9" ...>\n'
+    '    <connection id="1" incomingRoad="1" connectingRoad="9" ...>\n\n'
+    "Merge them into one connection with the lane links of both. Rules: "
     "asam.net:xodr:1.7.0:junctions.connection.one_connection_element, "
     "asam.net:xodr:1.8.0:junctions.connection.one_link_to_incoming.",
     Severity.WARNING,
@@ -70,9 +72,10 @@ REPEATED_CONNECTION = Code(
 CONNECTING_AS_INCOMING = Code(
     "SC343",
     "connecting-road-as-incoming",
-    "A road within a junction is named as an incoming road of it. Roads come in from outside."
-    '\n\n    <road id="9" junction="3"> ... <junction id="3"><connection incomingRoad="9" ...>'
-    "\n\nName the road outside the junction from which traffic comes. Rule: "
+    "A road inside a junction is named as an incoming road of the same junction. Incoming roads are outside the "
+    "junction.\n\n"
+    '    <road id="9" junction="3"> ... <junction id="3"><connection incomingRoad="9" ...>\n\n'
+    "Name the road outside the junction from which traffic comes. Rule: "
     "asam.net:xodr:1.4.0:junctions.connection.connect_road_no_incoming_road.",
     Severity.WARNING,
 )
@@ -109,7 +112,7 @@ def _check_roads(
         return
     name = junction.get("id", "")
     if not direct and inner.junction != name:
-        message = f"road {inner.id} connects in junction {name}, but says that it lies in '{inner.junction[:40]}'"
+        message = f"road {inner.id} connects in junction {name}, but its attribute junction is '{inner.junction[:40]}'"
         findings.report(LOST_CONNECTION, message, connection.element, "connectingRoad")
     if connection.contact not in OTHER_END:
         return

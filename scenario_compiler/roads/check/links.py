@@ -1,4 +1,4 @@
-"""Links of roads and lanes: back and forth, unambiguous, to lanes that exist."""
+"""Checks links of roads and lanes: they must be mutual, unambiguous, and to existing lanes."""
 
 from __future__ import annotations
 
@@ -24,51 +24,52 @@ from scenario_compiler.structure.findings import Findings
 ONE_SIDED_LINK = Code(
     "SC333",
     "one-sided-road-link",
-    "A road is linked to another one that is not linked back to it, or at another end. Traffic can go one way over the "
-    "joint and not the other; programs differ in which of the two they believe."
-    '\n\n    <road id="1"> ... <successor elementType="road" elementId="2" contactPoint="start"/>'
-    '\n    <road id="2"> ... <predecessor elementType="road" elementId="3" contactPoint="end"/>     not road 1'
-    "\n\nLet each of the two name the other, or join three roads by a junction. Rule: "
+    "A road is linked to another road that is not linked back to it, or not to this end of it. Traffic can pass "
+    "the joint in one direction only, and programs differ in which of the two links they use.\n\n"
+    '    <road id="1"> ... <successor elementType="road" elementId="2" contactPoint="start"/>\n'
+    '    <road id="2"> ... <predecessor elementType="road" elementId="3" contactPoint="end"/>     not road 1\n\n'
+    "Link both roads to each other. Use a junction if three roads meet. Rule: "
     "openmsl.net:xodr:1.4.0:road.semantic.road_link_backward.",
     Severity.WARNING,
 )
 AMBIGUOUS_LINK = Code(
     "SC334",
     "ambiguous-road-link",
-    "Several roads are linked directly to the same end of one road. Which of them goes on there is not said; a "
-    "junction is needed."
-    '\n\n    <road id="1"> ... <successor elementType="road" elementId="3" contactPoint="start"/>'
-    '\n    <road id="2"> ... <successor elementType="road" elementId="3" contactPoint="start"/>'
-    "\n\nMake a junction with a connecting road for each way. Rule: "
+    "Several roads are linked directly to the same end of a road. It is not clear which of them continues there; "
+    "a junction is needed.\n\n"
+    '    <road id="1"> ... <successor elementType="road" elementId="3" contactPoint="start"/>\n'
+    '    <road id="2"> ... <successor elementType="road" elementId="3" contactPoint="start"/>\n\n'
+    "Make a junction with a connecting road for each of them. Rule: "
     "asam.net:xodr:1.4.0:road.linkage.is_junction_needed.",
     Severity.WARNING,
 )
 UNKNOWN_LANE = Code(
     "SC335",
     "unknown-linked-lane",
-    "A lane is linked to a lane that does not exist in the next lane section or road. The link is ignored, so traffic "
-    "on this lane cannot go on there."
-    '\n\n    <lane id="-3"><link><successor id="-3"/></link></lane>     the next section has lanes -1 and -2'
-    "\n\nCorrect the id, or remove the link where the lane ends. Rules: "
-    "openmsl.net:xodr:1.4.0:road.semantic.lane_link_id, asam.net:xodr:1.4.0:road.lane.link.lanes_across_lane_sections.",
+    "A lane is linked to a lane that does not exist in the next lane section or road. The link is ignored, so "
+    "traffic on this lane cannot continue there.\n\n"
+    '    <lane id="-3"><link><successor id="-3"/></link></lane>     the next section has lanes -1 and -2\n\n'
+    "Correct the id, or remove the link if the lane ends there. Rules: "
+    "openmsl.net:xodr:1.4.0:road.semantic.lane_link_id, "
+    "asam.net:xodr:1.4.0:road.lane.link.lanes_across_lane_sections.",
     Severity.WARNING,
 )
 ONE_SIDED_LANE = Code(
     "SC336",
     "one-sided-lane-link",
-    "A lane is linked to a lane that is not linked back to it."
-    '\n\n    <lane id="-1"><link><successor id="-1"/></link></lane>     in the first section'
-    '\n    <lane id="-1"><link><predecessor id="-2"/></link></lane>     in the second'
-    "\n\nLet each of the two name the other. Rule: asam.net:xodr:1.4.0:road.lane.link.lanes_across_lane_sections.",
+    "A lane is linked to a lane that is not linked back to it.\n\n"
+    '    <lane id="-1"><link><successor id="-1"/></link></lane>     in the first section\n'
+    '    <lane id="-1"><link><predecessor id="-2"/></link></lane>     in the second\n\n'
+    "Link both lanes to each other. Rule: asam.net:xodr:1.4.0:road.lane.link.lanes_across_lane_sections.",
     Severity.WARNING,
 )
 ZERO_WIDTH_LINK = Code(
     "SC337",
     "zero-width-lane-link",
-    "A lane with no width at an end is linked there. A lane that begins or ends within the road has no predecessor or "
-    "successor."
-    '\n\n    <lane id="-2"><link><predecessor id="-2"/></link><width sOffset="0" a="0" b="0.1" .../></lane>'
-    "\n\nRemove the link: the lane begins here. Rules: asam.net:xodr:1.7.0:road.lane.link.zero_width_at_start, "
+    "A lane has a link at an end at which its width is 0. A lane that begins or ends within the road has no "
+    "predecessor or successor.\n\n"
+    '    <lane id="-2"><link><predecessor id="-2"/></link><width sOffset="0" a="0" b="0.1" .../></lane>\n\n'
+    "Remove the link: the lane begins here. Rules: asam.net:xodr:1.7.0:road.lane.link.zero_width_at_start, "
     "asam.net:xodr:1.7.0:road.lane.link.zero_width_at_end, asam.net:xodr:1.4.0:road.lane.link.new_lane_appear.",
     Severity.WARNING,
 )

@@ -1,4 +1,4 @@
-"""Objects and signals: on the road that they belong to, of a size that such things have, for lanes that exist."""
+"""Checks objects and signals: on their road, of a usual size, for existing lanes."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from scenario_compiler.structure.findings import Findings
 OFF_ROAD = Code(
     "SC355",
     "object-off-road",
-    "An object, signal, tunnel or bridge lies beyond the end of its road, or farther to the side or in height than "
-    "anything that belongs to a road."
-    '\n\n    <road length="100" ...> ... <object id="1" s="140" t="5" .../>     40 m beyond the end'
-    "\n\nCorrect s, t and zOffset, or move it to the road that it stands at. Rules: "
+    "An object, signal, tunnel or bridge is beyond the end of its road, or too far to the side or too high to "
+    "belong to it.\n\n"
+    '    <road length="100" ...> ... <object id="1" s="140" t="5" .../>     40 m beyond the end\n\n'
+    "Correct s, t and zOffset, or move it to the right road. Rules: "
     "openmsl.net:xodr:1.4.0:road.semantic.object_position and signal_position.",
     Severity.WARNING,
 )
 ODD_SIZE = Code(
     "SC356",
     "odd-object-size",
-    "The size of an object or signal is missing, negative, or larger than such things are. It is drawn as it is filed."
-    '\n\n    <object id="1" type="pole" height="4" .../>     neither a radius nor a length and a width'
-    "\n\nWrite its size in metres. Rules: openmsl.net:xodr:1.4.0:road.semantic.object_size and signal_size.",
+    "The size of an object or signal is missing, negative, or unusually large. It is drawn as it is in the file.\n\n"
+    '    <object id="1" type="pole" height="4" .../>     neither a radius nor a length and a width\n\n'
+    "Give its size in metres. Rules: openmsl.net:xodr:1.4.0:road.semantic.object_size and signal_size.",
     Severity.WARNING,
 )
 VALIDITY = Code(
     "SC357",
     "odd-lane-validity",
-    "A signal or object is meant for lanes that the road does not have there, or on which traffic does not drive in "
-    "its direction (orientation)."
-    '\n\n    <signal id="1" orientation="+" ...><validity fromLane="1" toLane="2"/></signal>     -1 and -2'
-    "\n\nName lanes that run the way that the orientation says, in right-hand traffic negative ids for '+'. Rule: "
-    "openmsl.net:xodr:1.4.0:road.semantic.signal_object_lane_linkage.",
+    "The validity of a signal or object names lanes that the road does not have there, or lanes in which traffic "
+    "does not drive in its direction (orientation).\n\n"
+    '    <signal id="1" orientation="+" ...><validity fromLane="1" toLane="2"/></signal>     lanes -1 and -2\n\n'
+    "Name lanes with the direction of the orientation; in right-hand traffic, lanes with negative ids have the "
+    "orientation '+'. Rule: openmsl.net:xodr:1.4.0:road.semantic.signal_object_lane_linkage.",
     Severity.WARNING,
 )
 LOST_CORNER = Code(
@@ -47,17 +47,17 @@ LOST_CORNER = Code(
 NO_ORIENTATION = Code(
     "SC360",
     "object-without-orientation",
-    "An object does not say for which direction of travel it is meant (orientation '+', '-' or 'none')."
-    '\n\n    <object id="1" type="barrier" s="10" t="4" .../>     for both directions?'
-    '\n\nWrite orientation="none" where it is meant for both. Rule: asam.net:xodr:1.7.0:road.object.orientation.',
+    "An object has no orientation ('+', '-' or 'none'), so its direction of travel is not known.\n\n"
+    '    <object id="1" type="barrier" s="10" t="4" .../>     for both directions?\n\n'
+    'Write orientation="none" for both directions. Rule: asam.net:xodr:1.7.0:road.object.orientation.',
     Severity.NOTE,
 )
 BOARDS = Code(
     "SC361",
     "signal-boards",
-    "A signal of type multiBoard holds static boards and variable message boards, and is dynamic."
-    '\n\n    <signal type="multiBoard" dynamic="no"><staticBoard .../></signal>     it has nothing that changes'
-    '\n\nAdd the boards and dynamic="yes", or make it a signal of another type. Rules: '
+    "A signal of type multiBoard must contain static boards and variable message boards, and must be dynamic.\n\n"
+    '    <signal type="multiBoard" dynamic="no"><staticBoard .../></signal>     it has no variable board\n\n'
+    'Add the boards and dynamic="yes", or change the signal\'s type. Rules: '
     "asam.net:xodr:1.8.0:road.signal.boards.multi_board_have_sub_boards and multi_board_use_dynamic_true.",
     Severity.WARNING,
 )

@@ -1,4 +1,4 @@
-"""The shape of single roads: lane widths, lane sections, the order of lanes and records, polynomials."""
+"""Checks the shape of single roads: lane widths, lane sections, the order of lanes and records, polynomials."""
 
 from __future__ import annotations
 
@@ -15,28 +15,32 @@ from scenario_compiler.structure.findings import Findings
 NEGATIVE_WIDTH = Code(
     "SC346",
     "negative-lane-width",
-    "A lane's width falls below 0, or its border crosses that of the lane beside it. The width counts as 0 there."
-    '\n\n    <width sOffset="0" a="3.5" b="-0.1" c="0" d="0"/>     less than 0 after 35 m'
-    "\n\nCorrect the polynomial, or end the lane in a lane section of its own. Rules: "
-    "openmsl.net:xodr:1.4.0:road.semantic.lane_width, asam.net:xodr:1.4.0:road.lane.border.overlap_with_inner_lanes.",
+    "A lane's width falls below 0, or its border crosses that of the lane beside it. The width is taken as 0 "
+    "there.\n\n"
+    '    <width sOffset="0" a="3.5" b="-0.1" c="0" d="0"/>     less than 0 after 35 m\n\n'
+    "Correct the polynomial, or end the lane by starting a new lane section. Rules: "
+    "openmsl.net:xodr:1.4.0:road.semantic.lane_width, "
+    "asam.net:xodr:1.4.0:road.lane.border.overlap_with_inner_lanes.",
     Severity.WARNING,
 )
 CURVE_LENGTH = Code(
     "SC347",
     "curve-length",
-    "The curve of a paramPoly3 is not as long as its geometry says. Positions along it are stretched or squeezed."
-    '\n\n    <geometry ... length="50"><paramPoly3 pRange="normalized" bU="30" .../></geometry>     30 m long'
-    "\n\nCorrect `length`, or `pRange`: normalized runs from 0 to 1, arcLength from 0 to the length. Rules: "
-    "asam.net:xodr:1.7.0:road.geometry.parampoly3.length_match, arclength_range and normalized_range.",
+    "The length of a paramPoly3 curve differs from the length of its geometry. Positions along it are stretched "
+    "or compressed.\n\n"
+    '    <geometry ... length="50"><paramPoly3 pRange="normalized" bU="30" .../></geometry>     30 m long\n\n'
+    "Correct `length`, or `pRange`: with normalized, the parameter goes from 0 to 1; with arcLength, from 0 to "
+    "the length. Rules: asam.net:xodr:1.7.0:road.geometry.parampoly3.length_match, arclength_range and "
+    "normalized_range.",
     Severity.WARNING,
 )
 CURVE_START = Code(
     "SC348",
     "curve-start",
-    "A paramPoly3 does not start where its geometry says (aU, aV are not 0) or not in its direction (bV is not 0, bU "
-    "is not positive)."
-    '\n\n    <paramPoly3 aU="2" bU="50" aV="0" bV="1" .../>     starts 2 m ahead, and turned'
-    "\n\nPut the start into x, y and hdg of the <geometry>. Rule: "
+    "A paramPoly3 does not start at the position of its geometry (aU or aV is not 0), or not in its direction (bV "
+    "is not 0, or bU is not positive).\n\n"
+    '    <paramPoly3 aU="2" bU="50" aV="0" bV="1" .../>     starts 2 m ahead and is turned\n\n'
+    "Give the start by x, y and hdg of the <geometry>. Rule: "
     "openmsl.net:xodr:1.4.0:road.geometry.parampoly3_attributes.",
     Severity.WARNING,
 )
@@ -52,29 +56,29 @@ SECTION_START = Code(
 LANE_ORDER = Code(
     "SC350",
     "lane-order",
-    "The ids of the lanes of a section do not descend from left to right without a gap (..., 2, 1, 0, -1, -2, ...). "
-    "Lanes are placed by their ids, so a gap or an exchange puts a lane where it does not belong."
-    '\n\n    <right><lane id="-1" .../><lane id="-3" .../></right>     -2 is missing'
-    "\n\nNumber the lanes without a gap, and correct the links to them. Rule: "
+    "The ids of the lanes of a section do not descend from left to right without a gap (..., 2, 1, 0, -1, -2, "
+    "...). Lanes are placed by their ids, so a missing or exchanged id puts a lane in the wrong place.\n\n"
+    '    <right><lane id="-1" .../><lane id="-3" .../></right>     -2 is missing\n\n'
+    "Number the lanes without gaps, and correct the links to them. Rule: "
     "openmsl.net:xodr:1.4.0:road.semantic.lane_id_order.",
     Severity.WARNING,
 )
 RECORD_OFFSET = Code(
     "SC351",
     "record-offset",
-    "The records of a lane (widths, borders, heights, marks, speeds) do not ascend in sOffset, start beyond the end of "
-    "their section, or, for widths, borders and heights, do not start at 0."
-    '\n\n    <lane id="-1"><width sOffset="5" a="3.5" .../></lane>     how wide is it before?'
-    "\n\nCorrect sOffset, which counts from the start of the lane section and not of the road. Rule: "
+    "The records of a lane (widths, borders, heights, marks, speeds) are not in ascending order of sOffset, or "
+    "start beyond the end of their section. Records of widths, borders and heights must also start at 0.\n\n"
+    '    <lane id="-1"><width sOffset="5" a="3.5" .../></lane>     how wide is it before?\n\n'
+    "Correct sOffset. It is measured from the start of the lane section, not of the road. Rule: "
     "openmsl.net:xodr:1.4.0:road.semantic.lane_property_sOffset.",
     Severity.WARNING,
 )
 LANE_WITHOUT_TYPE = Code(
     "SC352",
     "lane-without-type",
-    "A lane has the type 'none': it is there, and nothing may use it. Often the type was forgotten."
-    '\n\n    <lane id="-2" type="none" level="false">'
-    "\n\nSay what it is: driving, shoulder, border, sidewalk, or another word of the standard. Rule: "
+    "A lane has the type 'none': it exists, but nothing may use it. Often the type was forgotten.\n\n"
+    '    <lane id="-2" type="none" level="false">\n\n'
+    "Give its type: driving, shoulder, border, sidewalk, or another type of the standard. Rule: "
     "openmsl.net:xodr:1.4.0:road.semantic.lane_type_none.",
     Severity.NOTE,
 )
@@ -164,7 +168,7 @@ def _check_lane_order(section: Section, findings: Findings) -> None:
         expected = list(range(count, 0, -1)) if sign > 0 else list(range(-1, -count - 1, -1))
         for name, wanted, element in zip(ids, expected, elements, strict=True):
             if name != wanted:
-                message = f"lane {element.get('id', '')[:20]} stands where lane {wanted} should"
+                message = f"lane {element.get('id', '')[:20]} is at the place of lane {wanted}"
                 findings.report(LANE_ORDER, message, element, "id")
                 break
 

@@ -1,4 +1,4 @@
-"""What lanes say about traffic: access, level, speed limits against the road's type."""
+"""Checks the traffic rules of lanes: access, level, speed limits for the road's type."""
 
 from __future__ import annotations
 
@@ -20,28 +20,29 @@ from scenario_compiler.structure.findings import Findings
 MIXED_ACCESS = Code(
     "SC354",
     "mixed-lane-access",
-    "A lane allows and denies access at the same place. Either is complete alone: what is not allowed is denied, what "
-    "is not denied is allowed."
-    '\n\n    <access sOffset="0" rule="allow" restriction="bus"/>'
-    '\n    <access sOffset="0" rule="deny" restriction="trucks"/>     denied by the first already'
-    "\n\nKeep the one that says what is meant. Rule: asam.net:xodr:1.7.0:road.lane.access.no_mix_of_deny_or_allow.",
+    "A lane has rules that allow and rules that deny access at the same place. One kind is enough: with `allow` "
+    "everything else is denied, with `deny` everything else is allowed.\n\n"
+    '    <access sOffset="0" rule="allow" restriction="bus"/>\n'
+    '    <access sOffset="0" rule="deny" restriction="trucks"/>     the first rule denies it already\n\n'
+    "Keep one of the two kinds. Rule: asam.net:xodr:1.7.0:road.lane.access.no_mix_of_deny_or_allow.",
     Severity.WARNING,
 )
 LEVEL = Code(
     "SC353",
     "lane-level",
-    "A lane that follows the road's cross slope lies outside one that is level, or a level lane goes on in one that is "
-    "not. Lanes are level from one of them out to the road's border."
-    '\n\n    <lane id="-1" level="true"/><lane id="-2" level="false"/>     -2 must be level too'
-    "\n\nMake the lanes outside it level, or this one not. Rule: asam.net:xodr:1.7.0:road.lane.level_true_one_side.",
+    "A lane that follows the road's cross slope is outside a level lane, or a level lane continues in a lane that "
+    "is not level. From a level lane outward, all lanes up to the road's border must be level.\n\n"
+    '    <lane id="-1" level="true"/><lane id="-2" level="false"/>     -2 must be level too\n\n'
+    'Make all lanes outside it level too, or set level="false" for this one. Rule: '
+    "asam.net:xodr:1.7.0:road.lane.level_true_one_side.",
     Severity.WARNING,
 )
 SPEED_OF_TYPE = Code(
     "SC358",
     "speed-against-road-type",
-    "The speed limit of a lane is not one that roads of this type have. The type or the unit is probably wrong."
-    '\n\n    <type s="0" type="motorway"/> ... <speed sOffset="0" max="13" unit="mph"/>     m/s?'
-    "\n\nCorrect the type of the road or the unit; without a unit it is m/s. Rule: "
+    "The speed limit of a lane is unusual for the type of its road. The type or the unit is probably wrong.\n\n"
+    '    <type s="0" type="motorway"/> ... <speed sOffset="0" max="13" unit="mph"/>     is m/s meant?\n\n'
+    "Correct the type of the road or the unit; the default unit is m/s. Rule: "
     "openmsl.net:xodr:1.4.0:road.road_type_vs_speed_limit.",
     Severity.NOTE,
 )

@@ -1,0 +1,84 @@
+"""Pages of instruction and consent: Markdown files beside a study, with their pictures.
+
+Pictures become part of the page, so that the server of a study hands out no file that a page names.
+"""
+
+from __future__ import annotations
+
+import base64
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from markdown_it import MarkdownIt
+from markdown_it.token import Token
+
+from scenario_compiler.diagnostics import Diagnostics, FilePlace, Place
+from scenario_compiler.files import read_file
+from scenario_compiler.source.study import UNREADABLE_PART
+
+TYPES = {
+    ".png": "image/png",
+    ".jpg": "image/jpeg",
+    ".jpeg": "image/jpeg",
+    ".gif": "image/gif",
+    ".webp": "image/webp",
+    ".svg": "image/svg+xml",
+}
+"""Media types of pictures by the endings of their files."""
+
+LARGEST = 8 * 1024 * 1024
+"""Bytes of a picture at most."""
+
+
+def read_page(name: str, folder: Path, place: Place, sink: Diagnostics) -> str | None:
+    """Return a page as HTML, in which HTML of the file's own is plain text; None where it cannot be read.
+
+    Args:
+        name: The Markdown file, as the study names it.
+        folder: Folder of the study.
+        place: Where the study names it.
+        sink: Takes what is wrong with the file and its pictures.
+    """
+    path = folder / name
+    try:
+        text = read_file(path).decode("utf-8-sig")
+    except UnicodeDecodeError as fault:
+        sink.add(UNREADABLE_PART, f"'{name}' is not UTF-8: byte {fault.start}", place)
+        return None
+    except (OSError, ValueError) as fault:
+        sink.add(UNREADABLE_PART, f"'{name}' cannot be read: {_reason(fault)}", place)
+        return None
+    if not text.strip():
+        sink.add(UNREADABLE_PART, f"'{name}' is empty", place)
+        return None
+    markdown = MarkdownIt("commonmark", {"html": False})
+    tokens = markdown.parse(text)
+    for block in tokens:
+        for token in block.children or ():
+            if token.type == "image":
+                line = 0 if block.map is None else block.map[0] + 1
+                _take_in(token, path.parent, FilePlace(str(path), line), sink)
+    return str(markdown.renderer.render(tokens, markdown.options, {}))
+
+
+def _take_in(image: Token, folder: Path, place: Place, sink: Diagnostics) -> None:
+    """Put the content of a picture's file in the place of its address."""
+    address = str(image.attrs["src"])
+    if urlsplit(address).scheme or address.startswith("//"):
+        sink.add(UNREADABLE_PART, f"'{address}' is no file beside the page, which is shown without a network", place)
+        return
+    name = unquote(address)
+    kind = TYPES.get(Path(name).suffix.lower())
+    if kind is None:
+        sink.add(UNREADABLE_PART, f"'{name}' is no picture: {', '.join(TYPES)} are", place)
+        return
+    try:
+        content = read_file(folder / name, LARGEST)
+    except (OSError, ValueError) as fault:
+        sink.add(UNREADABLE_PART, f"the picture '{name}' cannot be read: {_reason(fault)}", place)
+        return
+    image.attrs["src"] = f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def _reason(fault: OSError | ValueError) -> str:
+    return fault.strerror if isinstance(fault, OSError) and fault.strerror else str(fault)
