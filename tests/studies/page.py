@@ -43,9 +43,9 @@ HEAD = """# Published studies, run again
 
 Eleven studies are written as conflicts of 10 to 25 lines (`tests/studies`). Each table shows what the paper reports,
 the result here, and what a test asserts, which is never more than the source supports. "Figure not found" means that
-the paper was not available and no quotation of the number was found; "from memory, not verified" marks a direction that
-was not looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so their
-medians are not a result; what happens after the response is.
+the paper was not available and no quotation of the number was found; "from memory, not verified" marks a direction
+that was not looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so
+their medians are not a result; what happens after the response is.
 
 The tables contain two times to collision. The time to collision *of the path* refers to objects on the path that the
 car is steering along at the moment: an obstacle is no longer on the path as soon as the wheel is turned, and is on it

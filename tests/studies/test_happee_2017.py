@@ -1,6 +1,6 @@
 """Happee, Gold, Radlmayr, Hergeth and Bengler 2017: evasive manoeuvres after a request and in manual driving.
 
-"Take-over performance in evasive manoeuvres", Accident Analysis and Prevention 106, 211-222. 120 km/h, a blocked lane;
+"Take-over performance in evasive manoeuvres", Accident Analysis and Prevention 106. 120 km/h, a blocked lane;
 manual driving, automation with a cognitive task and automation with a visual one, 80 participants.
 
 | | the paper (summary of doi 10.1016/j.aap.2017.04.017) | here | asserted |

@@ -1,7 +1,7 @@
 """Mok, Johns, Lee, Miller, Sirkin, Ive and Ju 2015: the automation fails 2 s, 5 s or 8 s before road works.
 
 "Emergency, automation off: unstructured transition timing for distracted drivers of automated vehicles", IEEE 18th
-International Conference on Intelligent Transportation Systems, 2458-2464. Drivers watched a video; 30 drivers.
+International Conference on Intelligent Transportation Systems. Drivers watched a video; 30 drivers.
 
 | | the paper (abstract) | here | asserted |
 |---|---|---|---|
