@@ -34,7 +34,7 @@ FLAGS = (
     *("-fvisibility=hidden", "-shared", "-fPIC"),
 )
 """Two forms of one source: no contraction and no fast arithmetic, and whole numbers wrap as Python's are masked to.
-Results are checked for NaN and infinity, so that mathematical functions need not set `errno`."""
+A function without a value is recognised by its argument or by NaN, so that none needs to set `errno`."""
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")
 
