@@ -24,23 +24,24 @@ FORMS = Path(__file__).resolve().parent
 PACKAGE = FORMS.parent
 
 LIBRARY = FORMS / "engine.library"
-"""The engine's machine code: a shared library that knows nothing of Python, by a name that is no module's."""
+"""The engine's machine code: a shared library without Python; its suffix is not that of a Python module."""
 
 NOTE = FORMS / "engine.json"
-"""What is known of the library: how it was made, of which sources, and which entries it has."""
+"""Notes on the library: how it was made, from which sources, and its entries."""
 
 FLAGS = (
     *("-std=gnu11", "-O3", "-fwrapv", "-ffp-contract=off", "-fno-math-errno"),
     *("-fvisibility=hidden", "-shared", "-fPIC"),
 )
-"""Two forms of one source: no contraction and no fast arithmetic, and whole numbers wrap as Python's are masked to.
-What has no result is told from the result, so that mathematical functions need not set `errno`."""
+"""Flags with which C gives the same results as Python: no contraction, no fast arithmetic, and integers that wrap, as
+those in Python are masked. A missing result is detected from its value, so mathematical functions need not set `errno`.
+"""
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")
 
 SOURCE_FOLDERS = ("forms", "roads", "engine")
 SOURCE_MODULES = ("marker.py", "randomness.py")
-"""Where the marked functions are, what they are made of, and what translates them."""
+"""Folders and modules with the marked functions, their dependencies and the translator."""
 
 
 class NoCompilerError(Exception):
@@ -52,7 +53,7 @@ class NoCompilerError(Exception):
 
 
 class BuildError(Exception):
-    """A C compiler refused the translated engine; the text is what it said."""
+    """A C compiler rejected the translated engine; the text is its output."""
 
 
 @dataclass(frozen=True)
