@@ -69,7 +69,8 @@ of its steps, s; and after how many snapshots it may go on.
 
 A client forgets a vehicle when the call is answered; its Traffic Manager, which is in the middle of a step with that
 vehicle, ends the process then. It asks for the settings at the beginning of each step (`TrafficManagerLocal::Run`), and
-is held there until the client has the next snapshot, which lacks the vehicle: until the one after that is sent.
+is held there until the client has the next snapshot, which lacks the vehicle: until the one after that is sent. In
+synchronous mode it is not held.
 """
 
 PERCENT = (
@@ -220,6 +221,7 @@ class Host:
         """Take settings over; in asynchronous mode they hold for the next snapshot, which is made at once."""
         self.settings = settings
         if settings.synchronous:
+            self._let_managers_go()
             self._free.clear()
             return self.frame
         self._free.set()
@@ -242,6 +244,7 @@ class Host:
             self._free.set()
         asyncio.get_running_loop().run_in_executor(None, town.prepare)
         self.tick()
+        self._let_managers_go()
         self._bits |= MAP_CHANGED
 
     def change_town_when_joined(self, town: Town, *, reset: bool) -> None:
@@ -277,6 +280,11 @@ class Host:
             await asyncio.sleep(0.001)
             self._held_for = SEEN
         self._held = True
+
+    def _let_managers_go(self) -> None:
+        if self.gate is not None:
+            self.gate.set()
+            self.gate = None
 
     def note_lights(self) -> None:
         """Let the next snapshot say that lights have changed."""
@@ -332,11 +340,9 @@ class Host:
         if self.recorder is not None:
             self.recorder.note(self.stage, self.frame, dt)
         self._send(dt)
-        if self.gate is not None:
-            self._held_for -= 1
-            if self._held_for <= 0:
-                self.gate.set()
-                self.gate = None
+        self._held_for -= 1
+        if self._held_for <= 0:
+            self._let_managers_go()
         return self.frame
 
     def _send(self, dt: float) -> None:
