@@ -1,4 +1,4 @@
-"""The program: `scenario-compiler`, and `python -m scenario_compiler`.
+"""Starts the program as `scenario-compiler` or as `python -m scenario_compiler`.
 
 It is as small as it is so that an interruption while the command line is still being imported ends as any other does.
 """

@@ -23,7 +23,7 @@ _GITHUB_LEVEL = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.
 
 
 def formatted(diagnostics: Iterable[Diagnostic], form: str) -> str:
-    """Return diagnostics in one of FORMATS; JSON and SARIF are whole documents even when there is none.
+    """Return diagnostics in one of FORMATS; JSON and SARIF are complete documents even without diagnostics.
 
     Whatever files and their names hold, a terminal or a build service sees characters that can be printed, and no
     command but those of the format `github`.

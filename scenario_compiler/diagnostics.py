@@ -281,7 +281,7 @@ def _kind_of(one: Diagnostic) -> _Kind:
 
 
 def _rough_spot(one: Diagnostic) -> tuple[object, ...]:
-    """Return what tells findings of a kind apart well enough to count them, without looking for a column."""
+    """Return a key that distinguishes findings of a kind, without computing a column."""
     element = getattr(one.place, "element", None)
     if element is None:
         return one.message, one.place.line, one.place.column

@@ -1,4 +1,4 @@
-"""Expressions: text such as `1.9 * (1 - $overlap)` to a tree that is evaluated safely and deterministically.
+"""Expressions: parses text such as `1.9 * (1 - $overlap)` to a tree, and evaluates it deterministically.
 
 Grammar, loosest first: `or`, `and`, `not`, one comparison (< <= > >= == !=), + -, * / %, unary + -, `^` (power),
 atoms: number, 'text', true, false, pi, a parameter (`name` or `$name`), a function call, parentheses. `if(c, a, b)`

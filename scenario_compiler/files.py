@@ -1,4 +1,4 @@
-"""Files in, safely: ordinary files only, and no more of one than is wanted.
+"""Reads files safely: ordinary files only, and never more bytes than a limit.
 
 A pipe may never end and a device always has more, so neither is read; and the size that a file is said to have is not
 relied on. What is at fault is an OSError, whose `strerror` says it in words for the author.

@@ -1,4 +1,4 @@
-"""The only place that converts between OpenDRIVE's and CARLA's axes.
+"""Converts between the axes of OpenDRIVE and CARLA; no other module does.
 
 OpenDRIVE: x east, y north, z up; heading counter-clockwise, pitch positive with the nose down, roll positive with the
 left side up, in radians. CARLA: x east, y south, z up; yaw clockwise seen from above, pitch positive with the nose up,
@@ -56,7 +56,7 @@ def heading_from_carla(yaw: float) -> float:
 
 
 ROUNDED = 1e-6
-"""Degrees by which a yaw may be off half a turn and still be one: numbers of 32 bits do not tell them apart."""
+"""Tolerance for a yaw of half a turn, degrees: numbers of 32 bits do not distinguish smaller differences."""
 
 
 def yaw_from_heading(heading: float) -> float:

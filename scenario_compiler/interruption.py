@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: one interruption of the whole program, which its worker processes leave to it."""
+"""Turns Ctrl-C and SIGTERM into one interruption of the program, which its worker processes ignore."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The languages that a scenario can be written in, and the one way to read, expand and check a file of any of them.
+"""The languages of scenarios, and one way to read, expand and check a file of any of them.
 
 `source` has our conflict language and the AISA toolkit's file, `openscenario` has ASAM's. Neither knows the other, so
 what asks "which of them is it?" stands here.

@@ -1,4 +1,4 @@
-"""What a library holds: its conflicts and templates, one row each, read without expanding anything."""
+"""Lists the conflicts and templates of a library, one row each, without expanding anything."""
 
 from __future__ import annotations
 

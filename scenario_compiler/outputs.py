@@ -1,6 +1,6 @@
-"""Files and folders out: whole or not there.
+"""Writes files and folders as a whole or not at all.
 
-What cannot be written is an OSError that names the file and says why, for the command line to tell in one line.
+If something cannot be written, an OSError has the file and the reason, which the command line prints in one line.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def _is_own(status: os.stat_result) -> bool:
 
 
 def make_folder(path: str | Path) -> None:
-    """Make a folder and those above it where there are none; OSError where that cannot be."""
+    """Make a folder and missing parents; raise OSError if that fails."""
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
     except OSError as fault:

@@ -1,4 +1,4 @@
-"""Draws that depend on nothing but their names: before a run by stream, inside a run by a counter.
+"""Random numbers that depend only on names: by stream before a run, by a counter inside a run.
 
 Before a run, `uniform` and `normal` give the number of (seed, variant, stream): a hash of the three, so that a
 variant's draws do not depend on which other variants run, nor on the order. Inside a step there is no generator:

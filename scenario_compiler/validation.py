@@ -1,4 +1,4 @@
-"""Checking files: every fault of each, in one process or many, whatever becomes of the processes."""
+"""Checks files and reports all their faults, in one or several processes, even if processes crash."""
 
 from __future__ import annotations
 

@@ -101,10 +101,11 @@ def test_the_parked_car_cuts_the_corridor_of_a_car_in_mid_lane(file: Path, maps:
 
 @pytest.mark.parametrize("perception", ["camera", "ideal"])
 def test_rain_hides_the_lanes_only_when_it_rains(file: Path, maps: Path, perception: Perception) -> None:
-    dry, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 4.0)
-    wet, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 4.0, WeatherId="10")
+    dry, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 2.0)
+    wet, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 2.0, WeatherId="10")
     assert _first(dry, "request") is None
     assert _first(wet, "warning") is not None
+    assert _first(wet, "request") is not None
 
 
 def test_default_weather_is_noted_with_what_the_paper_means(file: Path, maps: Path) -> None:

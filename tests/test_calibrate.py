@@ -64,7 +64,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
     arguments = ["calibrate", str(road), str(other), "-o", str(tmp_path), "--clips", "30", "--pictures", "2"]
     assert main([*arguments, "--fit", "--leave-out", "highway_loop", "--jobs", "2"]) == 0
     page = (tmp_path / "perception.md").read_text(encoding="utf-8")
-    assert "The tables are of highway_loop: each judged by a fit that it took no part in." in page
+    assert "The tables show highway_loop: each judged by a fit to all other maps." in page
     assert (tmp_path / "images" / "perception_reliability.png").stat().st_size > 10_000
     assert json.loads((tmp_path / "lane_confidence.json").read_text("utf-8"))["features"] == list(FEATURES)
 

@@ -84,7 +84,7 @@ def test_the_command_prints_json_and_loads_little(repository: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=repository)
     rows = json.loads(done.stdout)["conflict"]
-    assert next(row for row in rows if row["word"] == "<lane_change>")["executed, kinematic"] == (
+    assert next(row for row in rows if row["word"] == "<lane_change>")["executed"] == (
         "engine: engine.moves.lane_changes"
     )
     assert done.stderr.strip() == ""

@@ -25,8 +25,10 @@ HOOKS: list[dict[str, Any]] = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").r
 BLOCKS = {name: yaml.safe_load(text) for name, text in re.findall(r"```yaml\n# (\S+)\n(.*?)```", PAGE, re.DOTALL)}
 SHELL = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL) for line in block.splitlines()]
 GITLAB = [line for steps in BLOCKS[".gitlab-ci.yml"].values() for line in steps["script"]]
-COMMANDS = list(dict.fromkeys([*SHELL, *GITLAB]))
-"""The page's commands, each once."""
+COMMANDS = [
+    line for line in dict.fromkeys([*SHELL, *GITLAB]) if line not in BLOCKS[".gitlab-ci.yml"]["sweep"]["script"]
+]
+"""The page's commands, each once; the sweep's are run as a job."""
 
 
 @pytest.fixture

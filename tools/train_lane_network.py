@@ -1,13 +1,12 @@
-"""Trains the network of the learned lane detector, fits its confidence and measures both: one command, five minutes.
+"""Trains the network of the learned lane detector, fits its confidence and measures both: one command, ten minutes.
 
-    python tools/train_lane_network.py MAPS OUT [--recipe wider] [--images N] [--epochs 20] [--jobs 16] [--seconds 540]
+    python tools/train_lane_network.py MAPS OUT [--images N] [--epochs 33] [--jobs 16] [--seconds 550]
 
 MAPS is a folder of road files. The maps are parted three ways by `UNSEEN` and `TEST`: the network learns on all others,
-its confidence is fitted on `UNSEEN`, and the figures are of `TEST`. The recipe `wider` adds to the first two, with
-seeds of their own, maps painted anew and roads made up (`training_roads`), and what is learned has other textures; the
-network that comes with the package is of the recipe `shipped`. OUT gets lane_network.onnx, learned_confidence.json,
-learned_figures.json and, where there are any, the road files that were made. It needs PyTorch, which is no dependency
-of the package, and uses a GPU where there is one.
+its confidence is fitted on `UNSEEN`, and the figures are of `TEST`. To the first two come, with seeds of their own,
+maps painted anew and roads made up (`training_roads`). Every map that is learned on has a ground texture of its own.
+OUT gets lane_network.onnx, learned_confidence.json, learned_figures.json and the road files that were made. It needs
+PyTorch, which is no dependency of the package, and uses a GPU where there is one.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ import json
 import math
 import multiprocessing
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import lru_cache
 from itertools import islice
 from pathlib import Path
@@ -48,6 +47,8 @@ from scenario_compiler.perception.learned_detector import (
     TRAINED_FOR,
     WIDTH,
     LearnedLaneDetector,
+    Rows,
+    ground_of,
 )
 from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.perception.weather_look import look_of
@@ -68,22 +69,8 @@ CLIPS = 24
 """Clips or situations of a job."""
 
 
-@dataclass(frozen=True)
-class Recipe:
-    """What is learned from.
-
-    Attributes:
-        images: Pictures.
-        views: Images of a clip, of which neighbours are much alike.
-        wider: Whether maps are painted anew and roads made up, and each map has a texture and a seed of its own.
-    """
-
-    images: int
-    views: int
-    wider: bool
-
-
-RECIPES = {"shipped": Recipe(52_000, 6, False), "wider": Recipe(120_000, 2, True)}
+IMAGES, VIEWS = 100_000, 2
+"""Pictures that are learned from, and how many of each clip: neighbours are much alike."""
 
 RATE, WARM_UP, BATCH = 4e-3, 200, 256
 """Greatest rate of learning, steps until it is reached, and pictures of a step."""
@@ -94,33 +81,47 @@ MEASURING = 110.0
 BLUR, ABSENT, UNPAINTED = 0.8, 0.3, 0.25
 """Width of a target in columns, and how much rows without a boundary, and rows of unpainted boundaries, count."""
 
+THIN = 1.5
+"""Half the width of the mask by which overlaps are measured, columns: three of 128."""
+
+OFF, FAR = 0.2, 3.0
+"""Weight of the distance of a row's mean column from the true one, and the columns from which it counts no more."""
+
+SIZES, MIDDLE = (16, 32, 40, 48, 60), (24, 32, 32, 40)
+"""Channels of the encoder's steps, and of the decoder's, both from the large pictures to the small ones."""
+
 Arrays = tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.float32]]
 
 
+def _layer(before: int, after: int, size: int = 3, stride: int = 1) -> nn.Sequential:
+    return nn.Sequential(
+        nn.Conv2d(before, after, size, stride, size // 2, bias=False), nn.BatchNorm2d(after), nn.ReLU()
+    )
+
+
 class LaneNetwork(nn.Module):
-    """An encoder of five steps, a decoder with skips to half the size, and a head on what the deepest step sees."""
+    """An encoder of five steps, a decoder with skips to half the size, and a head on what the deepest step sees.
+
+    Most of the time goes into layers at half the size, most of the parameters into the deep ones. So what comes up is
+    thinned out before it is enlarged, and more channels are left where columns are told apart.
+    """
 
     def __init__(self) -> None:
         """Make the layers."""
         super().__init__()
-        sizes = (12, 24, 36, 48, 64)
         before = 3
         self.down = nn.ModuleList()
-        for size in sizes:
-            self.down.append(
-                nn.Sequential(
-                    nn.Conv2d(before, size, 3, 2, 1, bias=False), nn.BatchNorm2d(size), nn.ReLU(),
-                    nn.Conv2d(size, size, 3, 1, 1, bias=False), nn.BatchNorm2d(size), nn.ReLU(),
-                )
-            )  # fmt: skip
+        for k, size in enumerate(SIZES):
+            step = [_layer(before, size, stride=2)] + ([_layer(size, size)] if k else [])
+            self.down.append(nn.Sequential(*step))
             before = size
-        self.up = nn.ModuleList()
-        for deep, skip in zip(sizes[:0:-1], sizes[-2::-1], strict=True):
-            self.up.append(
-                nn.Sequential(nn.Conv2d(deep + skip, skip, 3, 1, 1, bias=False), nn.BatchNorm2d(skip), nn.ReLU())
-            )
-        self.maps = nn.Conv2d(sizes[0], 2, 3, 1, 1)
-        self.rest = nn.Sequential(nn.Linear(sizes[-1] * 4 * 2, 32), nn.ReLU(), nn.Linear(32, 4))
+        self.thin, self.up = nn.ModuleList(), nn.ModuleList()
+        for skip, size in zip(SIZES[-2::-1], MIDDLE[::-1], strict=True):
+            self.thin.append(_layer(before, size, 1))
+            self.up.append(_layer(size + skip, size))
+            before = size
+        self.maps = nn.Conv2d(before, 2, 3, 1, 1)
+        self.rest = nn.Sequential(nn.Linear(SIZES[-1] * 4 * 2, 32), nn.ReLU(), nn.Linear(32, 4))
 
     def forward(self, x: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """Return the logits of the rows (N, 2, ROWS, COLUMNS) and the four numbers (N, 4)."""
@@ -129,8 +130,8 @@ class LaneNetwork(nn.Module):
             x = layer(x)
             steps.append(x)
         pooled = functional.avg_pool2d(x, (2, 2)).flatten(1)
-        for layer, skip in zip(self.up, steps[-2::-1], strict=True):
-            x = layer(torch.cat([functional.interpolate(x, scale_factor=2.0, mode="nearest"), skip], 1))
+        for thin, layer, skip in zip(self.thin, self.up, steps[-2::-1], strict=True):
+            x = layer(torch.cat([functional.interpolate(thin(x), scale_factor=2.0, mode="nearest"), skip], 1))
         return self.maps(x), self.rest(pooled)
 
 
@@ -157,8 +158,9 @@ def example(
     """Return the small picture, the columns (2, ROWS), and paint left and right, tilt and width, (4,)."""
     small = cv2.resize(image, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
     columns = np.stack([columns_of(one) for one in truth.pixels])
-    width = float(truth.boundaries[0][0] - truth.boundaries[1][0])
-    rest = [float(truth.there(0)), float(truth.there(1)), truth.tilt / 0.03, width - 3.5 if np.isfinite(width) else 0.0]
+    left, right = (float(one[0]) for one in truth.boundaries)
+    width = left - right if math.isfinite(left) and math.isfinite(right) else 3.5
+    rest = [float(truth.there(0)), float(truth.there(1)), truth.tilt / 0.03, width - 3.5]
     return np.asarray(small, np.uint8), columns, np.clip(np.array(rest, np.float32), -3.0, 3.0)
 
 
@@ -198,11 +200,9 @@ def render(job: tuple[str, int, int, int, int]) -> Arrays:
     return np.stack(images), np.stack(columns), np.stack(rest)
 
 
-def all_maps(paths: list[Path], recipe: Recipe, folder: Path) -> list[Path]:
-    """Return the maps in a fixed order; those that the recipe adds are written to a folder."""
+def all_maps(paths: list[Path], folder: Path) -> list[Path]:
+    """Return the maps in a fixed order; those that are painted anew or made up are written to a folder."""
     found = list(paths)
-    if not recipe.wider:
-        return found
     folder.mkdir(parents=True, exist_ok=True)
     for number, path in enumerate(paths):
         for k in range(0 if path.stem in TEST else PAINTED_ANEW.get(path.stem, 1)):
@@ -219,13 +219,13 @@ def is_unseen(name: str) -> bool:
     return name.split(ANEW)[0] in UNSEEN or name.startswith(OTHER_ROADS)
 
 
-def jobs_of(maps: list[Path], recipe: Recipe, images: int) -> list[tuple[str, int, int, int, int]]:
+def jobs_of(maps: list[Path], images: int) -> list[tuple[str, int, int, int, int]]:
     """Return jobs of 24 clips or situations; a fifth of the pictures are of situations."""
     drawn = images // 5
-    clips = -(-(images - drawn) // (recipe.views * max(len(maps), 1)))
+    clips = -(-(images - drawn) // (VIEWS * max(len(maps), 1)))
     parts = [("", 0, drawn), *((str(path), number, clips) for number, path in enumerate(maps, 1))]
     return [
-        (path, 1000 * SEED + number if recipe.wider else SEED, k, min(k + CLIPS, count), recipe.views)
+        (path, 1000 * SEED + number, k, min(k + CLIPS, count), VIEWS)
         for path, number, count in parts
         for k in range(0, count, CLIPS)
     ]
@@ -263,6 +263,10 @@ def loss_of(maps: torch.Tensor, rest: torch.Tensor, columns: torch.Tensor, truth
     painted = truth[:, :2, None]
     weight = torch.where(absent, ABSENT, UNPAINTED + (1.0 - UNPAINTED) * painted)
     rows = (entropy * weight).sum() / weight.sum()
+    told = (functional.softmax(maps, 3) * place).sum(3)
+    off = functional.smooth_l1_loss(told, columns.nan_to_num(0.0), reduction="none", beta=0.5).clamp_max(FAR)
+    seen = torch.where(absent, torch.zeros_like(weight), weight)
+    rows = rows + OFF * (off * seen).sum() / seen.sum().clamp_min(1.0)
     paint = functional.binary_cross_entropy_with_logits(rest[:, :2], truth[:, :2])
     both = functional.smooth_l1_loss(rest[:, 2:], truth[:, 2:])
     return rows + 0.3 * paint + 0.3 * both
@@ -273,7 +277,8 @@ def train(data: Arrays, epochs: int, seconds: float, device: str) -> LaneNetwork
     torch.manual_seed(SEED)
     images, columns, truth = (torch.from_numpy(one).to(device) for one in data)
     images = images.permute(0, 3, 1, 2).contiguous()
-    network = LaneNetwork().to(device)
+    network = LaneNetwork().to(device, memory_format=torch.channels_last)
+    torch.backends.cuda.matmul.allow_tf32 = torch.backends.cudnn.allow_tf32 = torch.backends.cudnn.benchmark = True
     optimizer = torch.optim.AdamW(network.parameters(), lr=RATE, weight_decay=1e-4)
     steps, batch = epochs * max(len(images) // BATCH, 1), min(BATCH, len(images))
     generator = torch.Generator(device=device).manual_seed(SEED)
@@ -291,7 +296,7 @@ def train(data: Arrays, epochs: int, seconds: float, device: str) -> LaneNetwork
                 group["lr"] = RATE * min(step / WARM_UP, 0.5 + 0.5 * math.cos(math.pi * min(done, 1.0)))
             if flips[step]:
                 x, c, t = x.flip(3), (COLUMNS - 1 - c).flip(1), t[:, [1, 0, 2, 3]]
-            maps, rest = network(augmented(x, generator))
+            maps, rest = network(augmented(x, generator).contiguous(memory_format=torch.channels_last))
             loss = loss_of(maps, rest, c, t)
             optimizer.zero_grad(set_to_none=True)
             loss.backward()
@@ -307,7 +312,7 @@ def train(data: Arrays, epochs: int, seconds: float, device: str) -> LaneNetwork
         if used > seconds:
             print("stopped: the time is over")
             break
-    return network.eval().cpu()
+    return network.eval().to("cpu", memory_format=torch.contiguous_format)
 
 
 def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.float64]]:
@@ -325,14 +330,16 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
         image: NDArray[np.uint8], state: LaneState, truth: Truth, clip: int, about: tuple[float, ...]
     ) -> LaneState:
         result, found = detector.look(image, state)
-        told, painted, _, _ = detector.tell(image)
+        told, _, _, _ = detector.tell(image)
         for side, (row, one) in enumerate(zip(found, (result.left, result.right), strict=True)):
             rows.append(row)
             rest.append(
                 (one.p_geom, one.p_paint, one.p, truth.error(side, one), truth.painted[side], float(clip), *about)
             )
-            both, either = overlap(told[side], columns_of(truth.pixels[side]))
-            overlaps.append((both, either, float(told[side][:, :-1].max()), float(painted[side])))
+            said, columns = Rows.of(told[side]), columns_of(truth.pixels[side])
+            thin = overlap(said, columns, np.full(ROWS, THIN))
+            wide = overlap(said, columns, as_wide_as_right(truth.tilt))
+            overlaps.append((*thin, *wide, float(told[side][:, :-1].max())))
         return state.after(result)
 
     if which.endswith(".xodr"):
@@ -354,17 +361,21 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
     table = np.array(rest).reshape(-1, 6 + len(CONDITIONS))
     features = np.array(rows).reshape(len(table), size)
     looks = Looks(features, table[:, :3], table[:, 3], table[:, 4], table[:, 5].astype(np.int64), table[:, 6:])
-    return which, looks, np.array(overlaps).reshape(-1, 4)
+    return which, looks, np.array(overlaps).reshape(-1, 5)
 
 
-def overlap(told: NDArray[np.float64], columns: NDArray[np.float32]) -> tuple[float, float]:
-    """Return the cells in both masks and in either: three columns about the boundary in each row that has it."""
+def overlap(told: Rows, columns: NDArray[np.float32], half: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the cells in both masks and in either: in each row that has the boundary, so many columns about it."""
     place = np.arange(COLUMNS)
-    share = told[:, :-1]
-    middle = (share * place).sum(1) / np.maximum(share.sum(1), 1e-9)
-    ours = (np.abs(place - middle[:, None]) <= 1.5) & (told[:, -1] < 0.5)[:, None]
-    true = np.abs(place - np.nan_to_num(columns, nan=-1e3)[:, None]) <= 1.5
+    ours = (np.abs(place - told.column[:, None]) <= half[:, None]) & (told.there > 0.5)[:, None]
+    true = np.abs(place - np.nan_to_num(columns, nan=-1e3)[:, None]) <= half[:, None]
     return float((ours & true).sum()), float((ours | true).sum())
+
+
+def as_wide_as_right(tilt: float) -> NDArray[np.float64]:
+    """Return half the width of a mask as wide as a boundary may be off, no less than the thin one, columns, (ROWS,)."""
+    x, _ = ground_of(np.zeros(ROWS), (np.arange(ROWS) + 0.5) * TRAINED_FOR.height / ROWS - 0.5, tilt)
+    return np.maximum(THIN, RIGHT * TRAINED_FOR.focal * COLUMNS / TRAINED_FOR.width / x)
 
 
 def export(network: LaneNetwork, path: Path) -> bytes:
@@ -390,6 +401,13 @@ def jobs_of_looks(paths: list[Path], scale: float, onnx: bytes) -> list[tuple[st
     return jobs + [(str(k), TEST_SEED, 0, max(int(60 * scale), 2), onnx) for k in range(len(BANK))]
 
 
+def confidence_of(seen: list[tuple[str, Looks, NDArray[np.float64]]]) -> Confidence:
+    """Return the confidence fitted to the looks at the maps that are kept for it and at drawn situations."""
+    fitting = Looks.joined([looks for which, looks, _ in seen if is_unseen(Path(which).stem) or which == "drawn"])
+    kept = np.isin(fitting.condition("number"), FITTED)
+    return fit_confidence(fitting.rows[kept], fitting.labels[kept])
+
+
 def figures_of(seen: list[tuple[str, Looks, NDArray[np.float64]]], confidence: Confidence) -> dict[str, object]:
     """Return the figures of the test maps and of the bank."""
     figures: dict[str, object] = {}
@@ -403,9 +421,10 @@ def figures_of(seen: list[tuple[str, Looks, NDArray[np.float64]]], confidence: C
             "driving": asdict(worth(name, looks.only(number >= REMEMBERING))),
             "overlap": float(cells[painted, 0].sum() / cells[painted, 1].sum()),
             "overlap of sides over 0.5": float(cells[trusted, 0].sum() / max(cells[trusted, 1].sum(), 1)),
+            "overlap as wide as right": float(cells[painted, 2].sum() / cells[painted, 3].sum()),
             "right": float((looks.error < RIGHT).mean()),
-            "area of the softmax's maximum": area_under_curve(cells[:, 2], looks.labels[:, 2] > 0.5),
-            "softmax's maximum over 0.9": float((cells[:, 2] > 0.9).mean()),
+            "area of the softmax's maximum": area_under_curve(cells[:, 4], looks.labels[:, 2] > 0.5),
+            "softmax's maximum over 0.9": float((cells[:, 4] > 0.9).mean()),
         }
     bank = []
     for k, one in enumerate(BANK):
@@ -432,30 +451,25 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("maps", type=Path)
     parser.add_argument("out", type=Path)
-    parser.add_argument("--recipe", choices=list(RECIPES), default="shipped")
-    parser.add_argument("--images", type=int, help="pictures; the recipe's when left out")
-    parser.add_argument("--epochs", type=int, default=20)
+    parser.add_argument("--images", type=int, default=IMAGES)
+    parser.add_argument("--epochs", type=int, default=33)
     parser.add_argument("--jobs", type=int, default=16)
-    parser.add_argument("--seconds", type=float, default=540.0)
+    parser.add_argument("--seconds", type=float, default=550.0)
     options = parser.parse_args()
     began = time.monotonic()
     options.out.mkdir(parents=True, exist_ok=True)
-    recipe: Recipe = RECIPES[options.recipe]
-    images = recipe.images if options.images is None else options.images
-    paths = all_maps(sorted(options.maps.glob("*.xodr")), recipe, options.out / "maps")
+    paths = all_maps(sorted(options.maps.glob("*.xodr")), options.out / "maps")
     learnt = [path for path in paths if path.stem not in TEST and not is_unseen(path.stem)]
     with multiprocessing.get_context("spawn").Pool(options.jobs, _begin) as pool:
-        data = joined(list(pool.imap(render, jobs_of(learnt, recipe, images))))
+        data = joined(list(pool.imap(render, jobs_of(learnt, options.images))))
         rendered = time.monotonic() - began
         print(f"{len(data[0])} pictures in {rendered:.0f} s", flush=True)
         device = "cuda" if torch.cuda.is_available() else "cpu"
         network = train(data, options.epochs, options.seconds - rendered - MEASURING, device)
         trained = time.monotonic() - began
         onnx = export(network, options.out / NETWORK_FILE)
-        seen = list(pool.imap(look, jobs_of_looks(paths, min(max(images / 52_000, 0.01), 1.0), onnx)))
-    fitting = Looks.joined([looks for which, looks, _ in seen if is_unseen(Path(which).stem) or which == "drawn"])
-    kept = np.isin(fitting.condition("number"), FITTED)
-    confidence = fit_confidence(fitting.rows[kept], fitting.labels[kept])
+        seen = list(pool.imap(look, jobs_of_looks(paths, min(max(options.images / IMAGES, 0.01), 1.0), onnx)))
+    confidence = confidence_of(seen)
     text = confidence_text(confidence, LearnedLaneDetector.features)
     (options.out / LearnedLaneDetector.confidence_file).write_text(text, encoding="utf-8")
     figures = {
@@ -464,7 +478,6 @@ def main() -> None:
         "sha256": hashlib.sha256(onnx).hexdigest(),
         "pictures": len(data[0]),
         "seconds": {"rendered": rendered, "trained": trained, "all": time.monotonic() - began},
-        "recipe": options.recipe,
         "maps": {
             "network": [path.stem for path in learnt],
             "confidence": [path.stem for path in paths if is_unseen(path.stem)],

@@ -1,4 +1,4 @@
-"""A sweep on an existing Dask cluster: plans and maps go to each worker once, rows come back as they are done.
+"""Sweeps on an existing Dask cluster: each worker gets plans and maps once, and finished rows come back.
 
 A worker that dies loses its parts, which Dask gives to others; a part whose workers die again and again comes back as
 an error and is run variant by variant, so that one bad variant costs its own row. Only a few parts a worker are under

@@ -1,4 +1,4 @@
-"""The codebook of a sweep: what each column of its tables holds, its unit, and when it is empty.
+"""The codebook of a sweep: the meaning and unit of each column of its tables, and when a column is empty.
 
 It is one declaration for the table's columns, for the notes in the table's own file, and for `codebook.csv` beside it.
 """

@@ -1,4 +1,4 @@
-"""Distributions of a parameter, from their spelling to their quantiles.
+"""Distributions of a parameter: parsing their notation, and computing their quantiles.
 
 A distribution is written as a call: `uniform(5, 40)`, `choice(10, 20, 30)`, `grid(1, 10, 4)`. It is drawn from by its
 quantile function alone, so that every sampling method works with every distribution.

@@ -1,4 +1,4 @@
-"""The row of a variant: its outcome and every measure, from what the engine added up, or from a recording.
+"""The row of a variant, with its outcome and all measures, from the engine's totals or from a recording.
 
 The measures and criteria are those of `recording`, so that a row says what `outcome.json` of the same run says.
 """
@@ -42,7 +42,7 @@ def rows_of_totals(
 
     Args:
         plan: The plan of all of them.
-        totals: What they came to.
+        totals: Their totals.
         parameters: Each run's values of the plan's parameters.
         avoided: For each run whether the reference drivers that criteria name have no collision.
     """

@@ -1,4 +1,4 @@
-"""Worker processes that may die or hang: what they were at is found out, tried again, and given up alone.
+"""A pool of worker processes in which a crash or a hang costs only the variant that caused it.
 
 A worker says which variants it begins and sends their rows when they are done. When it dies, or takes longer than the
 time limit, it is replaced; several variants that ran together are tried one by one, and a single one is tried once more

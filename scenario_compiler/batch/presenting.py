@@ -1,4 +1,4 @@
-"""A finished sweep as its report."""
+"""Makes the report of a finished sweep."""
 
 from __future__ import annotations
 

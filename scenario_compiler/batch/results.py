@@ -1,4 +1,4 @@
-"""The table of a sweep: one row a variant as Parquet, written in parts that are whole or not there.
+"""The table of a sweep as Parquet, with one row for each variant, written in parts as a whole or not at all.
 
 A part goes to a temporary file that is moved into place, so that whatever ends a sweep leaves what was finished. When
 all parts are there they become `results.parquet`. A manifest says which sweep the folder belongs to. Equal sweeps give
@@ -56,7 +56,7 @@ def schema_of(columns: Sequence[Column]) -> pa.Schema:
 
 
 def tally_of(table: Path) -> Tally:
-    """Return what the variants of a sweep's table, or of a part of one, came to."""
+    """Return the counts of results in a sweep's table or in a part of it."""
     found = _read(table, list(TALLIED))
     return Tally.of(*(found[name].to_pylist() for name in TALLIED))
 
@@ -182,7 +182,7 @@ class ResultStore:
         return {**columns, TAKEOVERS: [json.loads(text) for text in columns[TAKEOVERS]]}
 
     def tally(self, number: int) -> Tally:
-        """Return what the variants of a part came to."""
+        """Return the counts of results in a part."""
         return tally_of(self._part(number))
 
     def errors(self) -> Counter[str]:
@@ -243,7 +243,7 @@ def _takeovers_in(rows: pa.Table, schema: pa.Schema) -> pa.Table:
 
 
 def arrow_array(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
-    """Return values, None where there is none, as a column of a type of the table."""
+    """Return values, with None for missing ones, as a column of a type of the table."""
     absent = np.array([value is None for value in values], dtype=bool)
     if pa.types.is_string(kind):
         return arrow_texts(["" if value is None else value for value in values], absent)

@@ -1,4 +1,4 @@
-"""What runs variants, in this process, a worker process or on a cluster: plans and values in, rows out.
+"""Runs variants in this process, a worker process or on a cluster: plans and values in, rows out.
 
 A part of a sweep comes as a `Part` of plain values, with the plans that the worker has not seen yet, and leaves as
 batches of rows. Nothing in a row depends on how a sweep is split.
@@ -88,7 +88,7 @@ class Part:
     """A piece of work.
 
     Attributes:
-        number: Its number, for whoever puts the parts together.
+        number: Its number, by which the parts are put together.
         variants: What to run.
         plans: Plans of their families; the worker may be new.
         one_by_one: Run a single variant at a time, to find the one that ends the process.

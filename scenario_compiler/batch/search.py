@@ -1,4 +1,4 @@
-"""Search instead of sampling: the boundary at which something begins to happen, and the least value of a measure.
+"""Searches for the boundary at which something begins to happen, and for the least value of a measure.
 
 Every evaluation is a run with the same draws (variant 0), so that what is found is about the parameters. Evaluations
 are kept like the parts of a sweep: the searches are deterministic, so a resumed one asks for the same values again and

@@ -1,4 +1,4 @@
-"""How many runs of a sweep came to what, and how far a sweep is."""
+"""Counts of the results of a sweep's runs, and the progress of a sweep."""
 
 from __future__ import annotations
 
@@ -67,14 +67,14 @@ Stage = Literal["variants", "traces", "cases", "evaluations"]
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a sweep is.
+    """The progress of a sweep.
 
     Attributes:
-        stage: What it is at.
-        done: What is done of that.
-        total: How much there is.
-        tally: What the runs came to that have their row.
-        resumed: Variants whose row was there at the start.
+        stage: The present stage.
+        done: Finished units of the stage.
+        total: All units of the stage.
+        tally: Counts of the results of all rows so far.
+        resumed: Number of rows that existed at the start.
     """
 
     stage: Stage

@@ -1,4 +1,4 @@
-"""Which plan a variant runs: parameters that stay numbers share one plan, others are expanded and compiled again."""
+"""Groups variants by plan: those that differ only in numbers share a plan, the others are compiled again."""
 
 from __future__ import annotations
 

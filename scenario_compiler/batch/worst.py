@@ -1,4 +1,4 @@
-"""Which variants of a sweep deserve a closer look, and their recordings."""
+"""Chooses the variants of a sweep that deserve a closer look, and records them."""
 
 from __future__ import annotations
 

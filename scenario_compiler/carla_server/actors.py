@@ -1,4 +1,4 @@
-"""What stands in a world that clients share: vehicles, walkers, props, sensors, lights, signs."""
+"""The actors of a world that clients share: vehicles, walkers, props, sensors, lights, signs."""
 
 from __future__ import annotations
 
@@ -244,7 +244,7 @@ class Sensor(Actor):
         return self.id
 
     def number(self, name: str) -> float:
-        """Return an attribute as a number, its default where it is none."""
+        """Return an attribute as a number, or its default if it is not a number."""
         for text in (self.attributes.get(name), self.blueprint.defaults.get(name)):
             try:
                 value = float(text or "")

@@ -1,4 +1,4 @@
-"""The blueprint library: what clients can spawn, with attributes as CARLA's own library has them.
+"""The blueprint library: everything that clients can spawn, with the attributes of CARLA's own library.
 
 Names, attributes and defaults are those of CARLA's documentation of the blueprint library (0.9.15 and 0.9.16:
 "Blueprint library", "Vehicle catalogue", "Pedestrian catalogue"). Boxes and their source stand in `library/catalogs`;

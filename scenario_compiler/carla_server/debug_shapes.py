@@ -1,4 +1,4 @@
-"""What clients draw for debugging, as cameras for colours see it.
+"""The debug shapes of clients, as colour cameras see them.
 
 Points, lines, arrows and boxes stand in the world, and CARLA's `sensor.camera.rgb` sees them (its issue 6705); they are
 made of lines as its `DebugShapeDrawer.cpp` makes them. Strings, and the shapes of 0.9.16's `draw_hud_...`, are on the

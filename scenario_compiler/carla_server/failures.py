@@ -1,4 +1,4 @@
-"""What a call that cannot be answered says: CARLA's clients raise it as a RuntimeError."""
+"""The error of a call that cannot be answered; CARLA's clients raise it as a RuntimeError."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The server's state beyond one map: clock, settings, weather, who listens, and what happens in a tick."""
+"""The server's state that outlives a map: clock, settings, weather and listeners; and the work of a tick."""
 
 from __future__ import annotations
 
@@ -69,7 +69,8 @@ of its steps, s; and after how many snapshots it may go on.
 
 A client forgets a vehicle when the call is answered; its Traffic Manager, which is in the middle of a step with that
 vehicle, ends the process then. It asks for the settings at the beginning of each step (`TrafficManagerLocal::Run`), and
-is held there until the client has the next snapshot, which lacks the vehicle: until the one after that is sent.
+is held there until the client has the next snapshot, which lacks the vehicle: until the one after that is sent. In
+synchronous mode it is not held.
 """
 
 PERCENT = (
@@ -136,14 +137,14 @@ class Work:
 
 @dataclass(eq=False)
 class Host:
-    """What is served.
+    """The options of the server.
 
     Attributes:
         version: Version of CARLA that is answered for.
         folders: Where maps are looked for first.
         files: Folder of recordings.
         port: Port of the streams.
-        log: Takes what is to be told of the server's work, a line each.
+        log: Called with each line of the server's log.
         stage: The world on the present map.
         streams: Who listens.
         beginning: Waits until the episode begins that a client has loaded; None where none is about to begin.
@@ -220,6 +221,7 @@ class Host:
         """Take settings over; in asynchronous mode they hold for the next snapshot, which is made at once."""
         self.settings = settings
         if settings.synchronous:
+            self._let_managers_go()
             self._free.clear()
             return self.frame
         self._free.set()
@@ -242,6 +244,7 @@ class Host:
             self._free.set()
         asyncio.get_running_loop().run_in_executor(None, town.prepare)
         self.tick()
+        self._let_managers_go()
         self._bits |= MAP_CHANGED
 
     def change_town_when_joined(self, town: Town, *, reset: bool) -> None:
@@ -278,12 +281,17 @@ class Host:
             self._held_for = SEEN
         self._held = True
 
+    def _let_managers_go(self) -> None:
+        if self.gate is not None:
+            self.gate.set()
+            self.gate = None
+
     def note_lights(self) -> None:
         """Let the next snapshot say that lights have changed."""
         self._bits |= LIGHTS_CHANGED
 
     def cue(self) -> int | Awaitable[int]:
-        """Do a tick for a client; wait first for who is about to listen, for cameras and for who is behind."""
+        """Do a tick for a client, after waiting for clients that join a stream, for cameras and for slow listeners."""
         busy = any(not work.ready.done() for number, work in self._work.items() if self.streams.heard(number))
         settles = self.managers and time.monotonic() < self._asked + SETTLING
         if self.streams.announced or busy or self.streams.behind or settles:
@@ -319,7 +327,7 @@ class Host:
                     self.once(f"a tick failed: {type(fault).__name__}: {str(fault)[:200]}")
 
     def tick(self) -> int:
-        """Move the world on by a step and tell who listens; return the number of the frame."""
+        """Step the world and send the snapshot to all listeners; return the number of the frame."""
         dt = self.step_length
         if self.replay is not None and not self.replay.pose(self.stage, self.version, dt):
             self.replay = None
@@ -332,11 +340,9 @@ class Host:
         if self.recorder is not None:
             self.recorder.note(self.stage, self.frame, dt)
         self._send(dt)
-        if self.gate is not None:
-            self._held_for -= 1
-            if self._held_for <= 0:
-                self.gate.set()
-                self.gate = None
+        self._held_for -= 1
+        if self._held_for <= 0:
+            self._let_managers_go()
         return self.frame
 
     def _send(self, dt: float) -> None:

@@ -1,4 +1,4 @@
-"""How CARLA's types lie in msgpack: positional arrays of numbers, texts and further arrays.
+"""The msgpack layouts of CARLA's types: positional arrays of numbers, texts and further arrays.
 
 A layout says whether a decoded value is of its type. Numbers are finite and in the range of the type on the wire, so
 nothing that has passed a layout can stop the arithmetic behind it.

@@ -1,4 +1,4 @@
-"""The protocol: every call that a client can make, what it takes and gives, since when, and how it is answered.
+"""The protocol: every call of clients with its arguments, its result, its first version and its handler.
 
 This table checks the arguments of every call before anything else sees them, makes the page of what is served
 (docs/carla-server.md), and is what the fuzzing makes calls from. Names and layouts are LibCarla's
@@ -290,7 +290,7 @@ CALLS = (
     Call("query_lights_state", (TEXT,), array(ANYTHING), looking.lamps, "a map has no street lamps"),
     ignored("update_lights_state", "a map has no street lamps", TEXT, array(ANYTHING), BOOL),
     ignored("update_day_night_cycle", "a map has no street lamps", TEXT, BOOL),
-    Call("get_all_level_BBs", (U8,), array(BOX), looking.level_boxes, "none"),
+    Call("get_all_level_BBs", (U8,), array(BOX), looking.level_boxes, "vehicles, walkers, props, traffic lights"),
     Call("get_environment_objects", (U8,), array(ANYTHING), looking.environment_objects, "none"),
     ignored("enable_environment_objects", "there are none", array(U64), BOOL),
     Call(

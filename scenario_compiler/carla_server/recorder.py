@@ -1,4 +1,4 @@
-"""Recordings of the server: actors, poses and collisions by frame, in a format of our own, below the served folder."""
+"""Recordings of the server: actors, poses and collisions of each frame, in a format of our own."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class Recording:
         return cls(name, town, actors, frames)
 
     def info(self, every: bool) -> str:
-        """Return what CARLA's recorder tells of a file: actors as they come, with `every` each frame's states too."""
+        """Return CARLA's text on a recording: the actors as they appear, with `every` also their states by frame."""
         lines = ["Version: 1", f"Map: {self.town}", ""]
         known: set[int] = set()
         for frame, time, _, states, met in self.frames:

@@ -1,4 +1,4 @@
-"""The state of a world as clients see it: one row of 119 bytes an actor, all rows one structured array.
+"""The state of a world for clients: a structured array with one row of 119 bytes for each actor.
 
 Layout: LibCarla's `sensor::data::ActorDynamicState` of CARLA 0.9.15 and 0.9.16, of which the last 54 bytes hold what
 depends on the kind of actor.

@@ -1,4 +1,4 @@
-"""Actors made of what a client describes: a blueprint with attributes."""
+"""Makes actors from the blueprints and attributes that clients send."""
 
 from __future__ import annotations
 

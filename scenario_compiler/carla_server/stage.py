@@ -1,4 +1,4 @@
-"""The world that clients share: actors on a map, moved by the engine, one step after the other."""
+"""The world that clients share: the actors on a map, which the engine moves step by step."""
 
 from __future__ import annotations
 
@@ -188,7 +188,7 @@ class Stage:
             ground = self.town.ground_at(pose.x, pose.y)
             self.simulation.pose(place, Pose(pose.x, pose.y, ground.z if ground else 0.0, pose.heading, 0, 0), 0.0)
         touched = self.simulation.touched(place)
-        if touched is not None and touched in self._by_place:
+        if touched is not None and touched in self._by_place and not self._is_above(body, self._by_place[touched]):
             self.simulation.remove(place)
             self._places.append(place)
             raise CallError("Spawn failed because of collision at spawn position")
@@ -214,7 +214,7 @@ class Stage:
         return actor
 
     def destroy(self, number: int) -> None:
-        """Take an actor out; what is attached to it stays where it is.
+        """Remove an actor; things attached to it stay where they are.
 
         Raises:
             CallError: There is none, or it belongs to the map.
@@ -301,13 +301,20 @@ class Stage:
         self._falling.pop(actor.place, None)
 
     def let_simulate(self, body: Body, simulates: bool) -> None:
-        """Say whether physics moves a body."""
+        """Say whether physics moves a body; one that has just been spawned then stays in the air."""
         if simulates == body.simulates:
             return
         body.simulates = simulates
-        self._falling.pop(body.place, None)
+        falls = self._falling.pop(body.place, None) is not None
         self.simulation.let_pose(body.place, posed=not simulates)
         self.simulation.state.v[body.place] = 0.0
+        if falls and not simulates:
+            self.put(body, body.spawned)
+
+    def _is_above(self, body: Body, other: Body) -> bool:
+        """Return whether a body that is being spawned is in the air over another one."""
+        top = self.transform_of(other).z - other.up + 2.0 * other.box[2]
+        return body.spawned.z - body.up > top
 
     def friction_at(self, at: CarlaTransform) -> float | None:
         """Return the friction of a friction trigger about a point, None where there is none; its extents are in cm."""

@@ -1,4 +1,4 @@
-"""Maps as the server holds them: roads, OpenDRIVE text for clients, spawn points, the scene that cameras draw."""
+"""Maps of the server: roads, OpenDRIVE text for clients, spawn points, and the scene for cameras."""
 
 from __future__ import annotations
 
@@ -89,12 +89,12 @@ class Town:
         return "_terrain" in self.__dict__
 
     def terrain(self) -> Terrain:
-        """Return the ground as rays meet it; made once, whoever asks first."""
+        """Return the ground for rays; it is made at the first call."""
         with self._ground_lock:
             return self._terrain
 
     def scene(self) -> Scene:
-        """Return the scene that cameras draw; made once, whoever asks first.
+        """Return the scene for cameras; it is made at the first call.
 
         A small picture is drawn then too: the first one of a process takes several times as long as those after it.
         """

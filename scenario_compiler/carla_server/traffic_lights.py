@@ -1,4 +1,4 @@
-"""Traffic lights and signs of a map as CARLA has them: actors in groups that switch by times.
+"""Traffic lights and signs of a map as CARLA has them: actors in groups that switch in turn.
 
 A light is a signal of type 1000001 in the OpenDRIVE file. The lights of one controller of the file show the same; the
 controllers of a junction take turns: green, yellow, then red for all before the next one's green. Controllers that no

@@ -40,7 +40,7 @@ PATIENCE = 4 << 20
 """Bytes that it may be behind before a tick waits for it."""
 
 MOST_MISSED = 1000
-"""Streams that are no more of which the log tells at most."""
+"""Greatest number of missing streams that are logged."""
 
 SIZE = struct.Struct("<I")
 

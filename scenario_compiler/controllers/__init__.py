@@ -1,4 +1,4 @@
-"""What drives the ego vehicle from Python between steps, and the table of its names.
+"""Controllers, which drive the ego from Python at control steps, and the table of their names.
 
 In: camera images, speed and the vehicle's state. Out: throttle, steer and brake. Imports perception, the plan and the
 hall. A controller or lane detector of one's own is named `package.module:Class` or `file.py:Class`; it is imported only
@@ -193,7 +193,7 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
 
 
 def _meant(written: Property, found: type[ControllerModel]) -> str:
-    """Return what to write in the place of a property that there is none of."""
+    """Return the hint for a property that does not exist."""
     if written.name == Detector.tag() and found.uses_detector:
         return f'the detector is an element of the controller: <detector model="{written.value}"/>'
     return did_you_mean(written.name, found.Params.model_fields)

@@ -1,4 +1,4 @@
-"""The lane detector that a scenario names: one of ours, or a class of the user's own where `Trust` allows it."""
+"""Finds the lane detector that a scenario names: a built-in one, or a trusted class of the user's."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ DETECTOR = Kind(
 
 
 def detector_maker(name: str, code: CodeName | None, trust: Trust, named_in: str) -> DetectorMaker:
-    """Return what makes detectors of a name; code of the user's own is imported, which the caller has allowed.
+    """Return the factory of the detectors of a name; code of the user's own is imported, which the caller has allowed.
 
     Args:
-        name: One of ours, or the name of the code.
-        code: What it names, where it is none of ours.
+        name: The name of a built-in detector, or of code.
+        code: The code that it names, unless the detector is built in.
         trust: What the user trusts.
         named_in: Path of the file that names it.
 

@@ -1,4 +1,4 @@
-"""Controllers and lane detectors of the user's own: found by name, imported, and asked so that a failure is a value.
+"""Imports and calls the user's own controllers and lane detectors, and turns their failures into values.
 
 Whatever code raises that is not ours (an exception, `SystemExit`, a model's file that is missing) is a
 `ControllerError` with the code's name and the file and line at which it was raised; never a traceback.
@@ -58,9 +58,9 @@ class Kind:
     """A kind of code that a scenario can name.
 
     Attributes:
-        name: What messages call it.
-        unknown: The diagnostic of a name under which there is none.
-        fits: Tells whether what was found under the name is of the kind.
+        name: Its name in messages.
+        unknown: The diagnostic of a name that does not exist.
+        fits: Whether the object with this name is of the kind.
         must: What it must be, for messages.
     """
 

@@ -1,4 +1,4 @@
-"""A person at the wheel, as the run loop knows one: somebody who is asked before each step what they do."""
+"""The interface of a person at the wheel, who is asked for inputs before each step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A detected boundary held against the planned way: whether it goes where the car is to go.
+"""Compares a detected boundary with the planned route: whether it leads where the ego is to go.
 
 Only the way's shape is used. It is laid beside the boundary where the stretch looked at begins, so that the map tells
 where the way bends and never where the lane is; and it only ever lowers a probability.

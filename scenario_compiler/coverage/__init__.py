@@ -1,4 +1,4 @@
-"""What of each language is read, executed and exported, as tables made from the declarations.
+"""Tables of the parts of each language that are read, executed and exported, made from the declarations.
 
 One module a language, each with a function that returns its `Table`; `TABLES` names them. Words of a language go in,
 rows of text come out; the command line and the generated page show them.

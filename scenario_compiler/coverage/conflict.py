@@ -1,4 +1,4 @@
-"""What executes each word of the conflict language: one declaration a word.
+"""The module that executes each word of the conflict language, declared once for each word.
 
 The reader and the schema are made from the words' own declarations, so every word is read; what is done with it is
 said here, by the module that does it and, in the engine, by the opcodes. A test holds both against the code.
@@ -43,16 +43,16 @@ Stage = Literal["expansion", "compilation", "engine", "camera", "run", "judgemen
 """When a word takes effect."""
 
 NOT_YET = "not yet"
-"""What stands where nothing executes a word."""
+"""Text for a word that nothing executes."""
 
 
 MOST_PARENTS = 4
-"""Elements that are named as a word's parents before the rest is left out."""
+"""Greatest number of parents of a word that are listed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Execution:
-    """What executes a word in the kinematic world.
+    """What executes a word.
 
     Attributes:
         stage: When.
@@ -231,13 +231,13 @@ EXECUTION: dict[type[Word], Execution] = {**OTHERS, **_declared()}
 
 def conflict_table() -> Table:
     """Return the table of the conflict language's words, in the order of its reference."""
-    columns = ("word", "stands in", "read", "executed, kinematic", "executed, CARLA", "exported")
+    columns = ("word", "inside", "read", "executed", "exported")
     return Table("conflict", "The conflict language", columns, tuple(map(_row, conflict_words())))
 
 
 def _row(word: type[Word]) -> tuple[str, ...]:
     stage = EXECUTION[word].stage if word in EXECUTION else ""
-    return (f"<{word.tag()}>", _parents(word), "yes", _executed(word), NOT_YET, exported(word, stage))
+    return (f"<{word.tag()}>", _parents(word), "yes", _executed(word), exported(word, stage))
 
 
 def _executed(word: type[Word]) -> str:
@@ -250,7 +250,7 @@ def conflict_words() -> list[type[Word]]:
 
 
 def _parents(word: type[Word]) -> str:
-    """Return the elements that a word stands in, the first few by name."""
+    """Return the elements that can contain a word; only the first few are listed."""
     tags = [
         f"<{rule.wrapper or parent.tag()}>"
         for parent in conflict_words()

@@ -1,4 +1,4 @@
-"""What each word of the conflict language is in an exported OpenSCENARIO file.
+"""The form of each word of the conflict language in an exported OpenSCENARIO file.
 
 Words of the storyboard have forms, which both directions use (`openscenario`); the rest is said here. What the
 standard has no words for is kept in properties, which this program reads back and others leave alone.
@@ -90,7 +90,7 @@ def exported(word: type[Word], stage: str) -> str:
         said = "<ParameterValueDistribution>"
     if said:
         return said + _since(said)
-    return "what it becomes" if stage in ("expansion", "compilation") else "kept in a property"
+    return "as its expansion" if stage in ("expansion", "compilation") else "kept in a property"
 
 
 def _since(said: str) -> str:

@@ -1,4 +1,4 @@
-"""What of OpenSCENARIO 1.0 to 1.3 is read, executed and exported: a row for every element that the standard has.
+"""The elements of OpenSCENARIO 1.0 to 1.3 that are read, executed and exported, one row for each.
 
 Which elements there are, and since when, is taken from the declarations that files are checked by; what an action,
 condition or position becomes, from the forms that read and write it and from the engine's tables. What only holds
@@ -180,7 +180,7 @@ _HOME = {name: home for home in HOMES for name in home.names()}
 
 def openscenario_table() -> Table:
     """Return the table of OpenSCENARIO's elements, in the order of the standard's declarations."""
-    columns = ("element", "in", "attributes of some versions", "read", "executed, kinematic", "executed, CARLA")
+    columns = ("element", "versions", "attributes of some versions", "read", "executed")
     return Table(
         "openscenario",
         "OpenSCENARIO 1.0 to 1.3",
@@ -193,9 +193,8 @@ def _row(element: Element) -> tuple[str, ...]:
     named = " ".join(f"<{tag}>" for tag in element.tags)
     if element.tags != (element.name,):
         named += f" ({element.name})"
-    executed = _executed(element)
-    carla = "no" if executed == "no" else NOT_YET
-    return (named, span(element.since, element.until), _parts(element), _read(element), executed, carla, _sent(element))
+    versions = span(element.since, element.until)
+    return (named, versions, _parts(element), _read(element), _executed(element), _sent(element))
 
 
 def span(since: int, until: int) -> str:
@@ -250,7 +249,7 @@ def _executed_word(word: type[Word]) -> str:
 
 
 def _owners(element: Element) -> str:
-    """Return the elements that an element stands in, the first few by tag."""
+    """Return the elements that can contain an element; only the first few are listed."""
     tags = [f"<{one.tags[0]}>" for one in elements().values() if any(tag in one.children for tag in element.tags)]
     named = list(dict.fromkeys(tags))
     return ", ".join(named[:MOST_PARENTS]) + (", ..." if len(named) > MOST_PARENTS else "")
@@ -263,7 +262,7 @@ def _sent(element: Element) -> str:
     home = _HOME.get(element.name)
     if home is None or element.name in home.unwritten.split():
         return "no"
-    return "what it becomes" if element.name in home.expanded.split() else "yes"
+    return "as its expansion" if element.name in home.expanded.split() else "yes"
 
 
 def _instead(element: Element) -> str:

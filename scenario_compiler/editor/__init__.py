@@ -1,4 +1,4 @@
-"""A language server: what an editor shows of a scenario file while it is written.
+"""A language server, which supports editors while a scenario file is written.
 
 In: the texts that an editor holds, and a place in one. Out: findings, completions, explanations, definitions, edits.
 All of it comes from where the compiler has it: the words' declarations, its reader and its diagnostics. `server` alone

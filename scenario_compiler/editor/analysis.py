@@ -1,4 +1,4 @@
-"""What the names in a file mean: where each is declared and where it is used.
+"""The meaning of the names in a file: where each is declared and where it is used.
 
 Which attribute gives a name to what, and which refers to what, is said by the words' declarations (`defines`, `names`);
 what a name means at a place is decided by the compiler's own scopes, made by its own expansion of the draft.
@@ -88,7 +88,7 @@ class Mention:
 
 @dataclass(frozen=True)
 class PartNames:
-    """The names of a scenario or template: its outermost scope, and what its items have come to."""
+    """The names of a scenario or template: its outermost scope, and its expanded items."""
 
     scope: TemplateScope
     expander: Expander

@@ -1,4 +1,4 @@
-"""What can be written at a place: elements, attributes and values, by the declarations of the words spot it."""
+"""Completion: the elements, attributes and values that are possible at a position, by the words' declarations."""
 
 from __future__ import annotations
 

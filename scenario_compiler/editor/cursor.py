@@ -1,4 +1,4 @@
-"""Where in a draft a cursor is: behind a bracket, at an attribute's name, in a value, between elements."""
+"""The place of a cursor in a draft: behind a bracket, at an attribute's name, in a value, between elements."""
 
 from __future__ import annotations
 

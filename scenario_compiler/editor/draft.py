@@ -1,4 +1,4 @@
-"""A file as it stands in an editor: a tree of tags and attributes with their places, however unfinished.
+"""A tree of the tags and attributes of a file in an editor, with their positions, even if it is unfinished.
 
 XML that a parser refuses still gets a tree here: a start tag without its bracket ends where the next tag begins
 and holds nothing, a value without its quote ends with its line, and an element without an end tag ends with the element

@@ -1,4 +1,4 @@
-"""What is wrong with a text that an editor holds: what `validate` says of a file with that content.
+"""The findings of a text in an editor: those of `validate` for a file with this text.
 
 A text that is not well-formed has one finding, which says so. While it is being written, what was found of the text
 before is still shown where that text still stands.

@@ -1,4 +1,4 @@
-"""What stands at a place, explained: an element, an attribute with its unit and limits, or a thing that is named."""
+"""Explanations of the thing at a position: an element, an attribute with unit and limits, or a named thing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be named at a place, by what its attribute names: ids, templates, models, maps, roads, weathers and so on.
+"""The names that an attribute can have at a position: ids, templates, models, maps, roads, weathers and so on.
 
 Completion offers these and hover explains them, so that both say the same of a thing.
 """

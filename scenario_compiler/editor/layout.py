@@ -1,4 +1,4 @@
-"""A file's lines indented as its elements are nested: what stands in a line stays there, but for the space before it.
+"""Formatting: indents a file's lines by the nesting of its elements, and keeps everything else in a line.
 
 Elements inside others stand two spaces further in; further lines of a start tag are aligned with its first attribute;
 lines of a comment move with its first. Lines inside values, and texts between elements, are left alone. Spaces at the

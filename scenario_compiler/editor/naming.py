@@ -1,4 +1,4 @@
-"""Where a name is declared, everywhere that it is used, and giving it another one, in all files of a workspace."""
+"""The declaration and all uses of a name in the files of a workspace, and renaming it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a file holds, as a tree of what has a name, and where its scenarios stand."""
+"""The outline of a file: a tree of its named things, and the positions of its scenarios."""
 
 from __future__ import annotations
 

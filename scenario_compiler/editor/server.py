@@ -1,4 +1,4 @@
-"""The language server: the protocol's requests to functions over texts, and their answers to the protocol's.
+"""The language server: translates the protocol's requests and answers to functions over texts.
 
 Texts come whole with each change. They are checked a moment after the last change, in a thread of their own, so that
 answers do not wait for that. Offsets are characters; the protocol counts as client and server have agreed.
@@ -134,14 +134,14 @@ class ScenarioServer(LanguageServer):
         return None if analysis is None else (analysis, self.offset(analysis.draft, params.position))
 
     def check_soon(self, uri: str, after: float = AFTER_CHANGE) -> None:
-        """Check a text a moment from now, and tell the editor what is found; a change until then begins again."""
+        """Check a text after a short delay, and send the findings to the editor; a change restarts the delay."""
         if uri in self.waiting:
             self.waiting.pop(uri).cancel()
         loop = asyncio.get_running_loop()
         self.waiting[uri] = loop.call_later(after, lambda: loop.create_task(self.check(uri)))
 
     async def check(self, uri: str) -> None:
-        """Check a text and tell the editor what is found, if it has not changed meanwhile."""
+        """Check a text, and send the findings to the editor if the text has not changed meanwhile."""
         self.waiting.pop(uri, None)
         path = path_of(uri)
         analysis = self.open.analysis(path)

@@ -1,4 +1,4 @@
-"""Which word an element of a draft spells, by the declarations of the words around it."""
+"""Finds the word that an element of a draft spells, by the declarations of the words around it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an editor has open: texts with their findings, and the files below its folders."""
+"""The open texts of an editor with their findings, and the files in its folders."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the weather and the sensors' noise do before a conflict: what a plan's automation is short of from the start.
+"""Checks whether the weather or the sensors' noise alone causes a request at the start of a run.
 
 A scenario in HardRainSunset asks as soon as it begins, because the camera does not see the paint, and whatever comes
 200 m on is never met. That is found by the engine itself: the same plan is run in clear weather, with a camera without

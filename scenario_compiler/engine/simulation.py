@@ -32,7 +32,7 @@ CONTACTS = 1024
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """What lies ahead of the ego.
+    """The road ahead of the ego.
 
     Attributes:
         gap: Distance from the front bumper to the leader that the forward sensor sees, m; FAR without one.
@@ -190,7 +190,7 @@ class Simulation:
         return made
 
     def touched(self, entity: int) -> int | None:
-        """Return an entity whose box overlaps another's where both are now, None where there is none."""
+        """Return an entity whose box overlaps that of another at their present poses, or None."""
         found: int = self.form.enter("find_touched", entity)
         return None if found == op.NONE else found
 

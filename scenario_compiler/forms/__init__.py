@@ -1,4 +1,4 @@
-"""The two forms of marked functions: the functions as they stand, over lists, and as C, over arrays.
+"""The two forms of marked functions: interpreted over lists, and compiled to C over arrays.
 
 `declaration` says how the containers of columns are declared that the functions take. `translation` writes all marked
 functions into one file of C, `making` has a compiler build it, `machine_code` loads it; `compiled` and `interpreted`

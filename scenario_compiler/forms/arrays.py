@@ -1,4 +1,4 @@
-"""Containers as the compiled form takes them: arrays of float64 and int64, and the addresses of their numbers."""
+"""Containers for the compiled form: arrays of float64 and int64, and the addresses of their data."""
 
 from __future__ import annotations
 

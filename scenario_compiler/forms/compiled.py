@@ -1,4 +1,4 @@
-"""The compiled form: machine code, over arrays of machine numbers."""
+"""The compiled form, which runs machine code over arrays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How containers and their columns are declared.
+"""The declaration of containers and their columns.
 
 A container is a class with slots, which are columns: lists of float or of int.
 

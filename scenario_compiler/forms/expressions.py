@@ -1,4 +1,4 @@
-"""Expressions of marked functions as C, with the kind of their value.
+"""Translates expressions of marked functions to C, with the kinds of their values.
 
 Python evaluates operands from left to right, C in any order. So an operand may change the state only where the others
 cannot see it: beside it stand numbers and local variables alone.

@@ -1,4 +1,4 @@
-"""What both forms raise where the engine's arithmetic has no result: a fault of the engine, with its place."""
+"""The error of both forms when the engine's arithmetic has no result, with its place."""
 
 from __future__ import annotations
 

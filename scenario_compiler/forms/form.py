@@ -1,4 +1,4 @@
-"""What both forms have in common, and which of them serves."""
+"""The common interface of both forms, and the choice between them."""
 
 from __future__ import annotations
 

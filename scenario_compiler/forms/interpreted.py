@@ -1,4 +1,4 @@
-"""The interpreted form: the marked functions as they stand in the source, over lists."""
+"""The interpreted form, which runs the marked functions as Python over lists."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The language of marked functions: their syntax trees, the kinds of their values, and what their names stand for.
+"""The language of marked functions: their syntax trees, the kinds of their values, the meanings of names.
 
 A marked function is Python of a narrow kind (ARCHITECTURE.md, "One engine, two forms"): whole numbers and floats, the
 columns of the declared containers, calls of other marked functions by their names. Everything here is read from the

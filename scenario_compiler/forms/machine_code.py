@@ -1,4 +1,4 @@
-"""The library of machine code: loading it, and why there may be none."""
+"""Loads the library of machine code, or gives the reason why there is none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The machine code: one file of C, built by whatever compiler the machine has.
+"""Makes the machine code: writes one C file and builds it with the machine's compiler.
 
 The code is made with the package: by the build hook for a wheel, by `make setup` in a checkout, and by
 `python -m scenario_compiler.forms.making` at any time. Beside the library lies a note of what it was made of,
@@ -24,19 +24,24 @@ FORMS = Path(__file__).resolve().parent
 PACKAGE = FORMS.parent
 
 LIBRARY = FORMS / "engine.library"
-"""The engine's machine code: a shared library that knows nothing of Python, by a name that is no module's."""
+"""The engine's machine code: a shared library without Python; its suffix is not that of a Python module."""
 
 NOTE = FORMS / "engine.json"
-"""What is known of the library: how it was made, of which sources, and which entries it has."""
+"""Notes on the library: how it was made, from which sources, and its entries."""
 
-FLAGS = ("-std=gnu11", "-O2", "-fwrapv", "-ffp-contract=off", "-fvisibility=hidden", "-shared", "-fPIC")
-"""Two forms of one source: no contraction and no fast arithmetic, and whole numbers wrap as Python's are masked to."""
+FLAGS = (
+    *("-std=gnu11", "-O3", "-fwrapv", "-ffp-contract=off", "-fno-math-errno"),
+    *("-fvisibility=hidden", "-shared", "-fPIC"),
+)
+"""Flags with which C gives the same results as Python: no contraction, no fast arithmetic, and integers that wrap, as
+those in Python are masked. A missing result is detected from its value, so mathematical functions need not set `errno`.
+"""
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")
 
 SOURCE_FOLDERS = ("forms", "roads", "engine")
 SOURCE_MODULES = ("marker.py", "randomness.py")
-"""Where the marked functions are, what they are made of, and what translates them."""
+"""Folders and modules with the marked functions, their dependencies and the translator."""
 
 
 class NoCompilerError(Exception):
@@ -48,7 +53,7 @@ class NoCompilerError(Exception):
 
 
 class BuildError(Exception):
-    """A C compiler refused the translated engine; the text is what it said."""
+    """A C compiler rejected the translated engine; the text is its output."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +114,7 @@ def source_files() -> Iterator[Path]:
 
 
 def compiler() -> list[str]:
-    """Return the command of a C compiler: $CC, gcc, clang, or the one that the Python package ziglang brings.
+    """Return the command of a C compiler: $CC, gcc, clang, or that of the Python package ziglang.
 
     Raises:
         NoCompilerError: There is none.

@@ -1,4 +1,4 @@
-"""Statements of marked functions as C, and whole functions.
+"""Translates statements of marked functions, and whole functions, to C.
 
 A local variable has one kind everywhere, that of what is assigned to it first; it is declared at the function's head.
 """

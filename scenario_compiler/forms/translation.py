@@ -1,4 +1,4 @@
-"""All marked functions as one file of C: containers, tables, functions, and the entries that are called."""
+"""Translates all marked functions to one C file: containers, tables, functions and entries."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def _table(name: str, table: tuple[object, ...], signatures: dict[str, Signature
 
 
 def _entry(function: Marked, signature: Signature) -> str:
-    """Return the function by which an entry is called: it takes addresses and numbers, and tells whether it failed."""
+    """Return the C function that calls an entry: it takes addresses and numbers, and returns whether it failed."""
     taken = ["Failure *failure"]
     given = []
     for name, kind in signature.arguments.items():

@@ -1,4 +1,4 @@
-"""One wheel: the page that drives, those that watch, and the run under way.
+"""One driver's place: the page that drives, the pages that watch, and the run in progress.
 
 A page gets pictures and what belongs to them over a WebSocket, each as one binary message: the length of the JSON text
 (four bytes, big-endian), the text, the length of the view ahead, that JPEG file, and the mirror's. It tells what the
@@ -35,8 +35,11 @@ GONE_AFTER = 10.0
 A page that is frozen, or whose network is gone, keeps its connection open, and takes none of the pictures that wait.
 """
 
+MOST_UNSHOWN = 2
+"""Pictures on their way to a page at most, with those that wait in a browser: a slow one gets fewer, not later ones."""
+
 NO_MESSAGE = (ValueError, ValidationError, KeyError, TypeError, RecursionError)
-"""What reading a message raises that is none of ours; its socket is closed."""
+"""Exceptions of reading a message from a page; its socket is then closed."""
 
 
 @dataclass(eq=False)
@@ -47,15 +50,30 @@ class Viewer:
         socket: Its connection.
         waiting: The next picture for it; a later one takes the place of one that has not been sent.
         fresh: Set when there is one.
+        sent: Number of messages with pictures that have been sent.
+        shown: Number of those that the page has dealt with; 0 too for a page that does not say so.
+        room: Set when another picture may be sent.
     """
 
     socket: WebSocket
     waiting: bytes | None = None
     fresh: asyncio.Event = field(default_factory=asyncio.Event)
+    sent: int = 0
+    shown: int = 0
+    room: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def count(self, *, sent: int = 0, shown: int = 0) -> None:
+        """Count messages that have been sent, or that the page has dealt with."""
+        self.sent += sent
+        self.shown += shown
+        if self.shown and self.sent - self.shown >= MOST_UNSHOWN:
+            self.room.clear()
+        else:
+            self.room.set()
 
 
 class Begin(Protocol):
-    """Makes the next run, which has not started; None where there is none to come."""
+    """Makes the next run, which has not started; None if there are no more runs."""
 
     def __call__(self, show: Callable[[Picture], bool]) -> Session | None:
         """Return a run that shows its pictures by a function."""
@@ -147,6 +165,8 @@ class Cockpit:
         session = self.session
         if kind == "ping":
             await viewer.socket.send_json({"pong": float(message["t"]), "at": 1e3 * time.perf_counter()})
+        elif kind == "shown":
+            viewer.count(shown=1)
         elif viewer is not self._driver:
             raise ValueError("a page that watches tells nothing")
         elif kind == "input" and session is not None and session.wheel is not None:
@@ -200,6 +220,8 @@ class Cockpit:
                 viewer.fresh.clear()
                 if content is not None:
                     await viewer.socket.send_bytes(content)
+                    viewer.count(sent=1)
+                    await viewer.room.wait()
 
 
 def described(drive: Drive, *, watched: bool = False) -> dict[str, Any]:

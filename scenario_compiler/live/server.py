@@ -40,8 +40,8 @@ class LiveServer:
         """Prepare the pages.
 
         Args:
-            drive: What is driven; `folder` is where the folders of the runs come to lie.
-            door: Who is let in.
+            drive: The runs; their folders are put into `folder`.
+            door: Controls access.
             watched: Whether nobody drives, and the run begins with the first page.
             kept: Takes each run when it has ended; the server keeps none of them.
             done: Called when a watched run has ended and its page knows.

@@ -1,7 +1,8 @@
-"""A run in step with the clock: the loop in a thread of its own, and after every few steps a picture for the page."""
+"""A run in real time: the loop in a thread of its own, with a picture for the page after every few steps."""
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import json
 import math
@@ -249,6 +250,9 @@ class Session(threading.Thread):
             self.ended = f"the run broke off: {fault}"
             text = f"{WORDS[drive.language]['broke_off']}: {fault}"
         finally:
+            if self.wheel is not None:
+                with contextlib.suppress(OSError):  # told already: the run has broken off
+                    self.wheel.close()
             self._show(Picture({"end": text, "run": self.number, "kept": kept}, b"", b""))
             gc.collect()  # figures are cycles, and the command line lets the collector look seldom: they would pile up
 

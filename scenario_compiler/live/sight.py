@@ -1,4 +1,4 @@
-"""The pictures of a run under way: the view ahead with what the automation sees, and the mirror, as JPEG."""
+"""The pictures of a run in progress as JPEG: the view ahead with the automation's detections, and the mirror."""
 
 from __future__ import annotations
 

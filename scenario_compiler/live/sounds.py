@@ -1,4 +1,4 @@
-"""The sounds of messages: which recorded files there are, and which of them a run can need.
+"""The sounds of messages: the recorded files, and those of them that a run can need.
 
 `tools/make_sounds.py` makes them; `pages/sounds/sounds.json` says what each holds and by what right it is there.
 """
@@ -24,7 +24,7 @@ TONES = ("tones/warning.opus", "tones/request.opus")
 def files_of(message: Shown, state: StateName) -> list[str]:
     """Return the names of the files that a message is played from, in their order.
 
-    There are none for an author's own words, nor for messages that are not heard. The state tells which tone it is.
+    There are none for an author's own words, nor for silent messages. The tone depends on the state.
     """
     if message.modality == "tone":
         return [TONES[state != "warning"]]

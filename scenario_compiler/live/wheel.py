@@ -1,4 +1,4 @@
-"""The person at the wheel as the page tells of them: pedals, wheel, and when they take over."""
+"""The person at the wheel, as reported by the page: pedals, steering wheel, taking over and handing back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import os
 import threading
 from dataclasses import asdict
 from pathlib import Path
-from typing import BinaryIO
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -18,13 +17,13 @@ from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import number_value
 
 KEPT_EVERY = 0.5
-"""Time after which inputs are on the disk at the latest, s."""
+"""Time of the run after which inputs are put on the disk, s."""
 
 DRIVEN_BY_HAND = ("manual", "hand_back")
 
 
 class Told(BaseModel):
-    """What the page tells of the person: a message of at most a few hundred bytes."""
+    """The page's message on the person's inputs, of at most a few hundred bytes."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -34,6 +33,56 @@ class Told(BaseModel):
     steer: float = Field(default=0.0, ge=-1.0, le=1.0, description="Steering, positive to the left.")
     take_over: bool = Field(default=False, description="The button to take over is pressed.")
     hand_back: bool = Field(default=False, description="The button to hand back is pressed.")
+
+
+class InputFile:
+    """Lines that are on the disk soon after they are written; the writer does not wait for a disk that is busy."""
+
+    def __init__(self, path: Path) -> None:
+        """Begin an empty file."""
+        self._file = path.open("wb")
+        self._due = threading.Event()
+        self._fault: OSError | None = None
+        self._syncing: threading.Thread | None = None
+
+    def write(self, line: bytes) -> None:
+        """Write a line.
+
+        Raises:
+            OSError: The disk has not taken what was written before.
+        """
+        if self._fault is not None:
+            raise self._fault
+        self._file.write(line + b"\n")
+
+    def keep(self) -> None:
+        """Let what has been written be put on the disk."""
+        self._file.flush()
+        if self._syncing is None:
+            self._syncing = threading.Thread(target=self._sync, name="inputs", daemon=True)
+            self._syncing.start()
+        self._due.set()
+
+    def close(self) -> None:
+        """Put the rest on the disk and close the file; closing it again does nothing."""
+        if self._file.closed:
+            return
+        syncing, self._syncing = self._syncing, None
+        if syncing is not None:
+            self._due.set()
+            syncing.join()
+        with self._file:
+            self._file.flush()
+            os.fsync(self._file.fileno())
+
+    def _sync(self) -> None:
+        while self._due.wait() and self._syncing is not None:
+            self._due.clear()
+            try:
+                os.fsync(self._file.fileno())
+            except OSError as fault:
+                self._fault = fault
+                return
 
 
 class Wheel:
@@ -60,8 +109,8 @@ class Wheel:
         self._away = False
         self._left = False
         self._requested = False
-        self._file: BinaryIO | None = None if kept is None else kept.open("wb")
-        self._written_until = 0.0
+        self._file = None if kept is None else InputFile(kept)
+        self._kept_until = 0.0
 
     def tell(self, told: Told) -> None:
         """Take what the page says; buttons count until the run has heeded them."""
@@ -113,9 +162,7 @@ class Wheel:
     def close(self) -> None:
         """Put what is left of the inputs on the disk."""
         if self._file is not None:
-            self._sync()
             self._file.close()
-            self._file = None
 
     def _is_input(self, told: Told) -> bool:
         return told.brake >= self._brake_from or abs(told.steer) >= self._steer_from
@@ -123,12 +170,7 @@ class Wheel:
     def _keep(self, t: float, done: PersonInput) -> None:
         if self._file is None:
             return
-        self._file.write(json.dumps({"t": round(t, 9), **asdict(done)}).encode() + b"\n")
-        if t - self._written_until >= KEPT_EVERY:
-            self._written_until = t
-            self._sync()
-
-    def _sync(self) -> None:
-        if self._file is not None:
-            self._file.flush()
-            os.fsync(self._file.fileno())
+        self._file.write(json.dumps({"t": round(t, 9), **asdict(done)}).encode())
+        if t - self._kept_until >= KEPT_EVERY:
+            self._kept_until = t
+            self._file.keep()

@@ -1,4 +1,4 @@
-"""The words of the page at the wheel in each language.
+"""The texts of the driving page in each language.
 
 The German, Finnish and Swedish words have not been checked by native speakers.
 """
@@ -256,7 +256,7 @@ WORDS: dict[Language, dict[str, str]] = {
 
 
 def ended_text(outcome: Outcome, language: Language, *, automated: bool) -> str:
-    """Return what came of a run in a few words of a language; without an automated vehicle, nothing of takeovers."""
+    """Return the outcome of a run in a few words; without an automated vehicle they do not mention takeovers."""
     words = WORDS[language]
     keys = outcome_keys(outcome)
     return ", ".join(words[key] for key in (keys if automated else keys[1:]))

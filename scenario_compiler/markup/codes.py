@@ -1,4 +1,4 @@
-"""The codes of what can be wrong with a scenario file's elements, attributes and literals (SC1xx)."""
+"""The codes of faults in a scenario file's elements, attributes and literals (SC1xx)."""
 
 from scenario_compiler.diagnostics import Code
 

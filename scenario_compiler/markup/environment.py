@@ -1,4 +1,4 @@
-"""What a part of a file is read with: what names mean, how `$name` and `${expression}` get values, the sink."""
+"""The environment for reading a part of a file: the meanings of names, the values of parameters, the sink."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The codes of names that lead nowhere, or to two things (SC2xx), and of what is special to AISA's files."""
+"""The codes of names that refer to nothing or to two things (SC2xx), and those for AISA's files."""
 
 from scenario_compiler.diagnostics import Code, Place, Related, Severity
 

@@ -1,4 +1,4 @@
-"""The one reader of XML words: an element and a word's type in, the word out, driven by the word's declaration.
+"""Reads an XML element as a word, driven by the word's declaration; every language uses this reader.
 
 Every fault of an element and of all below it is reported in one pass, each at its attribute or tag.
 """

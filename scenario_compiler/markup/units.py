@@ -1,4 +1,4 @@
-"""Numbers that an author wrote with a unit: what they are in the unit of the attribute, for a hint."""
+"""Converts numbers that an author wrote with a unit to the unit of the attribute, for a hint."""
 
 from __future__ import annotations
 

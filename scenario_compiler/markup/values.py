@@ -1,4 +1,4 @@
-"""An attribute's text to its value, by the attribute's declaration: literals, expressions, units and limits."""
+"""Converts an attribute's text to its value by its declaration: literals, expressions, units and limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Words to XML: the reverse of reading, from the same declarations."""
+"""Writes words as XML, from the same declarations as the reader."""
 
 from __future__ import annotations
 

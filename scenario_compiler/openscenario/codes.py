@@ -1,4 +1,4 @@
-"""The codes of what is special to OpenSCENARIO files: parameters, catalogs, the road, names of storyboard elements."""
+"""The codes special to OpenSCENARIO files: parameters, catalogs, the road, names of storyboard elements."""
 
 from scenario_compiler.diagnostics import Code, Severity
 

@@ -1,4 +1,4 @@
-"""Conditions between OpenSCENARIO's elements and our words: those by entity and those by value."""
+"""Converts conditions between OpenSCENARIO's elements and our words, by entity and by value."""
 
 from __future__ import annotations
 
@@ -340,7 +340,7 @@ def read_condition(node: Node) -> Condition | None:
 
 
 def write_condition(word: Word, output: Output) -> etree._Element | None:
-    """Return the element of a condition, to stand in <EntityCondition> or <ByValueCondition>; None, told, for none."""
+    """Return the element of a condition for <EntityCondition> or <ByValueCondition>; if there is none, report that."""
     form = BY_ENTITY.by_word.get(type(word)) or BY_VALUE.by_word.get(type(word))
     if form is not None and output.version >= form.since:
         return form.write(word, output)

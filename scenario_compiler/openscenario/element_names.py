@@ -1,4 +1,4 @@
-"""Names of storyboard elements: each element's full path, and the element that a condition means by a shorter name."""
+"""Names of storyboard elements: full paths, and the element that a shorter name in a condition means."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""<Entities>: scenario objects in document order, the vehicles they are, their controllers, and selections of them."""
+"""<Entities>: scenario objects in document order, their kinds, their controllers, and selections of them."""
 
 from __future__ import annotations
 

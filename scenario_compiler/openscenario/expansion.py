@@ -1,4 +1,4 @@
-"""An OpenSCENARIO file to a `Scenario`: parameters bound, catalogs followed, names resolved."""
+"""Expands an OpenSCENARIO file to a `Scenario`: parameters bound, catalogs read, names resolved."""
 
 from __future__ import annotations
 

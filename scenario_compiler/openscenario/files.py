@@ -1,4 +1,4 @@
-"""Files of OpenSCENARIO: read as real ones are, found as real ones name each other."""
+"""Reads files of OpenSCENARIO, tolerating common faults, and finds the files that they name."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def read_forgiving(path: str | Path, sink: Diagnostics) -> Document | None:
 
 
 def _read_again(path: str | Path) -> bytes:
-    """Return what was read a moment ago; nothing where the file is gone by now."""
+    """Return the contents of a file that was read before; empty if the file no longer exists."""
     try:
         return read_file(path, SCENARIO_BYTES)
     except OSError:
@@ -78,7 +78,7 @@ def is_folder(path: Path) -> bool:
 
 
 def read_version(major: str, minor: str, place: Place, sink: Diagnostics) -> tuple[int, int]:
-    """Return the version that a header names; the nearest one, with a warning, when there is none of that name."""
+    """Return the version in a header, or the nearest existing one with a warning."""
     named = (int(major), int(minor)) if major.isdecimal() and minor.isdecimal() and len(major + minor) < 9 else None
     if named in VERSIONS:
         return named

@@ -1,4 +1,4 @@
-"""What a file of OpenSCENARIO holds."""
+"""The contents of an OpenSCENARIO file."""
 
 from __future__ import annotations
 

@@ -163,7 +163,7 @@ TRAJECTORY = regular(
 
 
 def read_route(node: Node) -> RouteWord | None:
-    """Return the route that an element holds or that its catalog reference names; report when there is none."""
+    """Return the route in an element or in its catalog reference; report if there is none."""
     found = given(node, "Route")
     if found is None and node.child("CatalogReference") is None:
         node.required("Route", "CatalogReference")
@@ -171,7 +171,7 @@ def read_route(node: Node) -> RouteWord | None:
 
 
 def read_trajectory(node: Node) -> Trajectory | None:
-    """Return the trajectory that an element holds or that its catalog reference names; report when there is none."""
+    """Return the trajectory in an element or in its catalog reference; report if there is none."""
     found = given(node, "Trajectory")
     if found is None and node.child("CatalogReference") is None:
         node.required("Trajectory", "CatalogReference")

@@ -151,7 +151,7 @@ class Node:
         return None
 
     def required(self, *tags: str) -> Node | None:
-        """Return the first child of one of these names; report when there is none."""
+        """Return the first child with one of these names; report if there is none."""
         found = self.child(*tags)
         if found is None:
             expected = " or ".join(f"<{tag}>" for tag in tags)

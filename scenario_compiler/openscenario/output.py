@@ -1,4 +1,4 @@
-"""What OpenSCENARIO is written with: the version, who acts, and what cannot be expressed in it."""
+"""The context for writing OpenSCENARIO: the version, the actors, and what cannot be expressed."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ _PER_DEGREE = "0.017453292519943295"
 
 @dataclass(frozen=True)
 class Output:
-    """What words are written with.
+    """The context for writing words.
 
     Attributes:
-        version: Version that is written.
+        version: Version of the written file.
         sink: Where what OpenSCENARIO cannot express is reported.
         values: Values of the scenario's open parameters.
         actor: Id of the entity that acts, empty where there is none or several do.

@@ -1,4 +1,4 @@
-"""What OpenSCENARIO has no words for, as properties of a controller named `scenario_compiler`.
+"""Parts that OpenSCENARIO cannot express, as properties of a controller named `scenario_compiler`.
 
 Words of the conflict language are kept as the attributes of their elements, each a property whose name is the way to
 it: `takeover/@budget` or `ego/camera/failure[2]/@kind`. An element without attributes and children is a property with

@@ -1,4 +1,4 @@
-"""<ParameterDeclarations> and assignments of values to parameters: what `$name` stands for below them."""
+"""<ParameterDeclarations> and assignments of values to parameters: the meanings of `$name` below them."""
 
 from __future__ import annotations
 

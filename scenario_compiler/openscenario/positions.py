@@ -1,4 +1,4 @@
-"""Positions between OpenSCENARIO's <Position> and our words: points, and places on routes and trajectories."""
+"""Converts positions between OpenSCENARIO's <Position> and our words."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scenario that this program has exported, with everything back that OpenSCENARIO has no words for.
+"""Restores a scenario that this program has exported, with the parts that OpenSCENARIO cannot express.
 
 What an element of the file says counts: a word that was kept because its element does not say it exactly takes that
 element's place only while the element is as it was written.

@@ -1,4 +1,4 @@
-"""Parameters in scope: what `$name` and `${expression}` stand for at a place of an OpenSCENARIO file.
+"""Parameters in scope: the meanings of `$name` and `${expression}` at a place of an OpenSCENARIO file.
 
 A numeric parameter of the scenario stays open where a number uses it, so that a sweep varies it in one plan. What
 decides structure takes the parameter's present value, and the name is remembered as structural.

@@ -1,4 +1,4 @@
-"""How a word of ours is spelled in OpenSCENARIO, said once for both directions.
+"""The OpenSCENARIO spelling of our words, declared once for reading and writing.
 
 A `Form` pairs a word with an element: one function reads, one writes. `regular` makes both from the parts that the
 element consists of, each of which reads and writes some of the word's fields.

@@ -1,4 +1,4 @@
-"""The vehicles that actions on traffic let appear: those of the file's catalogs, else of usual size."""
+"""The vehicles of actions on traffic: those of the file's catalogs, else vehicles of usual size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of a file nothing has read: reported, so that nothing is skipped in silence."""
+"""Reports the parts of a file that nothing has read, so that nothing is skipped silently."""
 
 from __future__ import annotations
 

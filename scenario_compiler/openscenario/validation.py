@@ -1,4 +1,4 @@
-"""What `validate` says of an OpenSCENARIO file: whether it is well-formed and has the structure of its version."""
+"""Validates an OpenSCENARIO file: whether it is well-formed and has the structure of its version."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def validate_openscenario(path: Path, sink: Diagnostics, schemas: Schemas | None
 
 
 def add_meaning(meaning: Diagnostics, sink: Diagnostics) -> None:
-    """Add what was found of a file's meaning, as warnings; faults of its structure have been told."""
+    """Add findings on a file's meaning as warnings; faults of its structure have been reported before."""
     told = {(one.place.file, one.place.line, one.place.column) for one in sink.found}
     for one in meaning:
         if one.code not in _OF_STRUCTURE and (one.place.file, one.place.line, one.place.column) not in told:

@@ -1,4 +1,4 @@
-"""Variables and monitors: values that change in a run, and parameters that actions or conditions name."""
+"""Variables and monitors, whose values change in a run, and parameters that actions or conditions use."""
 
 from __future__ import annotations
 

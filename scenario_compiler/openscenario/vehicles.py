@@ -1,4 +1,4 @@
-"""<Vehicle>, <Pedestrian> and <MiscObject>: what an entity is, its box, its axles and what it is able to do.
+"""<Vehicle>, <Pedestrian> and <MiscObject>: the kind of an entity, its box, its axles and its limits.
 
 The reference point is ASAM's: on the ground, a vehicle's rear axle, anything else's where its box says. Where a file is
 silent about what a thing can do, esmini's numbers hold: 10 m/s2 either way and 100 m/s.

@@ -1,4 +1,4 @@
-"""The structure of a scenario file by ASAM's own schema, and ASAM's rules, where the user has them.
+"""Checks a scenario file against ASAM's own schema and ASAM's rules, if the user has them.
 
 The schemas are those in a folder or those that ASAM's checker for OpenSCENARIO XML brings. It is an extra
 (`pip install 'scenario-compiler[asam]'`), imported here alone, and runs in this process: its rules are functions from a

@@ -2,9 +2,10 @@
 
 The network (`lane_network.onnx`, run by cv2.dnn) sees the picture at 256 x 128. For each side and each second row it
 tells in which of 128 columns the boundary lies, or that it is not there: a distribution, whose width is the row's
-uncertainty. It also tells whether either side is painted, the tilt of the camera and the width of the lane. Rows are
-laid on the ground under that tilt, and a parabola is fitted to them by their certainty. The confidence is calibrated
-like that of the classical detector, on what the rows say.
+uncertainty. It also tells whether either side is painted, the tilt of the camera and the width of the lane. The two
+sides of a lane usually keep their distance, so the tilt is estimated from their rows as well, and the two estimates
+are combined (see `road_plane`). Rows are laid on the ground under the tilt, and a parabola is fitted to them by their
+certainty. The confidence is calibrated like that of the classical detector, on what the rows say.
 
 It was trained for the default camera by `tools/train_lane_network.py`; the picture of another one is turned to how that
 camera would see it. What the tables say of it stands in docs/perception.md.
@@ -13,6 +14,7 @@ camera would see it. What the tables say of it stands in docs/perception.md.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
 from typing import ClassVar
@@ -25,7 +27,7 @@ from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import Confidence, load_confidence, noise_of
 from scenario_compiler.perception.lane_detector import Boundary, LaneResult, LaneState
-from scenario_compiler.perception.road_plane import Tilt
+from scenario_compiler.perception.road_plane import BEND_DOUBT, TAPER, Tilt
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
@@ -41,6 +43,18 @@ NETWORK_FILE = "lane_network.onnx"
 TILT_DEVIATION = math.radians(0.3)
 """Standard deviation of the tilt that the network tells of one image, rad."""
 
+PARALLEL = 0.8
+"""Probability, before it is compared, that the two sides belong to one lane and tell the tilt."""
+
+ALIKE_ROWS = 4.0
+"""How many rows count as one independent one: neighbouring rows are wrong together."""
+
+EVEN = 0.2
+"""Least mean square of the rows' residuals in their own deviations: smaller ones are luck, not certainty."""
+
+PEAK = 4
+"""Columns to either side of a row's likeliest one that are taken for the same line."""
+
 LOOKED_AT = (5.0, 22.0)
 """Stretch ahead of the camera of which the rows are used, m."""
 
@@ -48,17 +62,10 @@ LEAST_ROWS = 5
 """Rows without which there is no boundary."""
 
 LEARNED_FEATURES = (
-    *("painted", "present", "certain", "spread", "residual", "reach", "curvature", "offset", "tilt", "width_off"),
-    *(
-        "other_painted",
-        "other_present",
-        "other_certain",
-        "apart_slope",
-        "apart_curvature",
-        "noise",
-        "remembered",
-        "moved",
-    ),
+    *("painted", "present", "certain", "spread", "alone", "residual", "reach", "curvature", "offset"),
+    *("tilt", "tilt_deviation", "width_off"),
+    *("other_painted", "other_present", "other_certain", "apart_slope", "apart_curvature"),
+    *("noise", "remembered", "moved"),
 )
 """Names of what its confidence is made from."""
 
@@ -93,13 +100,18 @@ class LearnedLaneDetector:
         """Return what `detect` does, and what the left and the right side's confidence is made from."""
         state = prior if prior is not None else LaneState()
         rows, painted, seen_pitch, width = self.tell(image)
-        tilt = Tilt(pitch, 0.0) if pitch is not None else state.tilt.with_seen(Tilt(seen_pitch, TILT_DEVIATION))
-        sides = [_Side(rows[side], painted[side], self._v, tilt.pitch, self._scale) for side in (0, 1)]
+        told = Rows.of(rows[0]), Rows.of(rows[1])
+        if pitch is not None:
+            tilt = Tilt(pitch, 0.0)
+        else:
+            tilt = state.tilt.with_seen(Tilt(seen_pitch, TILT_DEVIATION))
+            tilt = tilt.with_seen(tilt_between(*told, self._v, tilt.pitch), PARALLEL)
+        sides = [_Side(one, paint, self._v, tilt.pitch, self._scale) for one, paint in zip(told, painted, strict=True)]
         sigma_hat = noise_of(image)
         health = noise_health(sigma_hat)
         found, features = [], []
         for side, other, before in ((sides[0], sides[1], state.left), (sides[1], sides[0], state.right)):
-            row = _features(side, other, tilt.pitch, width, sigma_hat, before)
+            row = _features(side, other, tilt, width, sigma_hat, before)
             curvature, slope, y0 = side.curve
             features.append(row)
             found.append(Boundary(y0, slope, 2.0 * curvature, *self.confidence(row), side.reach))
@@ -130,25 +142,85 @@ class LearnedLaneDetector:
         return rows, painted, 0.03 * float(numbers[2]), (3.5 + float(numbers[3])) * self._scale
 
 
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """What the rows say of one side, (ROWS,) each.
+
+    Attributes:
+        there: Probability that the boundary is in the row.
+        column: Where it then is, in columns: the mean about the likeliest column, so that two lines are not averaged.
+        spread: Standard deviation of the whole distribution, columns.
+        alone: Share of the distribution that lies about the likeliest column.
+    """
+
+    there: Floats
+    column: Floats
+    spread: Floats
+    alone: Floats
+
+    @staticmethod
+    def of(rows: Floats) -> Rows:
+        """Return what (ROWS, COLUMNS + 1) probabilities say."""
+        place = np.arange(COLUMNS)
+        there = 1.0 - rows[:, -1]
+        share = rows[:, :-1] / np.maximum(there, 1e-6)[:, None]
+        middle = share @ place
+        spread = np.sqrt(np.maximum(share @ (place * place) - middle * middle, 0.0))
+        peak = share * (np.abs(place - share.argmax(axis=1)[:, None]) <= PEAK)
+        alone = peak.sum(axis=1)
+        return Rows(there, peak @ place / np.maximum(alone, 1e-9), spread, alone)
+
+    def ground(self, v: Floats, pitch: float) -> tuple[Floats, Floats, Floats]:
+        """Return where the rows lie on the ground, x and y, and the deviation of y, for the height trained for, m."""
+        x, y = ground_of((self.column + 0.5) * TRAINED_FOR.width / COLUMNS - 0.5, v, pitch)
+        return x, y, np.hypot((self.spread + 0.3) * x * TRAINED_FOR.width / COLUMNS / TRAINED_FOR.focal, 0.02)
+
+
+def tilt_between(left: Rows, right: Rows, v: Floats, pitch: float) -> Tilt:
+    """Return the tilt under which both sides keep their distance, as `road_plane.tilt_beyond` does of two fits.
+
+    Args:
+        left: The left side's rows.
+        right: The right side's rows.
+        v: (ROWS,) where the rows are in the image.
+        pitch: What the tilt is taken to be, rad; the answer is linear about it.
+
+    Returns:
+        The tilt, rad; of infinite deviation where the sides have too few rows in common or are less than 1 m apart.
+    """
+    (x, y_left, off_left), (_, y_right, off_right) = left.ground(v, pitch), right.ground(v, pitch)
+    kept = (left.there > 0.5) & (right.there > 0.5) & (x > LOOKED_AT[0]) & (x < LOOKED_AT[1])
+    if kept.sum() <= LEAST_ROWS:
+        return Tilt(0.0, math.inf)
+    x, weight = x[kept], 1.0 / np.hypot(off_left[kept], off_right[kept])
+    half, slope, _ = np.polyfit(x, 0.5 * (y_left + y_right)[kept], 2, w=weight)
+    apart = (y_left - y_right)[kept] / np.hypot(1.0, 2.0 * half * x + slope)
+    share = weight * weight / float(weight @ weight)
+    middle = float(share @ x)
+    reach = float(share @ (x - middle) ** 2)
+    widens = float(share @ ((x - middle) * apart)) / reach
+    width = float(share @ apart) - widens * middle
+    if width < 1.0:
+        return Tilt(0.0, math.inf)
+    uneven = max(float(np.mean((weight * (apart - width - widens * x)) ** 2)), EVEN)
+    variance = ALIKE_ROWS * uneven / (float(weight @ weight) * reach)
+    deviation = math.sqrt(variance + (TAPER + 4.0 * BEND_DOUBT * half * half) ** 2)
+    return Tilt(pitch - TRAINED_FOR.z * widens / width, TRAINED_FOR.z * deviation / width)
+
+
 class _Side:
     """One side's boundary as its rows tell it."""
 
-    def __init__(self, rows: Floats, painted: float, v: Floats, pitch: float, scale: float) -> None:
+    def __init__(self, rows: Rows, painted: float, v: Floats, pitch: float, scale: float) -> None:
         self.painted = painted
-        column = np.arange(COLUMNS)
-        there = 1.0 - rows[:, -1]
-        share = rows[:, :-1] / np.maximum(there, 1e-6)[:, None]
-        middle = share @ column
-        spread = np.sqrt(np.maximum(share @ (column * column) - middle * middle, 0.0))
-        u = (middle + 0.5) * TRAINED_FOR.width / COLUMNS - 0.5
-        x, y = (one * scale for one in ground_of(u, v, pitch))
-        per_column = x * TRAINED_FOR.width / COLUMNS / TRAINED_FOR.focal
-        deviation = np.hypot((spread + 0.3) * per_column, 0.02)
+        there, spread = rows.there, rows.spread
+        x, y, deviation = (one * scale for one in rows.ground(v, pitch))
         kept = (there > 0.5) & (x > LOOKED_AT[0]) & (x < LOOKED_AT[1])
         near = (x > 6.0) & (x < 18.0)
         self.present = float(there[near].mean()) if near.any() else 0.0
         self.certain = float(np.log(deviation[near]).mean()) if near.any() else 0.0
         self.spread = float(np.log(spread[near] + 0.1).mean()) if near.any() else 0.0
+        self.alone = float(rows.alone[near].mean()) if near.any() else 0.0
         self.reach = (float(x[kept].min()), float(x[kept].max())) if kept.any() else (LOOKED_AT[1], LOOKED_AT[1])
         self.curve, self.residual = (0.0, 0.0, 0.0), 1.0
         if kept.sum() >= LEAST_ROWS:
@@ -174,15 +246,16 @@ def ground_of(u: Floats, v: Floats, pitch: float) -> tuple[Floats, Floats]:
     return ahead * far, -right * np.where(np.isfinite(far), far, 0.0)
 
 
-def _features(side: _Side, other: _Side, tilt: float, width: float, sigma: float, before: Boundary | None) -> Floats:
+def _features(side: _Side, other: _Side, tilt: Tilt, width: float, sigma: float, before: Boundary | None) -> Floats:
     x = np.array([12.0])
     off = abs(abs(side.curve[2] - other.curve[2]) - width)
     moved = 0.0
     if before is not None:
         moved = abs(float((np.vander(x, 3) @ np.array(side.curve))[0] - before.y(x)[0]))
     return np.array([
-        _logit(side.painted), side.present, side.certain, side.spread, min(side.residual, 3.0), side.reach[1] / 10.0,
-        80.0 * abs(side.curve[0]), min(abs(abs(side.curve[2]) - 1.75), 1.5), 20.0 * abs(tilt), min(off, 1.0),
+        _logit(side.painted), side.present, side.certain, side.spread, side.alone, min(side.residual, 3.0),
+        side.reach[1] / 10.0, 80.0 * abs(side.curve[0]), min(abs(abs(side.curve[2]) - 1.75), 1.5),
+        20.0 * abs(tilt.pitch), 60.0 * tilt.deviation, min(off, 1.0),
         _logit(other.painted), other.present, other.certain, min(20.0 * abs(side.curve[1] - other.curve[1]), 2.0),
         min(100.0 * abs(side.curve[0] - other.curve[0]), 2.0), math.log(sigma + 1.0), float(before is not None),
         min(4.0 * moved, 2.0),

@@ -1,4 +1,4 @@
-"""Positions bound to the map: road, lane, s and offset for every way an author can write a position."""
+"""Binds positions to the map: every way to write a position becomes road, lane, s and offset."""
 
 from __future__ import annotations
 

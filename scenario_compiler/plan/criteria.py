@@ -1,4 +1,4 @@
-"""Every criterion can be fulfilled: what it is about is there."""
+"""Checks that every criterion can be met."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lowering: a scenario and a network to a plan, in named passes that each do one thing.
+"""Lowers a scenario and a network to a plan, in named passes that each do one thing.
 
 `PASSES` is the whole story: each pass reads the scenario, reports into the sink and fills its part of the draft; none
 calls another.

@@ -1,4 +1,4 @@
-"""The map of a scenario or of a stored plan: found, loaded, and the plan's own."""
+"""Finds and loads the map of a scenario or of a stored plan."""
 
 from __future__ import annotations
 

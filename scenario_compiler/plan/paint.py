@@ -1,4 +1,4 @@
-"""Paint that the scenario puts on the map lies where the map has a road, and a lane that bears the mark."""
+"""Checks that the markings of a scenario are on existing roads, and on lanes with such marks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a plan paints over its map: stretches of worn, coloured or covered marks, and lines beside the marks."""
+"""The paint that a plan adds to its map: worn, coloured or covered stretches, and additional lines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where something can be put at random: stretches of lanes of one kind."""
+"""Places for random positions: stretches of lanes of a kind."""
 
 from __future__ import annotations
 

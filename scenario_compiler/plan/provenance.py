@@ -1,4 +1,4 @@
-"""Where the author wrote a part of a plan, for diagnostics that arise after lowering."""
+"""The author's place of a part of a plan, for diagnostics after lowering."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where entities stand before anything moves, at the parameters' values: their starts and the init's teleports.
+"""The positions of entities at the start of a run, from their starts and the teleports of the init.
 
 What the engine finds when a run begins, found beforehand for pictures and checks. Places that are drawn or that lie on
 routes and trajectories are left out.

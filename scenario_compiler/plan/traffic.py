@@ -1,4 +1,4 @@
-"""Background traffic as entities: how many, which models, which drivers. Where they start is drawn run by run."""
+"""Background traffic as entities: their number, models and drivers; their starts are drawn in each run."""
 
 from __future__ import annotations
 

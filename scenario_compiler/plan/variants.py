@@ -1,4 +1,4 @@
-"""A plan at other values of its parameters: what compiling with those values would report as errors.
+"""Checks a plan at other values of its parameters, for the errors that compiling with them would report.
 
 A sweep runs thousands of variants of one plan. Compiling each would take longer than running it, so only what open
 numbers decide is looked at again: the limits of the attributes that hold them, the places that they give, the entities

@@ -1,4 +1,4 @@
-"""Columns of Arrow made of bytes, as the tables of a recording and of a sweep need them.
+"""Makes Arrow columns from bytes, for the tables of recordings and sweeps.
 
 `pyarrow.array` would import pandas wherever that is installed, which takes longer than a thousand variants of a sweep.
 """

@@ -1,4 +1,4 @@
-"""Why the engine broke a run off, in words: the entity, the quantity, its value, and the time."""
+"""Describes why the engine broke a run off: the entity, the quantity, its value, and the time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Texts as cells of CSV files, which a spreadsheet shows and does not run.
+"""Texts as cells of CSV files, which a spreadsheet shows but does not execute.
 
 A spreadsheet takes a cell that begins with =, +, -, @, a tab or a line break for a formula, which may call programs
 (OWASP, "CSV Injection"). Such a text gets an apostrophe before it, by which spreadsheets mark text; numbers do not.

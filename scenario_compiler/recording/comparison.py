@@ -1,4 +1,4 @@
-"""Two runs side by side: where they part, how far apart they get, and what happened in one of them alone."""
+"""Compares two runs: when they begin to differ, by how much, and which events are in one of them only."""
 
 from __future__ import annotations
 
@@ -268,7 +268,7 @@ def _differences(first: Floats, second: Floats) -> Floats:
 
 
 def _greatest(values: Floats) -> float:
-    """Return the greatest finite number, 0 where there is none."""
+    """Return the greatest finite number, or 0."""
     return float(np.max(values, initial=0.0, where=np.isfinite(values)))
 
 

@@ -1,4 +1,4 @@
-"""Criteria: whether a run did what its plan asks of it, when it failed, and why."""
+"""Criteria: whether a run meets those of its plan, and when and why it failed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Durations of a run: whole numbers of steps times the step, so that equal durations are equal numbers."""
+"""Durations in a run: a whole number of steps times the step, so that equal durations are equal numbers."""
 
 from __future__ import annotations
 

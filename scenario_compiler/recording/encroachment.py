@@ -1,4 +1,4 @@
-"""The least post-encroachment time of recordings, and of what the engine added up.
+"""The least post-encroachment time, from recordings and from the engine's totals.
 
 The engine looks back from each row; here all rows are compared with those some rows before, one lag after the other.
 """

@@ -1,4 +1,4 @@
-"""The ego vehicle within its lane: how far its sides are from the edges, when they cross them, and how soon they would.
+"""The ego in its lane: distances of its sides from the edges, and the time until it crosses them.
 
 A side is beyond an edge of the lane where a corner of the vehicle's box is. The formulas are those of
 `engine.measures.in_lane`, in the same order and with the C library's functions.

@@ -1,4 +1,4 @@
-"""Where the ego vehicle lies across its lane: offsets to the left in its direction of travel, and how they spread."""
+"""The ego's lateral position: offsets to the left in its direction of travel, and their spread."""
 
 from __future__ import annotations
 

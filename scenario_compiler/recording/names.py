@@ -1,4 +1,4 @@
-"""The names that stand for the engine's integer codes in a recording and its files."""
+"""Names for the engine's integer codes in a recording and its files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What lies ahead of the ego vehicle along the circle that it is driving on, and when it would be reached."""
+"""The entities ahead of the ego on the circle that it drives, and the time until it reaches them."""
 
 from __future__ import annotations
 

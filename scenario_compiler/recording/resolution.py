@@ -1,4 +1,4 @@
-"""How the first takeover request of a run ended."""
+"""The end of the first takeover request of a run."""
 
 from __future__ import annotations
 

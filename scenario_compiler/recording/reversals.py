@@ -1,4 +1,4 @@
-"""The steering reversal rate of recordings, and of what the engine added up; `engine.measures.reversals` says how."""
+"""The steering reversal rate, from recordings and from the engine's totals (`engine.measures.reversals`)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The recording as a Parquet file: one row an entity present and step, entities in document order.
+"""Recordings as Parquet files: one row for each step and present entity, with entities in document order.
 
 The run's own columns stand in the ego vehicle's rows and are null in the others; codes and roads are written by name.
 Header, units, events and the end of the run are JSON in the file's metadata under `scenario-compiler`, first-person

@@ -45,7 +45,7 @@ def _acceleration(where: str) -> float | None:
 
 
 class Takeover(BaseModel):
-    """A request and what came of it. Times and durations are null where there is none."""
+    """A request and its outcome. Missing times and durations are null."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 

@@ -1,4 +1,4 @@
-"""The totals of many runs, as the engine adds them up: what sweeps are judged by in place of recordings."""
+"""The engine's totals of many runs, by which sweeps are judged instead of recordings."""
 
 from __future__ import annotations
 

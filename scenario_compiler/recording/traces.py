@@ -1,4 +1,4 @@
-"""What measures and criteria are computed from: the arrays of one run, or of many along a leading axis."""
+"""The arrays from which measures and criteria are computed, of one run or of many along a leading axis."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the numbers of a run depend on beside its plan and seed: versions of libraries, and the processor."""
+"""Versions on which the numbers of a run depend besides its plan and seed: libraries and the processor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the ego vehicle's path is blocked, and by whom, as pictures mark it."""
+"""The place at which the ego's path is blocked, and the entity that blocks it, for pictures."""
 
 from __future__ import annotations
 

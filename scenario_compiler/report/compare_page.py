@@ -1,4 +1,4 @@
-"""The page of two runs beside each other: a player with one clock for both, and where they differ."""
+"""The page that compares two runs: a player with one clock for both, and tables of differences."""
 
 from __future__ import annotations
 

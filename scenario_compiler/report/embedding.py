@@ -1,4 +1,4 @@
-"""The player's files and data as parts of a page that needs nothing from outside.
+"""Embeds the player's files and data into a page, which then needs no other file.
 
 Its JavaScript modules stand in `pages/` as they are and name each other as "pages/NAME.js". A page's import map gives
 each name a data URL that holds the module.

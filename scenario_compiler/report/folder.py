@@ -22,7 +22,7 @@ RUN_FILES = ("plan.json", MAP_OF_RUN, "recording.parquet", "events.csv", "outcom
 
 
 def write_run_folder(run: Run, folder: Path, *, report: bool = True) -> None:
-    """Write all files of a run; create the folder if there is none. Identical runs give identical bytes.
+    """Write all files of a run; create the folder if it does not exist. Identical runs give identical bytes.
 
     Args:
         run: The run.

@@ -1,4 +1,4 @@
-"""A run's events with repeats folded, so that a page shows at a glance what happened."""
+"""Folds repeated events of a run, so that a page gives an overview."""
 
 from __future__ import annotations
 

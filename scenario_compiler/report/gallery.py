@@ -1,4 +1,4 @@
-"""A page of a library's conflicts: each one's moment, what happens, how to run it; searched and filtered."""
+"""A page with all conflicts of a library: a picture, a summary and the command for each; with search and filters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happens in a plan, when, and after what: in the words of the language that the author wrote it in."""
+"""Lists the events of a plan, with their times or triggers, in the words of the author's language."""
 
 from __future__ import annotations
 

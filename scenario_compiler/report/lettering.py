@@ -1,4 +1,4 @@
-"""Texts of files in pictures: what they say, letter by letter, whatever they are made of."""
+"""Draws texts from files into pictures letter by letter, without interpreting markup in them."""
 
 from __future__ import annotations
 

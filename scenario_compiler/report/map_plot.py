@@ -1,4 +1,4 @@
-"""A map that a person can read: lanes by type, marks, directions, ids, junctions, spawn points; as PNG or SVG.
+"""Draws a map for readers: lanes by type, marks, directions, ids, junctions, spawn points; as PNG or SVG.
 
 `plot_map` writes a picture of its own; `draw_map` draws into the axes of another plot. Equal input gives equal bytes
 with one version of matplotlib. The colours are tints of the set by Okabe and Ito, which colour-blind people can tell

@@ -1,4 +1,4 @@
-"""What a map plot draws, as shapes in the plane: lanes, marks, arrows of travel, junctions. OpenDRIVE axes, metres."""
+"""The shapes of a map plot: lanes, marks, arrows of travel, junctions; in OpenDRIVE axes, metres."""
 
 from __future__ import annotations
 

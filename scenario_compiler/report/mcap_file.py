@@ -1,4 +1,4 @@
-"""A run as an MCAP file that Foxglove opens: boxes in space, the takeover, measured values, events, pictures.
+"""Writes a run as an MCAP file for Foxglove: boxes, the takeover, measured values, events, pictures.
 
 Messages are JSON in Foxglove's own schemas where it has one (https://docs.foxglove.dev/docs/sdk/schemas), else in
 schemas that stand in the file. Times count from the start of the run. Axes are OpenDRIVE's, x east, y north, z up, in

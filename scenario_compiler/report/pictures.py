@@ -1,4 +1,4 @@
-"""First-person pictures of a run that has been recorded, at any time: drawn again from the recording's rows.
+"""Draws first-person pictures of a recorded run, at any time, from the rows of the recording.
 
 Everybody stands where the recording says. What a recording does not hold (weather on its way, the states of traffic
 signals, who is invisible) comes from the engine, which goes through the run again with the first vehicle moved along

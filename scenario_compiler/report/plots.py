@@ -1,4 +1,4 @@
-"""The report's pictures, drawn by matplotlib into SVG that takes its colours from the page it stands in.
+"""Draws the pictures of a report with matplotlib as SVG, in the colours of the page.
 
 Equal runs give equal text: ids are hashed with a fixed salt and no date is written.
 """

@@ -1,4 +1,4 @@
-"""A plan to look at before it runs: where everybody starts, the way ahead, and what happens when.
+"""Draws a plan before it runs: the starts of the entities, the route, and when what happens.
 
 Equal plans give equal bytes with one version of matplotlib.
 """

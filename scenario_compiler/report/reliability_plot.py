@@ -1,4 +1,4 @@
-"""The reliability diagram of lane confidence: what was said against what came true."""
+"""Draws the reliability diagram of the lane confidence: stated probabilities against observed shares."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the player in a page shows of a run: its motion, curves, events and roads as small whole numbers.
+"""The data of a run for the player in a page: motion, curves, events and roads as small whole numbers.
 
 A column is rounded to a step, of a centimetre for places, and held as the differences from row to row, which are small
 where motion is smooth; the whole is JSON, compressed by gzip and written in base64. Equal runs give equal text.

@@ -1,4 +1,4 @@
-"""A run as a file of the Rerun viewer: boxes in space, ways, values over time, events as a log, pictures."""
+"""Writes a run as a file of the Rerun viewer: boxes, paths, values over time, events as a log, pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The environment in which every page of HTML is rendered from its template."""
+"""The environment that renders the HTML templates of pages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Roads: OpenDRIVE in, a `Network` out.
+"""Roads: reads OpenDRIVE files as a `Network`.
 
 In: an OpenDRIVE file of version 1.1 to 1.8 (`load_network`). Out: a `Network`, which answers questions about poses,
 lanes, marks and routes by road id, and its `RoadTables`, flat columns that the marked functions of `geometry`, `lanes`,

@@ -1,4 +1,4 @@
-"""Roads that begin or end inside another one, as those of virtual junctions do.
+"""Roads that begin or end inside another road, as those of virtual junctions do.
 
 Their link names a place of the main road (`elementS`) and the direction in which the main road is left or entered
 there (`elementDir`), in place of an end (`contactPoint`). The main road's lane section is cut at that place, so that

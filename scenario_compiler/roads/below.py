@@ -1,4 +1,4 @@
-"""The lane below a point: of several roads above or across each other the one that whoever stands there is led by."""
+"""The lane below a point: if several roads are above each other, the one that carries the entity there."""
 
 from __future__ import annotations
 

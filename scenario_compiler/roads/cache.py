@@ -1,4 +1,4 @@
-"""Parsed tables in the user's cache: read back only when they are exactly what was written.
+"""The cache of parsed tables, which are used only if they are exactly those that were written.
 
 A cache file is named by the road file's content and by the sources that read it, so a changed map or a changed reader
 never meets an old file; and it carries that key inside, so another file in its place is not believed. It is plain data:

@@ -1,4 +1,4 @@
-"""The columns that are computed from what a road file says: steady lanes, and the index over the plane."""
+"""Columns that are computed from the contents of a road file: steady lanes, and the index over the plane."""
 
 from __future__ import annotations
 

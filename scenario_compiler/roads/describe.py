@@ -1,4 +1,4 @@
-"""A road network summed up in numbers, for people."""
+"""Summarises a road network in numbers, for readers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Junction ids that no road has: CARLA's clients take a link to a junction for one to the road of the same id."""
+"""Renumbers junctions with the id of a road: CARLA's clients confuse links to the two."""
 
 from __future__ import annotations
 

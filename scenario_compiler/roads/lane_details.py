@@ -1,4 +1,4 @@
-"""What a lane says beyond its shape: who may use it, rules, material, and OpenDRIVE 1.8's words about its state."""
+"""Properties of a lane other than its shape: access, rules, material, and its state in OpenDRIVE 1.8."""
 
 from __future__ import annotations
 

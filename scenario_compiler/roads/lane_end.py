@@ -1,4 +1,4 @@
-"""Where a lane ends although its road goes on: the lane beside it that does."""
+"""The end of a lane whose road continues, and the lane beside it that continues too."""
 
 from __future__ import annotations
 

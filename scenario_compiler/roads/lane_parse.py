@@ -1,4 +1,4 @@
-"""<lanes> to lane sections, lanes, widths, heights, speeds and marks in the tables."""
+"""Reads <lanes> into the tables: lane sections, lanes, widths, heights, speeds and marks."""
 
 from __future__ import annotations
 

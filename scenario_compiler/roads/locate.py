@@ -1,4 +1,4 @@
-"""From a point of the plane to (road, s, t) and to lanes.
+"""Finds road, s, t and lanes for a point in the plane.
 
 The plane is cut into square cells; each knows the chunks (`locate_build`) whose surface may touch it. A chunk lies in
 one piece of the reference line and one lane section, so a point is projected onto the piece alone: in closed form on

@@ -1,4 +1,4 @@
-"""The index over the plane: the reference line in short chunks, and which chunks' surfaces touch each cell."""
+"""Builds the index over the plane: short chunks of the reference line, and those that touch each cell."""
 
 from math import ceil, cos, sin, sqrt
 

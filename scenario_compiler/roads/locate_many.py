@@ -1,4 +1,4 @@
-"""The lanes that hold one point or many, in whichever form of the marked functions there is."""
+"""Finds the lanes of one point or of many, in the available form of the marked functions."""
 
 from __future__ import annotations
 

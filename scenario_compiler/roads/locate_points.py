@@ -1,4 +1,4 @@
-"""From many points of the plane to all the lanes that hold each.
+"""Finds all lanes of many points in the plane.
 
 A place where two chunks of a road meet, or that lies across a kink of its reference line, is found twice and counts
 once.

@@ -1,4 +1,4 @@
-"""Lane links that a road file leaves out and that follow from the rest of it, written into its text."""
+"""Adds lane links that a road file leaves out and that follow from its other links."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a road file holds beside the tables: header, objects, signals, controllers, junctions.
+"""The contents of a road file besides the tables: header, objects, signals, controllers, junctions.
 
 Running a scenario needs none of it, so it is read only when asked for (`Network.model`). Words are kept as the file
 spells them; numbers are in metres and radians in the road's frame (s, t, h). What these values do not name stays

@@ -1,4 +1,4 @@
-"""`Network`: the questions that can be asked of a road network, by ids and in values.
+"""`Network`: queries of a road network, by ids and in values.
 
 The work is done by the compiled functions.
 """

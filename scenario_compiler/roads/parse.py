@@ -1,4 +1,4 @@
-"""OpenDRIVE XML to `RoadTables`, with diagnostics for what cannot be used.
+"""Reads OpenDRIVE XML into `RoadTables`, with diagnostics for parts that cannot be used.
 
 Faults of a road file are warnings: the record is left out or takes the standard's default, and the rest is read. Errors
 are left for files that give no network at all. What the tables do not hold (objects, signals, controllers, header) is

@@ -1,4 +1,4 @@
-"""The values that questions to a network return: poses, lane positions, routes, descriptions of lanes and marks."""
+"""The results of queries of a network: poses, lane positions, routes, descriptions of lanes and marks."""
 
 from __future__ import annotations
 

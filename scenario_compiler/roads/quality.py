@@ -1,4 +1,4 @@
-"""Tables with other marks: wear and colours that a scenario lays over stretches of road."""
+"""Tables with changed marks: the wear and the colours of a scenario on stretches of road."""
 
 from __future__ import annotations
 

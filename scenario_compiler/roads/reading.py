@@ -1,4 +1,4 @@
-"""Attributes to numbers, with diagnostics: the part of the OpenDRIVE reader that knows no element by name."""
+"""Reads attributes as numbers, with diagnostics; this part of the reader is independent of the elements."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""<planView> to the pieces of the reference line and their uniform s-index."""
+"""Reads <planView> into the pieces of the reference line and their uniform index over s."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Spawn points that a map's description (map.toml beside the OpenDRIVE file) names."""
+"""The spawn points in a map's description (map.toml beside the OpenDRIVE file)."""
 
 from __future__ import annotations
 

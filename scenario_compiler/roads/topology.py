@@ -1,4 +1,4 @@
-"""Links of roads, lanes and junctions, resolved to rows: which lane goes on in which.
+"""Links of roads, lanes and junctions as rows: the lanes in which each lane continues.
 
 A link joins an end of a lane's row (in one lane section) to an end of another's, and is kept in both directions,
 whoever of the two files it. Sources: the lanes' own predecessors and successors, at joints of lane sections and of

@@ -1,4 +1,4 @@
-"""Along the lanes: what follows a lane, moving on by a distance, how far a lane still goes.
+"""Travel along lanes: the next lane, moving by a distance, and the remaining length of a lane.
 
 Forward is a lane's direction of travel. At a junction the preferred road is taken where it can be entered, else the
 straightest exit (the smallest change of heading), the first in the file among equals.

@@ -1,4 +1,4 @@
-"""Ways over the road network, road by road: which road comes next on the way to a goal.
+"""Ways through the road network, road by road: the next road on the way to a goal.
 
 Lanes play no part: a way may need lane changes, which others make. A stretch is a road and the sense in which it is
 driven, 1 along s and -1 against it.

@@ -1,4 +1,4 @@
-"""The structure of a road file by ASAM's own schemas, where the user has them.
+"""Checks the structure of a road file by ASAM's own schemas, if the user has them.
 
 Those up to 1.7 are XSD 1.0 (see `structure.schemas`); those of 1.8 need XSD 1.1 and the package xmlschema, imported
 here alone.

@@ -1,4 +1,4 @@
-"""What ends a run before its end beside a lost world, a failed controller and a number that is not finite."""
+"""Reasons why a run ends early, other than a lost world, a failed controller and a number that is not finite."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The engine's log as rows of events: whom each concerns, why it happened, and the message that the driver gets."""
+"""The engine's log as events: the entity of each, its cause, and the message to the driver."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a plan that was read from a file can be run: it may say things that `compile` never writes together."""
+"""Checks whether a stored plan can be run: it may combine things that `compile` never combines."""
 
 from __future__ import annotations
 

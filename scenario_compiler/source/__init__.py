@@ -1,4 +1,4 @@
-"""Our conflict language and the AISA toolkit's file: from an XML document to `Scenario`, with nothing left to expand.
+"""Expands the conflict language and the AISA toolkit's file from an XML document to a `Scenario`.
 
 In: a document. Out: scenarios, without templates, catalogs and structural parameters, and diagnostics. Imports the
 vocabulary and the hall; knows no road, no engine, and no other language (`languages` knows them all).

@@ -1,4 +1,4 @@
-"""The AISA toolkit's file, as it is: a `<config>` of named scenarios, and what the toolkit's code adds to each name.
+"""The AISA toolkit's file: a `<config>` of named scenarios, and the additions that the toolkit's code makes.
 
 The toolkit keeps the obstacles of its scenarios in its code, by the scenario's name; they are a table here. It reads
 <object> elements and the numbers of background traffic and never uses them; neither do we, and say so.

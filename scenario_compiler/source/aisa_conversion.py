@@ -1,4 +1,4 @@
-"""The AISA toolkit's file in our language: what the toolkit's code adds to each name stands in the file."""
+"""Converts the AISA toolkit's file to the conflict language, with the additions of the toolkit's code."""
 
 from __future__ import annotations
 

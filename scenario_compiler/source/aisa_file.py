@@ -1,4 +1,4 @@
-"""The AISA toolkit's file as it is written: its scenario elements by name. `aisa` makes scenarios of them."""
+"""The contents of an AISA toolkit file: its scenario elements by name. `aisa` makes scenarios of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The first text of a conflict of one's own: a commented scenario that uses one template."""
+"""Writes the first text of a new conflict: a commented scenario that uses one template."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scenarios that a program builds from words: completed as those that are read from a file."""
+"""Scenarios that a program builds from words, completed like scenarios from a file."""
 
 from __future__ import annotations
 

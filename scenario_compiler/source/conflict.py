@@ -1,4 +1,4 @@
-"""The files of the conflict language: the words around the vocabulary's, and how a file is read into them.
+"""Files of the conflict language: the words around those of the vocabulary, and reading a file into them.
 
 Reading is shallow: names, parameters and includes. The contents of a scenario or template are read when it is expanded,
 because the text of an attribute has no value before its parameters have values.

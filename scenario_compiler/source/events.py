@@ -1,4 +1,4 @@
-"""`<when>` to the storyboard: an event without edge, once, in parallel, in its actor's maneuver group."""
+"""Converts `<when>` to the storyboard: an event that runs once, in parallel, without an edge."""
 
 from __future__ import annotations
 

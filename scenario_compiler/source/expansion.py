@@ -1,4 +1,4 @@
-"""A scenario of the conflict language to a `Scenario`: parameters bound, uses replaced, references resolved."""
+"""Expands a scenario of the conflict language: parameters bound, uses replaced, references resolved."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A second judge of a file's form: the schemas of our languages, for what the reader let pass."""
+"""Validates a file against the generated schemas of our languages, after the reader has accepted it."""
 
 from __future__ import annotations
 

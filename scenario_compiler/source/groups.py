@@ -1,4 +1,4 @@
-"""Groups of static things, taken apart into the things that stand there."""
+"""Expands groups of static things to the single things."""
 
 from __future__ import annotations
 

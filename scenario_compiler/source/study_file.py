@@ -1,4 +1,4 @@
-"""A file of a study, or of a questionnaire, as it is known without the words of their language.
+"""A file of a study or of a questionnaire, without its words, which are imported when such a file is read.
 
 They are imported (`study`) where such a file is read, since other files need none of them.
 """

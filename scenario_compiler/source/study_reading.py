@@ -1,4 +1,4 @@
-"""Reading the study's own files, with the pages and questionnaires that a study names."""
+"""Reads study files, with the pages and questionnaires that they name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Templates: where they are found, the scopes of ids that their uses make, and putting their items in place."""
+"""Templates: finding them, the scopes of ids in their uses, and inserting their items."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Templates that stand beside scenarios and are used by none of them."""
+"""Finds templates in a file with scenarios that none of them uses."""
 
 from __future__ import annotations
 

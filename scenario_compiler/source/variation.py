@@ -1,4 +1,4 @@
-"""Checks of a scenario's `<vary>`: its parameters are declared, and what is drawn for them is within their limits."""
+"""Checks a scenario's `<vary>`: its parameters are declared, and its values are within their limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a file of one of ASAM's XML formats has the structure that its version demands.
+"""Checks whether a file of one of ASAM's XML formats has the structure of its version.
 
 What enters: a document, a `grammar.Grammar` (the format's declarations of elements, words and kinds of values) and a
 version. What leaves: diagnostics with line and column (`walk.check_elements`). Knows no format: `roads.structure`

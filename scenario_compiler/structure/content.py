@@ -1,4 +1,4 @@
-"""The order and number of an element's children, as an automaton over tags.
+"""The allowed order and number of an element's children, as an automaton over tags.
 
 A content model is a tree: a name, a sequence, a choice, a repetition. Its automaton is Glushkov's: one position for
 each name in the model, and for each position those that may follow. States are built when they are first met. Children

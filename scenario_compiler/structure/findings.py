@@ -1,4 +1,4 @@
-"""Where the checks of a file report: findings at elements, counted by code."""
+"""Reports the findings of a file's checks at elements, counted by code."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""ASAM's own schemas, where the user has them: finding the one of a version, and what it says of a document.
+"""Uses ASAM's own schemas, if the user has them: finds that of a version, and validates a document.
 
 The schemas are not redistributed with this package. This module uses those in XSD 1.0, through lxml.
 """

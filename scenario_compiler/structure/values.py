@@ -1,4 +1,4 @@
-"""The kinds of values that attributes may have, and the literals of XML Schema that most kinds are made of.
+"""The kinds of attribute values, and the literals of XML Schema on which most of them are based.
 
 Source: W3C, XML Schema Part 2: Datatypes, section 3.
 """

@@ -1,4 +1,4 @@
-"""Studies with participants: who meets what in which order, what they do, and the data that this leaves.
+"""Studies with participants: their procedure, running their sessions, and their data.
 
 A session is a row of steps (`procedure`). What happens in it is written to a journal as it happens, and all tables are
 made from journals and recordings. A driver model goes through a study as a person does (`pilot`).

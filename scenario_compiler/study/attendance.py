@@ -1,4 +1,4 @@
-"""A participant's session under way: where they are, what they may do next, and what they do, written as it happens."""
+"""A participant's session in progress: the current step, the possible actions, and their journal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The data of a study, in the form of BIDS 1.9: a folder a participant and session, tables with their codebook.
+"""The data of a study in the format of BIDS 1.9: a folder for each session, and tables with a codebook.
 
 Journals and run folders are the source (`sourcedata`); all tables are made from them, and can be made again. A table is
 tab-separated, `n/a` stands for what is missing, and a JSON file beside it, or above it for all of its kind, says what

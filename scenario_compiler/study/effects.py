@@ -1,4 +1,4 @@
-"""What a pilot says of the study to come: means by condition, differences within participants, and power.
+"""The effects that a pilot lets expect: means by condition, differences within participants, and power.
 
 The participant is the unit of analysis. Trials of one participant are not independent of each other, so those of a
 condition are averaged first, and each participant counts once, with one number: a summary measure (Matthews et al.

@@ -1,4 +1,4 @@
-"""The journal of a session: what happened, one JSON object a line, on the disk before anything else goes on."""
+"""The journal of a session: one JSON object for each event, on the disk before the session continues."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The folder of a study: which study it holds, and that one program alone writes it."""
+"""The folder of a study: the study to which it belongs, and a lock so that only one program writes to it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happens in a study as a stream of the Lab Streaming Layer, beside which other devices record theirs.
+"""The events of a study as a stream of the Lab Streaming Layer, for recording together with other devices.
 
 One stream of markers, each a JSON object: the participant and the session, and then a record of the journal or an event
 of a run, as it stands in their files. The layer puts its own time to each.

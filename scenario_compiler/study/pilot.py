@@ -1,4 +1,4 @@
-"""A study that driver models go through: the same steps, the same files, before anybody is invited.
+"""Takes driver models through a study: the same steps and the same files as for people.
 
 The driver of each trial is drawn again: what lasts in a person from one trial to the next is not part of it. Answers to
 questionnaires and probes are drawn evenly, so that tables have their form; they mean nothing. A model does no

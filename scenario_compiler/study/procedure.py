@@ -1,4 +1,4 @@
-"""The steps of each session: a function of the study, the participant and the session alone."""
+"""The steps of each session, which depend only on the study, the participant and the session."""
 
 from __future__ import annotations
 

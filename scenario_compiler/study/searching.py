@@ -1,4 +1,4 @@
-"""The pictures of the secondary task: circles at drawn places, one of them larger."""
+"""The pictures of the secondary task: circles at random places, one of them larger."""
 
 from __future__ import annotations
 

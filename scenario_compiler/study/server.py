@@ -1,4 +1,4 @@
-"""The pages of a study: one for each participant, and one for the experimenter apart from them.
+"""The pages of a study: those of the participants, and that of the experimenter.
 
 A participant's page is made again at each step, so that a page that is loaded again stands where the participant does.
 """

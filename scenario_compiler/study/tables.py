@@ -1,4 +1,4 @@
-"""The tables of a study, tab-separated as BIDS has them, and the one tidy table of all its runs."""
+"""The tables of a study, tab-separated as in BIDS, and one tidy table of all its runs."""
 
 from __future__ import annotations
 

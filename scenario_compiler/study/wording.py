@@ -1,4 +1,4 @@
-"""The words of the participant's pages in each language.
+"""The texts of the participants' pages in each language.
 
 The German, Finnish and Swedish words have not been checked by native speakers.
 """

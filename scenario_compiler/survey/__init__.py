@@ -1,4 +1,4 @@
-"""What a library of scenarios covers: situations by taxonomy, conditions, tags, near-duplicates, and what is missing.
+"""The coverage of a library of scenarios: situations, conditions, tags, near-duplicates, and gaps.
 
 In: a folder of scenarios. Out: a `Survey`, as JSON and as a page, and each scenario's tags in ASAM OpenLABEL's form.
 Imports the compiler, the runtime and what is below them.

@@ -1,4 +1,4 @@
-"""Scenarios that say the same: plans that are equal but for their numbers, and the numbers that differ."""
+"""Near-duplicates: scenarios whose plans differ only in numbers, and these numbers."""
 
 from __future__ import annotations
 

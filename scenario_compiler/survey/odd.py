@@ -1,4 +1,4 @@
-"""The conditions that a scenario takes place in, as tags: roads, weather, light, traffic and what the others do.
+"""The conditions of a scenario as tags: roads, weather, light, traffic and the actions of others.
 
 The tags and their tree are those of ASAM OpenLABEL 1.0.0's public ontology of scenario tags, whose ODD part follows BSI
 PAS 1883, as ISO 34503 does. The standard ISO 34503 itself is not public and was not read. A tag is given only where the

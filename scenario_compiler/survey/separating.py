@@ -1,4 +1,4 @@
-"""Whether a library's scenarios separate drivers: each is run with four of them, and judged by its own criteria.
+"""Runs a library's scenarios with four drivers, to see whether their results differ.
 
 A scenario that ends well whoever drives says nothing about takeovers. The runs have the seed 1, and ideal perception
 unless the camera is asked for; nothing but the driver differs.

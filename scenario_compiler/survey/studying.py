@@ -1,4 +1,4 @@
-"""Scenarios looked at one by one, in one process or many: compiled, tagged, and run with ideal perception."""
+"""Examines scenarios one by one, in one or several processes: compiles, tags and runs them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a library covers and what it lacks, put together from what is known of each of its scenarios."""
+"""Combines the results for all scenarios of a library: what it covers and what it lacks."""
 
 from __future__ import annotations
 

@@ -22,9 +22,14 @@ CONFLICT = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-@pytest.fixture
-def conflict(tmp_path: Path) -> Path:
-    """File of a conflict of 6 s: a blocked lane ahead of an ego vehicle at 13.9 m/s."""
-    path = tmp_path / "short.xml"
+def conflict_in(folder: Path) -> Path:
+    """Write a conflict of 6 s: a blocked lane ahead of an ego vehicle at 13.9 m/s; return its file."""
+    path = folder / "short.xml"
     path.write_text(CONFLICT, encoding="utf-8")
     return path
+
+
+@pytest.fixture
+def conflict(tmp_path: Path) -> Path:
+    """File of the conflict."""
+    return conflict_in(tmp_path)

@@ -6,6 +6,7 @@ import contextlib
 import os
 import resource
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -27,6 +28,7 @@ from scenario_compiler.batch.search import find_boundary
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import Progress
 from scenario_compiler.diagnostics import Diagnostics
+from tests.batch.conftest import conflict_in
 
 CONTROLLER = '''
 """A controller that misbehaves at chosen speeds: it hangs, ends its process, or raises."""
@@ -205,19 +207,28 @@ def _bytes_of(folder: Path) -> bytes:
     return (folder / "results.parquet").read_bytes()
 
 
-@pytest.fixture
-def half(conflict: Path, tmp_path: Path) -> Path:
-    """Folder of a sweep that was interrupted when two of its four parts were there; `whole` beside it has all."""
-    run_sweep(conflict, _spec(interpreted=True), tmp_path / "whole", workers=1, report=False)
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with `whole`, a sweep, and `half`, the same one interrupted when two of its four parts were there."""
+    folder = tmp_path_factory.mktemp("swept")
+    conflict = conflict_in(folder)
+    run_sweep(conflict, _spec(interpreted=True), folder / "whole", workers=1, report=False)
 
     def interrupt(progress: Progress) -> None:
         if progress.done == 32:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run_sweep(conflict, _spec(interpreted=True), tmp_path / "half", workers=1, progress=interrupt, report=False)
-    assert len(list((tmp_path / "half" / "parts").iterdir())) == 2
-    return tmp_path / "half"
+        run_sweep(conflict, _spec(interpreted=True), folder / "half", workers=1, progress=interrupt, report=False)
+    assert len(list((folder / "half" / "parts").iterdir())) == 2
+    return folder
+
+
+@pytest.fixture
+def half(swept: Path, tmp_path: Path) -> Path:
+    """A copy of the interrupted sweep; `whole` beside it is one of the whole sweep."""
+    shutil.copytree(swept / "whole", tmp_path / "whole")
+    return shutil.copytree(swept / "half", tmp_path / "half")
 
 
 def _flip(path: Path) -> None:

@@ -301,6 +301,7 @@ def test_batches_answer_each_command_by_itself(server: Served, world: Any, spawn
     answers = client.apply_batch_sync(orders, True)
     assert [one.error for one in answers[:-1]] == [""] * (len(orders) - 1)
     assert "not found" in answers[-1].error
+    world.tick()  # a batch does not wait for the snapshot of its tick
     assert car.get_location().distance(there.location) < 1.0
     assert car.get_light_state() == carla.VehicleLightState.Position
     assert not world.get_snapshot().has_actor(found[0].actor_id)
@@ -346,6 +347,56 @@ def test_lights_and_doors_are_kept(world: Any, spawn: Spawn) -> None:
     assert int(car.get_light_state()) == 0x741  # a Traffic Manager sets bits that name no light
     car.open_door(carla.VehicleDoor.FL)
     car.close_door(carla.VehicleDoor.All)
+
+
+def test_the_levels_boxes_are_those_of_what_stands_there(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car, walker = spawn("vehicle.audi.tt", 3), spawn("walker.pedestrian.0002", 8)
+    world.tick()
+    (box,) = world.get_level_bbs(carla.CityObjectLabel.Car)
+    middle = car.get_transform().transform(car.bounding_box.location)
+    assert box.location.distance(middle) < 1e-3
+    assert box.extent.x == pytest.approx(car.bounding_box.extent.x)
+    assert box.rotation.yaw == pytest.approx(car.get_transform().rotation.yaw, abs=1e-3)
+    (box,) = world.get_level_bbs(carla.CityObjectLabel.Pedestrians)
+    assert box.location.distance(walker.get_location()) < 1e-3
+    lights = len(world.get_actors().filter("traffic.traffic_light"))
+    assert len(world.get_level_bbs(carla.CityObjectLabel.TrafficLight)) == lights
+    assert len(world.get_level_bbs()) == 2 + lights
+    assert world.get_level_bbs(carla.CityObjectLabel.Buildings) == []
+
+
+def test_a_vehicle_in_the_air_stays_there_without_physics(world: Any, spawn: Spawn) -> None:
+    """The co-simulation with SUMO spawns vehicles so, and moves them itself."""
+    below, point = spawn("vehicle.audi.tt", 3), world.get_map().get_spawn_points()[3]
+    world.tick()
+    point.location.z += 25.0
+    above = spawn("vehicle.tesla.model3", point)
+    above.set_simulate_physics(False)
+    world.tick()
+    assert above.get_location().distance(point.location) < 1e-3
+    above.set_transform(world.get_map().get_spawn_points()[5])
+    world.tick()
+    point.location.z -= 25.0
+    with pytest.raises(RuntimeError, match="collision"):
+        spawn("vehicle.tesla.model3", point)
+    assert below.get_location().z == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_ray_meets_all_that_it_passes_through(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt", 3)
+    world.tick()
+    at = car.get_location()
+    above, below = carla.Location(at.x, at.y, at.z + 10.0), carla.Location(at.x, at.y, at.z - 10.0)
+    roof, road = world.cast_ray(above, below)
+    assert (roof.label, road.label) == (carla.CityObjectLabel.Car, carla.CityObjectLabel.Roads)
+    assert roof.location.z == pytest.approx(at.z + 2.0 * car.bounding_box.extent.z, abs=0.01)
+    assert road.location.z == pytest.approx(at.z, abs=0.01)
+    assert world.cast_ray(above, carla.Location(at.x, at.y, at.z + 5.0)) == []
+    assert world.ground_projection(above, 20.0).location.z == pytest.approx(roof.location.z, abs=1e-3)
 
 
 def test_wheels_can_be_turned_where_physics_does_not_move_the_vehicle(world: Any, spawn: Spawn) -> None:

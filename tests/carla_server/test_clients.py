@@ -103,6 +103,14 @@ for _ in range(6):
         world.wait_for_tick()
     for car in cars:
         car.destroy()
+settings = world.get_settings()
+car = world.spawn_actor(blueprint, points[0])
+car.destroy()
+settings.synchronous_mode = True
+world.apply_settings(settings)
+settings = world.get_settings()
+settings.synchronous_mode = False
+world.apply_settings(settings)
 print("done", flush=True)
 manager.shut_down()
 """

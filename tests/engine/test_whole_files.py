@@ -26,8 +26,8 @@ LONGEST = 20.0
 BROKEN = ("#obstacle_ahead", "#customramp", "#cutting_in", "#jaywalker")
 """Library scenarios that are run with broken numbers."""
 
-BROKEN_ROWS = 50
-"""Number of broken runs of each."""
+BROKEN_ROWS, BROKEN_LONGEST = 50, 10.0
+"""Number of broken runs of each, and the length of the longest, s: those that break off do so in their first rows."""
 
 
 def library_targets() -> list[str]:
@@ -41,12 +41,12 @@ def compiled_plan(target: str | Path, step: float = STEP) -> Compilation | None:
     return compile_target(target, {}, Diagnostics(), overrides=overrides)
 
 
-def both_of(done: Compilation, rows: Sequence[Sequence[float]] | None = None) -> Both:
-    """Return what both forms leave of a plan, or of rows of its numbers."""
+def both_of(done: Compilation, rows: Sequence[Sequence[float]] | None = None, longest: float = LONGEST) -> Both:
+    """Return what both forms leave of a plan, or of rows of its numbers, in runs of a greatest length, s."""
     program = build_program(done.plan, done.network)
     numbers = [program.const] if rows is None else rows
     draws = [make_draws(1, k) for k in range(len(numbers))]
-    return run_both(done.network.tables, program, numbers, draws, round(LONGEST / done.plan.step) + 1)
+    return run_both(done.network.tables, program, numbers, draws, round(longest / done.plan.step) + 1)
 
 
 def differing(targets: Sequence[str | Path]) -> tuple[list[str], int]:
@@ -100,7 +100,7 @@ def test_faulty_runs_end_with_the_same_code() -> None:
     for target in targets:
         done = compiled_plan(target)
         assert done is not None
-        both = both_of(done, broken_rows(build_program(done.plan, done.network)))
+        both = both_of(done, broken_rows(build_program(done.plan, done.network)), BROKEN_LONGEST)
         assert both.interpreted == both.compiled
         faults += [int(row[flag]) for row in both.summaries if row[stop] == op.STOP_ERROR]
     assert len(targets) == len(BROKEN)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
+import threading
 from pathlib import Path
 
 import pytest
@@ -94,6 +96,42 @@ def test_inputs_are_written_as_they_happen(tmp_path: Path) -> None:
     kept = [json.loads(line) for line in file.read_text().splitlines()]
     assert len(kept) == steps
     assert kept[3] == {"t": 0.06, "throttle": 0.25, "brake": 0.0, "steer": 0.0, "wish": ""}
+
+
+def test_a_run_does_not_wait_for_a_disk_that_is_busy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    busy, free = threading.Event(), threading.Event()
+
+    def sync(file: int) -> None:
+        busy.set()
+        free.wait()
+
+    monkeypatch.setattr("scenario_compiler.live.wheel.os.fsync", sync)
+    wheel = Wheel(PLAN, tmp_path / "inputs.jsonl")
+    wheel.act(KEPT_EVERY, "manual")
+    busy.wait()
+    for k in range(1, 101):
+        wheel.act(KEPT_EVERY + k * 0.02, "manual")
+    free.set()
+    wheel.close()
+    assert len((tmp_path / "inputs.jsonl").read_text().splitlines()) == 101
+
+
+def acted_for_ever(wheel: Wheel) -> None:
+    for k in itertools.count(1):
+        wheel.act(KEPT_EVERY + k * 0.02, "manual")
+
+
+def test_a_disk_that_takes_nothing_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def sync(file: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as broken:
+        broken.setattr("scenario_compiler.live.wheel.os.fsync", sync)
+        wheel = Wheel(PLAN, tmp_path / "inputs.jsonl")
+        wheel.act(KEPT_EVERY, "manual")
+        with pytest.raises(OSError, match="No space left"):
+            acted_for_ever(wheel)
+    wheel.close()
 
 
 @pytest.mark.parametrize(

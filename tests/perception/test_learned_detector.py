@@ -18,7 +18,9 @@ from scenario_compiler.perception.learned_detector import (
     ROWS,
     TRAINED_FOR,
     LearnedLaneDetector,
+    Rows,
     ground_of,
+    tilt_between,
 )
 from scenario_compiler.perception.road_camera import RoadCamera
 from tests.perception.scenery import CLEAR, bend, two_lanes
@@ -38,6 +40,49 @@ def test_pixels_over_the_horizon_show_no_ground() -> None:
     assert np.isinf(x[0])
 
 
+V = (np.arange(ROWS) + 0.5) * TRAINED_FOR.height / ROWS - 0.5
+
+
+def rows_of(y: float, pitch: float, widens: float = 0.0) -> Rows:
+    """Return the rows of a straight boundary y m to the left, seen under a tilt, that moves out by a share of x."""
+    x, _ = ground_of(np.zeros(ROWS), V, pitch)
+    seen = np.isfinite(x)
+    u, _ = TRAINED_FOR.project_ground(x[seen], y + math.copysign(widens, y) * x[seen], pitch)
+    column = np.zeros(ROWS)
+    column[seen] = (u + 0.5) * COLUMNS / TRAINED_FOR.width - 0.5
+    return Rows(seen.astype(float), column, np.full(ROWS, 0.5), np.ones(ROWS))
+
+
+@pytest.mark.parametrize("pitch", [0.0, 0.01, -0.01, 0.02])
+def test_sides_that_seem_to_run_together_tell_the_tilt(pitch: float) -> None:
+    tilt = tilt_between(rows_of(1.75, pitch), rows_of(-1.75, pitch), V, 0.0)
+    assert tilt.pitch == pytest.approx(pitch, abs=0.1 * abs(pitch) + 1e-6)
+    assert tilt.deviation < math.radians(0.4)
+
+
+def test_a_lane_that_widens_is_taken_for_a_tilt_no_surer_than_tapers_allow() -> None:
+    taper = tilt_between(rows_of(1.75, 0.0, 0.01), rows_of(-1.75, 0.0, 0.01), V, 0.0)
+    assert abs(taper.pitch) < 3.0 * taper.deviation
+
+
+def test_one_side_alone_tells_no_tilt() -> None:
+    left = rows_of(1.75, 0.0)
+    nothing = replace(left, there=np.zeros(ROWS))
+    assert math.isinf(tilt_between(left, nothing, V, 0.0).deviation)
+
+
+def test_a_row_tells_the_likeliest_of_two_lines() -> None:
+    one = np.zeros((ROWS, COLUMNS + 1))
+    one[:, 19:22] = 0.15, 0.3, 0.15
+    one[:, 60] = 0.2
+    one[:, -1] = 0.2
+    rows = Rows.of(one)
+    assert rows.column == pytest.approx(np.full(ROWS, 20.0))
+    assert rows.alone == pytest.approx(np.full(ROWS, 0.75))
+    assert rows.there == pytest.approx(np.full(ROWS, 0.8))
+    assert (rows.spread > 15.0).all()
+
+
 def test_another_camera_is_turned_to_the_one_that_it_learned_with() -> None:
     camera = Camera(width=800, height=500, fov=math.radians(60.0), yaw=0.1, pitch=-0.15, roll=0.05)
     homography = learned_detector._homography(camera)
@@ -51,7 +96,7 @@ def test_another_camera_is_turned_to_the_one_that_it_learned_with() -> None:
 def test_the_network_is_the_one_that_the_page_is_about() -> None:
     data = resources.files("scenario_compiler.perception").joinpath(NETWORK_FILE).read_bytes()
     assert len(data) < 1_000_000
-    assert hashlib.sha256(data).hexdigest() == "db96471cab5afd79bc2610d1759f22d9d300f1a04c21ca1345fcbdead5b5e0d4"
+    assert hashlib.sha256(data).hexdigest() == "fd5d0c4e14c9a175aa9e0d36a6286957ba89efa0042ee3b16b61a613cdd698b1"
 
 
 def test_rows_are_distributions_over_columns() -> None:

@@ -157,7 +157,7 @@ def test_a_file_that_is_no_recording_is_refused(tmp_path: Path, content: bytes) 
 
 def test_a_table_that_is_no_recording_is_refused(tmp_path: Path) -> None:
     pq.write_table(pa.table({"a": [1]}), tmp_path / "r.parquet")
-    with pytest.raises(RecordingError, match="no recording"):
+    with pytest.raises(RecordingError, match="is not a recording"):
         read_recording(tmp_path / "r.parquet")
 
 

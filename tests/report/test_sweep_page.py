@@ -26,8 +26,11 @@ ROWS: dict[str, Sequence[Any]] = {
     "avoided_by": [None, None, None],
     "error": [None, None, None],
     "parameter.gap": [1.0, 2.0, 3.0],
-    **{name: [1.0, 0.5, 2.0] for name in SHOWN},
+    **{name: [None] * 3 for name in SHOWN},
+    "takeover_time": [1.0, 0.5, 2.0],
+    "minimum_time_to_collision": [1.0, 0.5, 2.0],
 }
+"""Three runs with two of the measures: a page draws each one that some run has."""
 
 
 @pytest.mark.parametrize("automated", [True, False])
@@ -151,7 +154,8 @@ def test_a_case_has_its_values_under_their_names(tmp_path: Path) -> None:
 
 def test_parameters_and_measures_have_their_units(tmp_path: Path) -> None:
     cases = [Case(1, {"gap": 2.0}, "scenario-compiler run")]
-    page = SweepPage("it", "", ROWS, {"gap": "uniform(1, 3)"}, {"gap": "m/s2"}, [], cases, "scenario-compiler sweep")
+    rows = {**ROWS, **{name: [1.0, 0.5, 2.0] for name in SHOWN}}
+    page = SweepPage("it", "", rows, {"gap": "uniform(1, 3)"}, {"gap": "m/s2"}, [], cases, "scenario-compiler sweep")
     text = write_sweep_report(page, tmp_path).read_text(encoding="utf-8")
     assert '<td>gap</td><td class="unit">m/s²</td>' in text
     assert '<th class="n">gap (m/s²)</th>' in text

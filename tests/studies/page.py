@@ -1,6 +1,6 @@
 """docs/validity.md and its figure: the studies of this folder, what the papers report and what comes out here.
 
-`python -m tests.studies.page` writes both. It runs some 600 conflicts without a camera.
+`python -m tests.studies.page` writes both. It runs some 800 conflicts without a camera.
 """
 
 from __future__ import annotations
@@ -23,8 +23,11 @@ from tests.studies import (
     test_eriksson_2017,
     test_gold_2013,
     test_gold_2016,
+    test_happee_2017,
     test_koerber_2016,
     test_merat_2014,
+    test_mok_2015,
+    test_naujoks_2014,
     test_r157_cut_in,
     test_radlmayr_2014,
 )
@@ -38,19 +41,20 @@ HEAD = """# Published studies, run again
 
 <!-- written by python -m tests.studies.page -->
 
-Eight studies are written as conflicts of 10 to 25 lines (`tests/studies`). Each table shows what the paper reports, the
-result here, and what a test asserts, which is never more than the source supports. "Figure not found" means that the
-paper was not available and no quotation of the number was found; "from memory, not verified" marks a direction that
-was not looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so their
-medians are not a result; what happens after the response is.
+Eleven studies are written as conflicts of 10 to 25 lines (`tests/studies`). Each table shows what the paper reports,
+the result here, and what a test asserts, which is never more than the source supports. "Figure not found" means that
+the paper was not available and no quotation of the number was found; "from memory, not verified" marks a direction
+that was not looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so
+their medians are not a result; what happens after the response is.
 
 The tables contain two times to collision. The time to collision *of the path* refers to objects on the path that the
 car is steering along at the moment: an obstacle is no longer on the path as soon as the wheel is turned, and is on it
 again when the car straightens beside the obstacle. The time to collision *along the lane* refers to objects ahead of
-the car in its lane, whatever the steering, until the car has moved aside; takeover studies report this one. The two
-can differ in direction. If both adjacent lanes are full and 5 s are left, a car can only brake, and keeps 1.55 s of
-both. If it steers around the obstacle into a free lane, it has 1.36 s of the path, while it straightens beside the
-obstacle, but 2.15 s along the lane (medians of 15 runs).
+the car in its lane, whatever the steering, until the car has moved aside; takeover studies report this one, and Happee
+et al. 2017 prefer it as the more robust. Compare conditions by it: the two can differ in direction. If both adjacent
+lanes are full and 5 s are left, a car can only brake, and keeps 1.55 s of both. If it steers around the obstacle into a
+free lane, it has 1.36 s of the path, while it straightens beside the obstacle, but 2.15 s along the lane (medians of 15
+runs).
 
 ![Takeover times, least times to collision, collisions and lateral deviation of six studies](validity.svg)
 """
@@ -118,9 +122,9 @@ def gold_2013(folder: Path) -> dict[str, Sample]:
 
 
 def box(axes: Axes, samples: dict[str, Sample], title: str) -> None:
-    """Draw the least times to collision of a study's conditions, and their collisions."""
+    """Draw the least times to collision along the lane of a study's conditions, and their collisions."""
     axes.boxplot(
-        [one.least for one in samples.values()],
+        [one.along for one in samples.values()],
         tick_labels=[f"{name}\n{one.crashed:.0%} collide" for name, one in samples.items()],
         widths=0.5,
         medianprops={"color": ORANGE, "linewidth": 2},
@@ -128,7 +132,7 @@ def box(axes: Axes, samples: dict[str, Sample], title: str) -> None:
         flierprops={"markersize": 3},
     )
     axes.set_ylim(bottom=0)
-    axes.set_ylabel("least time to collision, s")
+    axes.set_ylabel("least time to collision along the lane, s")
     axes.set_title(title, fontsize=10)
 
 
@@ -202,6 +206,13 @@ def write() -> None:
             for traffic in test_doubek_2020.TRAFFIC
             for budget in test_doubek_2020.BUDGETS
         ]
+        letting_go = [
+            (f"{situation}, {modality}", test_naujoks_2014.condition(folder, situation, modality, SEEDS))
+            for situation in test_naujoks_2014.SITUATIONS
+            for modality in test_naujoks_2014.MODALITIES
+        ]
+        safe = [(f"{budget:g} s", test_mok_2015.safe(folder, budget)) for budget in test_mok_2015.BUDGETS]
+        evasions = [(name, test_happee_2017.condition(folder, name)) for name in test_happee_2017.CONDITIONS]
         verdicts = [test_r157_cut_in.verdict(folder, *point) for point in test_r157_cut_in.POINTS]
     above = [one for one in verdicts if one.intrusion > one.limit]
     parts = (
@@ -221,6 +232,17 @@ def write() -> None:
             test_doubek_2020,
             ("condition", "along the lane, s", "greatest acceleration along the road, m/s2", "hands on the wheel, s"),
             tuple((name, f"{one.least:.2f}", f"{one.deceleration:.2f}", f"{one.hands:.2f}") for name, one in roadworks),
+        ),
+        Part(
+            test_happee_2017,
+            ("condition", "evasion begins before it, m", "along the lane, s", "greatest lateral acceleration, m/s2"),
+            tuple((name, f"{one.away:.0f}", f"{one.least:.2f}", f"{one.lateral:.2f}") for name, one in evasions),
+        ),
+        Part(test_mok_2015, ("budget", "safe"), tuple((name, f"{share:.0%}") for name, share in safe)),
+        Part(
+            test_naujoks_2014,
+            ("condition", "hands on the wheel, s", "greatest offset from the lane's centre, m"),
+            tuple((name, f"{one.hands:.2f}", f"{one.offset:.2f}") for name, one in letting_go),
         ),
         Part(
             test_eriksson_2017,

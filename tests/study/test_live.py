@@ -265,6 +265,34 @@ def test_an_open_page_goes_on_by_itself_when_the_server_is_there_again(endless: 
 
 
 @pytest.mark.slow
+def test_answers_given_before_a_pause_stand_in_the_form_again(tmp_path: Path, browser: Browser) -> None:
+    study = made.study(tmp_path)
+    study.write_text(study.read_text().replace('<page file="welcome.md"/>', '<ask file="effort.xml"/>'))
+    with (
+        served(*serving(study)) as server,
+        opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk,
+        opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page,
+    ):
+        ordered(desk, 1, "Start")
+        page.get_by_role("button", name="I agree").click(timeout=SLOW)
+        page.get_by_role("group", name="Taking over was hard.").get_by_label("2").check(timeout=SLOW)
+        page.get_by_label("A sound").check()
+        page.get_by_label("What else do you want to say?").fill("Half a sen")
+        page.get_by_label("A sound").focus()
+        ordered(desk, 1, "Pause")
+        expect(page.get_by_role("heading", name="Please wait")).to_be_visible(timeout=SLOW)
+        ordered(desk, 1, "Start")
+        expect(page.get_by_label("What else do you want to say?")).to_have_value("Half a sen", timeout=SLOW)
+        expect(page.get_by_role("group", name="Taking over was hard.").get_by_label("2")).to_be_checked()
+        expect(page.get_by_role("group", name="I stayed calm.").get_by_label("7")).not_to_be_checked()
+        answered(page)
+        expect(page.locator("#go")).to_be_visible(timeout=SLOW)
+        assert page.evaluate("sessionStorage.length") == 0
+    given = journal(study, 1)[-1]["answers"]
+    assert given == {"hard": 2, "calm": 7, "first": "sound", "more": "Nothing, thanks = fine\tor not"}
+
+
+@pytest.mark.slow
 def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser) -> None:
     with served(*serving(endless)) as server:
         started(browser, server, 1)

@@ -1,1 +1,1 @@
-"""What is done for each call; `protocol.py` says for which."""
+"""The handlers of calls; `protocol.py` assigns them to the calls."""

@@ -184,7 +184,7 @@ def collide(host: Host, number: int, enabled: bool) -> None:
 
 
 def body_of(host: Host, number: int) -> Body:
-    """Return a body; CallError where the actor is none."""
+    """Return a body; raise CallError if the actor has none."""
     actor = host.stage.get(number)
     if not isinstance(actor, Body):
         raise CallError(f"actor {number} is {actor.blueprint.name}: it has no body")
@@ -192,7 +192,7 @@ def body_of(host: Host, number: int) -> Body:
 
 
 def car_of(host: Host, number: int) -> Car:
-    """Return a vehicle; CallError where the actor is none."""
+    """Return a vehicle; raise CallError if the actor is not a vehicle."""
     actor = host.stage.get(number)
     if not isinstance(actor, Car):
         raise CallError(f"actor {number} is {actor.blueprint.name}, not a vehicle")
@@ -200,7 +200,7 @@ def car_of(host: Host, number: int) -> Car:
 
 
 def walker_of(host: Host, number: int) -> Walker:
-    """Return a walker; CallError where the actor is none."""
+    """Return a walker; raise CallError if the actor is not a walker."""
     actor = host.stage.get(number)
     if not isinstance(actor, Walker):
         raise CallError(f"actor {number} is {actor.blueprint.name}, not a walker")

@@ -1,4 +1,4 @@
-"""Batches: several commands in one call, each answered by itself."""
+"""Batches: several commands in one call, each with its own response."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Calls that ask what is where: rays, boxes of the map, things beside the roads."""
+"""Calls that query the world: rays, boxes of the map, objects beside the roads."""
 
 from __future__ import annotations
 
@@ -8,8 +8,18 @@ from typing import Any
 
 import numpy as np
 
+from scenario_compiler.carla_server.answers import lights
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.sensors.rays import Rays
+from scenario_compiler.frames import carla_axes
+from scenario_compiler.perception.labels import Tag
+
+MOST_HITS = 64
+BEYOND = 0.05
+"""Hits of a ray at most, and how far behind a surface it goes on, m."""
+
+ANY_TAG = 255
+"""What clients ask with for things of every tag."""
 
 
 def project_point(
@@ -28,12 +38,12 @@ def project_point(
 
 
 def cast_ray(host: Host, start: list[float], end: list[float]) -> list[Any] | Awaitable[list[Any]]:
-    """Answer with what lies on the line between two points: where, and its semantic tag."""
+    """Answer with all that the line between two points enters, in its order: where, and its semantic tag."""
 
     def look() -> list[Any]:
         begin, way = np.array(start, np.float64), np.array(end, np.float64) - np.array(start, np.float64)
         length = float(np.linalg.norm(way))
-        return [] if length < 1e-9 else _met(host, begin, way / length, length)
+        return [] if length < 1e-9 else _met(host, begin, way / length, length, MOST_HITS)
 
     return _on_ground(host, look)
 
@@ -48,17 +58,36 @@ async def _later(host: Host, look: Callable[[], list[Any]]) -> list[Any]:
     return look()
 
 
-def _met(host: Host, begin: Any, direction: Any, reach: float) -> list[Any]:
-    rays = Rays(host.stage, begin, direction[None], reach, 0)
-    if not np.isfinite(rays.distance[0]):
-        return []
-    return [[(begin + direction * rays.distance[0]).tolist(), int(rays.tags()[0])]]
+def _met(host: Host, begin: Any, direction: Any, reach: float, most: int = 1) -> list[Any]:
+    found: list[Any] = []
+    passed: set[int] = set()
+    way = 0.0
+    while len(found) < most and way < reach:
+        rays = Rays(host.stage, begin + direction * way, direction[None], reach - way, 0, passed)
+        distance = way + float(rays.distance[0])
+        if not np.isfinite(distance):
+            break
+        found.append([(begin + direction * distance).tolist(), int(rays.tags()[0])])
+        if rays.target[0] >= 0:
+            passed.add(rays.bodies[rays.target[0]].id)
+        else:
+            way = distance + BEYOND
+    return found
 
 
 def level_boxes(host: Host, tag: int) -> list[Any]:
-    """Answer with no box: what stands beside the roads has none here."""
-    del host, tag
-    return []
+    """Answer with the boxes of vehicles, walkers, props and traffic lights of a semantic tag, in the world's axes."""
+    found: list[Any] = []
+    for body in host.stage.bodies():
+        if tag in (ANY_TAG, body.tag):
+            x, y, z, pitch, yaw, roll = host.stage.transform_of(body)
+            up = np.array(carla_axes(pitch, yaw, roll)[2]) * (body.box[2] - body.up)
+            found.append([(np.array([x, y, z]) + up).tolist(), list(body.box), [pitch, yaw, roll], body.id])
+    if tag in (ANY_TAG, Tag.TRAFFIC_LIGHT):
+        for group in host.stage.groups:
+            for light in group.lights:
+                found += lights.boxes(host, light.actor)
+    return found
 
 
 def environment_objects(host: Host, tag: int) -> list[Any]:

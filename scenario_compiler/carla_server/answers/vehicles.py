@@ -1,4 +1,4 @@
-"""Calls about vehicles and walkers: what drives them, their lights, doors and physics."""
+"""Calls about vehicles and walkers: their control, lights, doors and physics."""
 
 from __future__ import annotations
 

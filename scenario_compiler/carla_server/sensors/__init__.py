@@ -1,1 +1,1 @@
-"""Sensors: each kind is a class that is made when a client spawns one and asked for its message in a tick."""
+"""Sensors: each kind is a class; a spawned sensor is asked for its message in each tick."""

@@ -1,4 +1,4 @@
-"""GNSS and IMU: where a sensor is on the globe, and how it is moved and turned.
+"""GNSS and IMU: the position of a sensor on the globe, and its acceleration and turning rate.
 
 Positions are those that the client's own `Map.transform_to_geolocation` computes, so that sensor and map agree. About
 the reference point of the map, latitude 42 and longitude 2 where it names none, 0.9.15 has a spherical Mercator

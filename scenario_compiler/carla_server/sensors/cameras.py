@@ -1,4 +1,4 @@
-"""Cameras: colours, depth, kinds and instances, drawn by our own renderer wherever the camera is."""
+"""Cameras for colours, depth, semantic and instance images, drawn by our own renderer."""
 
 from __future__ import annotations
 

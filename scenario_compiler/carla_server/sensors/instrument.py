@@ -1,4 +1,4 @@
-"""What a sensor needs to know of the world, and what it is."""
+"""The interface of sensors, and the source of their noise."""
 
 from __future__ import annotations
 

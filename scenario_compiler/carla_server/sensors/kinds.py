@@ -1,4 +1,4 @@
-"""The kinds of sensors by their blueprints: what measures, or why they cannot be spawned."""
+"""The kinds of sensors by blueprint: the class that measures, or the reason why it cannot be spawned."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lidar, semantic lidar, radar and obstacle detection: rays that meet the ground and the bodies' boxes.
+"""Lidar, semantic lidar, radar and obstacle detection, by rays that hit the ground and the bodies' boxes.
 
 On a level map, the ground is the plane that the sensor's carrier stands on. What a lidar loses follows CARLA's
 documentation of `sensor.lidar.ray_cast`: intensity falls by exp(-attenuation x distance), a share of the points is

@@ -1,1 +1,1 @@
-"""The containers' columns, and the functions that know nothing else: numbers, the log, who is there."""
+"""The columns of all containers, and basic functions on numbers, the log and the presence of entities."""

@@ -1,4 +1,4 @@
-"""What the engine's log tells: the names of its events, and what each means, for people.
+"""The names of the engine's events, and their meanings for readers.
 
 An action's own event is declared in its entry (`moves.entry.Told`).
 """
@@ -10,19 +10,19 @@ from scenario_compiler.engine.columns import opcodes as op
 EVENTS: dict[int, tuple[str, str]] = {
     op.EVENT_ACTIVATION: (
         "activation",
-        "The automation drives again after a hand-back.",
+        "The automation drives again after the driver has handed back.",
     ),
     op.EVENT_WARNING: (
         "warning",
-        "The driver is warned; `cause` says why.",
+        "The automation warns the driver; `cause` is the reason.",
     ),
     op.EVENT_REQUEST: (
         "request",
-        "A takeover is requested; `cause` says why.",
+        "The automation requests a takeover; `cause` is the reason.",
     ),
     op.EVENT_ESCALATION: (
         "escalation",
-        "The request is made urgent; `cause` as above.",
+        "The request becomes urgent; `cause` is that of the request.",
     ),
     op.EVENT_RESPONSE: (
         "response",
@@ -42,44 +42,44 @@ EVENTS: dict[int, tuple[str, str]] = {
     ),
     op.EVENT_MINIMUM_RISK: (
         "minimum_risk",
-        "The minimum-risk manoeuvre begins; `cause` as above.",
+        "The minimum-risk manoeuvre begins; `cause` is that of the request.",
     ),
     op.EVENT_STANDSTILL: (
         "standstill",
-        "The automated vehicle stands; `cause` is `driver` where a driver stopped it, `message` says where: "
+        "The automated vehicle has stopped; `cause` is `driver` if a driver stopped it, `message` is the place: "
         "`own_lane`, `other_lane`, `shoulder` or `off_road`.",
     ),
     op.EVENT_COLLISION: (
         "collision",
-        "Two boxes touch: the automated vehicle's, or the first entity's, and that of `entity`.",
+        "The box of the automated vehicle, or of the first entity, touches that of `entity`.",
     ),
     op.EVENT_MERGE: (
         "merge",
-        "A move to the lane beside begins.",
+        "The automated vehicle begins to merge into the adjacent lane.",
     ),
     op.EVENT_MERGE_ABORTED: (
         "merge_aborted",
-        "That move is broken off.",
+        "The merge is broken off.",
     ),
     op.EVENT_BRAKE: (
         "brake",
-        "The driver brakes before what blocks the path.",
+        "The driver brakes for an object that blocks the path.",
     ),
     op.EVENT_EVADE: (
         "evade",
-        "The driver evades what blocks the path.",
+        "The driver evades an object that blocks the path.",
     ),
     op.EVENT_STORYBOARD_START: (
         "storyboard_start",
-        "An event of the storyboard begins: `message` is its name, `entity` who does it if one does.",
+        "An event of the storyboard begins: `message` is its name, `entity` its actor if there is one.",
     ),
     op.EVENT_STORYBOARD_END: (
         "storyboard_end",
-        "It ends.",
+        "The event of the storyboard ends.",
     ),
     op.EVENT_WARNING_OVER: (
         "warning_over",
-        "The warning's reason is gone.",
+        "The warning ends because its reason has ended.",
     ),
     op.EVENT_FAILURE: (
         "failure",
@@ -87,11 +87,11 @@ EVENTS: dict[int, tuple[str, str]] = {
     ),
     op.EVENT_FAILURE_END: (
         "failure_end",
-        "It ends.",
+        "The failure ends.",
     ),
     op.EVENT_HAZARD_LIGHTS: (
         "hazard_lights",
-        "`value` 1: on, 0: off.",
+        "The hazard lights are switched: `value` is 1 for on, 0 for off.",
     ),
     op.EVENT_NO_PROGRESS: (
         "no_progress",
@@ -101,23 +101,23 @@ EVENTS: dict[int, tuple[str, str]] = {
     op.EVENT_OBSTRUCTION: (
         "obstruction",
         "The automated vehicle has come to a standstill, by a minimum-risk manoeuvre or by its driver, in a lane for "
-        "driving in which nothing ahead holds it: it is in the way of those behind.",
+        "driving in which nothing ahead holds it, so that it obstructs the vehicles behind.",
     ),
     op.EVENT_OUTSIDE_DOMAIN: (
         "outside_domain",
-        "What surrogate perception goes by is outside the domain for which it was fitted, for the first time: from "
-        "here on the camera may answer otherwise.",
+        "A feature of surrogate perception leaves, for the first time, the domain of the fit: from here on the camera "
+        "could give another confidence.",
     ),
     op.EVENT_OVERRIDE: (
         "override",
-        "The person at the wheel takes over without being asked.",
+        "The person at the wheel takes over without a request.",
     ),
     op.EVENT_CONTACT: (
         "contact",
-        "Two others touch, one of them for the first time: `entity`, and the one that `message` names.",
+        "Two other entities touch, one of them for the first time: `entity`, and the one in `message`.",
     ),
 }
-"""By an event's code its name and what it tells. Activation, request (transition demand), response (override),
-minimum-risk manoeuvre and collision are occurrences that UN R157, 8.2.1, has a data storage system record; the others
-are ours.
+"""Name and meaning of each event, by its code. Activation, request (transition demand), response (override),
+minimum-risk manoeuvre and collision are occurrences that a data storage system must record according to UN R157, 8.2.1;
+the others are our own.
 """

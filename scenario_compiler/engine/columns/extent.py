@@ -1,4 +1,4 @@
-"""How far an entity reaches forward and backward from its reference point: its origin, the middle of the rear axle."""
+"""The extent of an entity ahead of and behind its reference point, the middle of the rear axle."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def fault(st: State, code: int, at: int) -> None:
-    """Keep a fault and what it is about, and stop the run."""
+    """Store a fault with its subject, and stop the run."""
     if st.flag[0] == op.FAULT_NONE:
         st.flag[0] = code
         st.flag_at[0] = at

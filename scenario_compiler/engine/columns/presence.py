@@ -1,4 +1,4 @@
-"""Whether an entity is there for whoever looks: pictures, sensors, or the other traffic."""
+"""Whether an entity is present for pictures, for sensors, or for other traffic."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def there_for(st: State, j: int, who: int) -> int:
-    """Return 1 where an entity is in the world and those of a SEEN_... bit mind it."""
+    """Return 1 if an entity is in the world and is visible to the observers of a SEEN_... bit."""
     if st.present[j] == 0 or st.visible[j] & who == 0:
         return 0
     return 1

@@ -81,7 +81,7 @@ class Program(Columns):
     """Number of the vehicle that the takeover is about, or NONE."""
     perception: list[int] = column(RUN, 0, codes(op.PERCEPTION_SURROGATE + 1))
     surrogate_const: list[int] = column(RUN, 0, SLOT)
-    """Slot of the first number of surrogate perception; where there is none, nothing reads them."""
+    """Slot of the first number of surrogate perception; it is not read with another perception."""
     forward_sensor: list[int] = column(RUN, op.SENSOR_CAMERA, codes(op.SENSOR_LIDAR + 1))
     control_every: list[int] = column(RUN, 1, whole(1))
     image_every: list[int] = column(RUN, 1, whole(1))

@@ -1,4 +1,4 @@
-"""The rows that words become, and what a word's row is made with.
+"""The rows that words become in a program, and the tools for making them.
 
 A row is made by the function that is declared beside what executes the word (`moves`, `story.conditions`). That
 function gets the word and a `ProgramDraft`, the program under construction, and knows neither files nor models.

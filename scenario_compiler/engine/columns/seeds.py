@@ -1,4 +1,4 @@
-"""The seed that draws inside a run depend on."""
+"""The seed of all random numbers inside a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a number stands in `Program.const`: fixed slots of the run, and offsets into the blocks of everything else.
+"""The slots of numbers in `Program.const`: fixed ones of the run, and offsets into the blocks of other things.
 
 Every number of a plan goes through this one column, so that a variant of a plan is one row.
 """

@@ -137,7 +137,7 @@ class State(Columns):
     lights: list[int] = column(ENTITY)
     """Lights that actions have switched on, as bits: the first of `moves.appearance.LIGHTS` is the lowest."""
     visible: list[int] = column(ENTITY, op.SEEN_BY_ALL)
-    """Who minds the entity, by SEEN_... bits."""
+    """Observers to whom the entity is visible, as SEEN_... bits."""
     towed: list[int] = column(ENTITY, op.NONE)
     """Trailer that it tows, or NONE."""
     towed_by: list[int] = column(ENTITY, op.NONE)
@@ -222,7 +222,7 @@ class State(Columns):
     action_phase: list[int] = column(ACTION)
     """Phase that an action is in, of those that go through several."""
     action_a: list[float] = column(ACTION)
-    """Free memory of whoever executes the action; so is `action_b`."""
+    """Memory for the function that executes the action; so is `action_b`."""
     action_b: list[float] = column(ACTION)
     piece_time: list[float] = column(PIECE)
     """Plans of speed profiles: from when a piece holds, its speed and acceleration then, and its jerk."""
@@ -254,7 +254,7 @@ class State(Columns):
     claim: list[int] = column(ENTITY, op.NONE)
     """Connecting road of a junction that the vehicle may drive on, or NONE."""
     entered: list[int] = column(ENTITY)
-    """1 from when it has come to that road."""
+    """1 after the entity has reached that road."""
     asked: list[int] = column(ENTITY)
     """Frame since which it waits for a connecting road, or NONE."""
     wish: list[float] = column(ENTITY)
@@ -387,7 +387,7 @@ class State(Columns):
     """1 where that lane is one for motor traffic, or a shoulder or parking lane beside it."""
     path_found: list[int] = column(RUN)
     route_at: list[int] = column(RUN)
-    """Row of `Program.route_road` that the ego has come to."""
+    """Row of `Program.route_road` that the ego has reached."""
     command_throttle: list[float] = column(ENTITY)
     command_steer: list[float] = column(ENTITY)
     command_brake: list[float] = column(ENTITY)

@@ -1,4 +1,4 @@
-"""Totals: what the measures of a run add up while it runs, as flat columns.
+"""Totals: the sums and extremes that the measures of a run add up while it runs, as flat columns.
 
 A sweep judges its runs by them, so that it keeps no traces. A total that still has its start value is undefined: what
 it measures did not happen. `MEASURES` in `recording` says what each means and computes the same from whole recordings.

@@ -1,4 +1,4 @@
-"""What a row of a trace holds."""
+"""The quantities in a row of a trace."""
 
 from __future__ import annotations
 

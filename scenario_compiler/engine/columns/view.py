@@ -1,4 +1,4 @@
-"""Places of the features that surrogate perception goes by, for one side of the lane.
+"""Indices of the features of surrogate perception, for one side of the lane.
 
 Distances are along the path from the vehicle's reference point. Signs are those of the left side; for the right side
 everything is mirrored, so that one function serves both. The names are those of the coefficients' file.

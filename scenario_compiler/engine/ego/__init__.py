@@ -1,1 +1,1 @@
-"""The ego vehicle: what it senses, the takeover, who drives it, its driver and its minimum-risk manoeuvre."""
+"""The ego: its sensors, the takeover, its driver and its minimum-risk manoeuvre."""

@@ -1,4 +1,4 @@
-"""When the driver answers a request: one person a run, a law of the takeover time, effects, and the stages before it.
+"""The time of the driver's response: its distribution, the person of a run, effects, and stages.
 
 A person is one standard normal number a run, and each request adds one of its own, so that the requests of a run are
 correlated (`person` is the correlation of their normal numbers) and each by itself follows the law. An effect adds

@@ -1,4 +1,4 @@
-"""What is around the ego: the traffic density, and the time to collision along the lane."""
+"""The ego's surroundings: the traffic density, and the time to collision along the lane."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who drives the ego at a control step, and what the automation does until someone answers."""
+"""Decides who drives the ego at a control step, and how the automation drives until somebody responds."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def drive_to_stop(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Let who drives merge: the automation within the time budget where it minds lane ends, the driver in sight."""
+    """Let the automation merge within the time budget if lane ends are a cause, or the driver within sight."""
     st.gap_free[0] = 1
     if st.through_lane[0] == 0 and st.merging[0] == 0:
         return

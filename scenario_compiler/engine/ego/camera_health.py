@@ -1,4 +1,4 @@
-"""How much of a camera's health each kind of fault costs: one curve a kind, for the engine and for the detector.
+"""The loss of a camera's health by each kind of fault, one curve for each, for engine and detector.
 
 With `--perception camera` the detector estimates each quantity in the image and applies these curves; with
 `--perception ideal` the engine applies them to what the scenario says. The health is their product, and it multiplies

@@ -1,4 +1,4 @@
-"""Controllers that actions give to entities, switch on and off, or hold in place of.
+"""Controllers that actions assign to entities, switch on and off, or override.
 
 An entity that the storyboard moves has the default controller, which leaves its speed as it is; the only other one
 that drives it is car following. Held pedals and a held wheel act on the ego vehicle, which is driven by such.

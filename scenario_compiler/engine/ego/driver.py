@@ -236,6 +236,25 @@ def evasion_over(p: Program, st: State, i: int, blocker: int, centre: float) -> 
 
 
 @compiled
+def meets_standing(p: Program, st: State, i: int, centre: float, out: float, begin: float) -> int:
+    """Return 1 where a move to an offset over a distance leads into something that stands nearer than `begin`, m."""
+    front = front_of(p, i)
+    base = p.entity_const[i]
+    half = 0.5 * p.const[base + slot.E_WIDTH]
+    for j in range(p.entity_count[0]):
+        if obstructs(st, j, front) == 0 or st.far[j] >= begin:
+            continue
+        enters = clip(ratio(st.near[j] - front, out, 1.0), 0.0, 1.0)
+        leaves = clip(ratio(st.far[j] - front + p.const[base + slot.E_LENGTH], out, 1.0), 0.0, 1.0)
+        change = centre - st.path_off[0]
+        first = st.path_off[0] + change * 0.5 * (1.0 - cos(pi * enters))
+        last = st.path_off[0] + change * 0.5 * (1.0 - cos(pi * leaves))
+        if st.low[j] < max(first, last) + half and st.high[j] > min(first, last) - half:
+            return 1
+    return 0
+
+
+@compiled
 def evasion_length(p: Program, st: State, i: int) -> float:
     """Return how far the ego goes until what blocks the path is behind it, m."""
     return st.blocked_far[0] + p.const[p.entity_const[i] + slot.E_LENGTH] + 2.0
@@ -250,7 +269,6 @@ def corridor_beside(
     `side` 0 is the own lane alone; `against` tells whether lanes of oncoming traffic are looked for, or the others.
     """
     base = p.entity_const[i]
-    size = p.const[base + slot.E_LENGTH]
     front = front_of(p, i)
     need = p.const[base + slot.E_WIDTH] + 2.0 * CLEARANCE
     left = st.border_left[blocker]
@@ -266,7 +284,7 @@ def corridor_beside(
         left = max(left, high)
         right = min(right, low)
     begin = st.near[blocker] - row_gap(st, i)
-    end = front + st.blocked_far[0] + size
+    end = front + st.blocked_far[0] + row_gap(st, i)
     found, centre, _ = gap_between(p, st, begin, end, front, right, left, need, 0.0)
     if found == 0:
         return 0, 0.0
@@ -276,6 +294,8 @@ def corridor_beside(
     if against == 0:
         high = low
     out = evasion_over(p, st, i, blocker, centre)
+    if meets_standing(p, st, i, centre, out, begin) == 1:
+        return 0, 0.0
     if meets_oncoming(p, st, i, centre, out, evasion_length(p, st, i), op.NONE, 0.0, MEETING_TIME, 0, low, high) == 1:
         return 0, 0.0
     if side != 0 and against == 0 and gap_beside_free(n, p, st, i, side) == 0:

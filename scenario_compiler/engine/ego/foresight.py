@@ -1,4 +1,4 @@
-"""What a driver foresees: where moving things will be, whether a way out meets them, and since when he has minded them.
+"""A driver's foresight: future positions of moving things, conflicts of an evasion with them, reaction times.
 
 Something new is acted on after a time of perception and a time of reaction (0.4 s and 0.75 s after UN R157, the careful
 and competent driver). It is new from when it first calls for more than gentle braking, or blocks the path, while the
@@ -20,7 +20,7 @@ from scenario_compiler.engine.motion.following import idm_acceleration
 from scenario_compiler.marker import compiled
 
 CALL = 1.0
-"""Deceleration that something calls for from which on the driver minds it, m/s2; chosen."""
+"""Required deceleration from which on the driver reacts to something, m/s2; chosen."""
 
 FORGET = 2.0
 """Time after which what calls for nothing any more is new again, s; chosen."""

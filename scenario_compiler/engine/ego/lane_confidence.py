@@ -1,4 +1,4 @@
-"""Lane confidence without a camera: the marks on both sides, the weather between, and the sensor's health."""
+"""Lane confidence without a camera, from the marks on both sides, the weather and the sensor's health."""
 
 from __future__ import annotations
 

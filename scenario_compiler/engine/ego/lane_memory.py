@@ -1,4 +1,4 @@
-"""Where the automation believes to be in its lane while it does not see it, and how it steers by that.
+"""The automation's estimate of its position in a lane that it cannot see, and steering by this estimate.
 
 While at least one side of the lane is seen, the vehicle knows its place in the lane. When both are lost it goes on from
 that place by odometry, along the lane as the planned way has it: a gyroscope gives the change of heading, the wheels

@@ -1,4 +1,4 @@
-"""How near a limit ahead must be for the automation to ask: the time to it at unchanged speed."""
+"""The time to a limit ahead at unchanged speed, from which on the automation requests a takeover."""
 
 from __future__ import annotations
 

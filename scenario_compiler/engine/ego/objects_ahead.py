@@ -1,4 +1,4 @@
-"""What each object ahead is to the vehicle: followed, blocking, or neither.
+"""Classifies each object ahead of the vehicle as followed, blocking, or neither.
 
 Followed is a leader that moves along the way, and a vehicle that stands in a queue behind one or before a red signal:
 a vehicle keeps its distance to these, and stops where they stop. Whatever else reaches into the corridor that is

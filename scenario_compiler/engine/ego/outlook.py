@@ -1,4 +1,4 @@
-"""What the ego's controller knows of the way ahead: what it keeps its distance to, and the planned way.
+"""The controller's view of the route ahead: the thing to keep a distance to, and the planned route.
 
 The way is the middle of the lanes that the plan's route leads over; without a route, and off it, of those that go on
 straight. It ends where the lanes do.

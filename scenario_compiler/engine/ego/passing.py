@@ -1,4 +1,4 @@
-"""Whether oncoming traffic leaves the time for a way out that leads into its lane, from going out to being back.
+"""Whether oncoming traffic leaves enough time for an evasion into its lane, including the return.
 
 A driver foresees the whole of it: he moves over, passes, and comes back, and speeds up as on a free road meanwhile.
 Oncoming vehicles keep their speed. He keeps a time to collision, by the speed of both, to each that comes towards the

@@ -1,4 +1,4 @@
-"""A person at the wheel: takes over and hands back when they want to, and drives by their own pedals and wheel.
+"""A person at the wheel, who takes over, drives with pedals and steering wheel, and hands back.
 
 What the person does stands in the state's input columns, which Python writes between steps. Nothing of it is drawn, so
 a run is repeated exactly from the inputs that were recorded.

@@ -172,7 +172,7 @@ def foresee(st: State, i: int, j: int, front: float) -> None:
 
 @compiled
 def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view: float) -> None:
-    """Measure every entity on the ego's way and tell which of those ahead are seen in a range and an angle of view."""
+    """Measure every entity along the ego's path, and find those ahead that are in a range and an angle of view."""
     front = front_of(p, i)
     far = reach + 50.0
     open_eye(p, st, i, reach, view)

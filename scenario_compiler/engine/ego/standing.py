@@ -1,4 +1,4 @@
-"""Where the vehicle stands that has been stopped: in its own lane, in another one, on a shoulder, or off the road.
+"""The place of a vehicle that has been stopped: its own lane, another lane, a shoulder, or off the road.
 
 It obstructs a lane for driving where nothing ahead holds it: others would go on there.
 """
@@ -54,7 +54,7 @@ def is_held(p: Program, st: State, i: int) -> int:
 
 @compiled
 def log_standstill(n: RoadTables, p: Program, st: State, i: int, by_hand: int) -> None:
-    """Log that the ego has come to a standstill and where, and that it obstructs a lane where it does."""
+    """Log the standstill of the ego with its place, and whether it obstructs a lane."""
     now = st.clock[0]
     if st.time_standstill[0] < 0.0:
         st.time_standstill[0] = now

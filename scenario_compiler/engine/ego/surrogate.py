@@ -1,4 +1,4 @@
-"""Surrogate perception: what a camera with the lane detector would say, as a function of what the engine knows.
+"""Surrogate perception: estimates the output of camera and lane detector from what the engine knows.
 
 A network with one hidden layer goes over the features of a side (`view`) and gives two numbers: the logit of the
 confidence that the detector would have in that boundary, and how far that side draws the followed path off the lane's

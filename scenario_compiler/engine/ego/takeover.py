@@ -1,4 +1,4 @@
-"""The takeover machine: from a cause to a warning, a request, escalation, an answer or the minimum-risk manoeuvre.
+"""The takeover: from a cause to a warning, a request, escalation, a response or the minimum-risk manoeuvre.
 
 It is stepped on control steps. Causes look back on a number of control steps (`count` of the last `of`). The driver
 answers at a time that is drawn when he is asked; before it nothing but the automation acts.

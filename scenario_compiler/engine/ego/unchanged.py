@@ -1,4 +1,4 @@
-"""How much time a request leaves that is not about an obstacle: until the paint ends, or the ego leaves its lane.
+"""The time that a request leaves if no object causes it: until the paint ends, or the ego leaves its lane.
 
 Both are of a vehicle that goes on as it does: with its speed, and the angle of its front wheels.
 """

@@ -1,4 +1,4 @@
-"""What a camera in the ego has before it, as numbers: the features that surrogate perception is a function of.
+"""The features of surrogate perception: what a camera of the ego has in view, as numbers.
 
 They are what the engine knows of the paint on both sides, the way, the weather, the camera and who is in the picture
 (`columns.view` names them). The surrogate is fitted to these numbers as they were in runs with the camera, so that fit

@@ -1,4 +1,4 @@
-"""How well paint is seen through the weather: one curve for the picture that is drawn and for ideal perception.
+"""The visibility of paint in the weather: one curve for drawn pictures and for ideal perception.
 
 What the weather leaves of a mark's contrast with the asphalt, in the picture and here:
 

@@ -19,12 +19,21 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.limits import CLOSE, budget_of, closing_speed, control_period
 from scenario_compiler.marker import compiled
 
+MOST_PERIODS = 1.0e9
+"""Number of control periods up to which a time is rounded up to whole ones."""
+
 
 @compiled
 def time_to_begin(p: Program) -> float:
-    """Return the time from the first control step with a reason to warn to the warning, s: whole control periods."""
+    """Return the time from the first control step with a reason to warn to the warning, s: whole control periods.
+
+    A time that is NaN or too long to be counted is returned as it is.
+    """
     period = max(control_period(p), op.TOLERANCE)
-    return ceil(p.const[slot.K_WARNING_AFTER] / period - op.TOLERANCE) * period
+    periods = p.const[slot.K_WARNING_AFTER] / period - op.TOLERANCE
+    if not abs(periods) < MOST_PERIODS:
+        return p.const[slot.K_WARNING_AFTER]
+    return ceil(periods) * period
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""The weather now: CARLA's 14 numbers, each on a straight line from what it was to what it is to be."""
+"""The present weather: CARLA's 14 numbers, each interpolated linearly during a change."""
 
 from __future__ import annotations
 

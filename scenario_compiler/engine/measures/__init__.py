@@ -1,1 +1,1 @@
-"""Measures of a run that is still running: totals that its rows are added to, one after the other."""
+"""Measures of a running run: totals to which each of its rows is added."""

@@ -1,4 +1,4 @@
-"""The least post-encroachment time: between one vehicle's leaving a place and the other's coming there.
+"""The least post-encroachment time: from one vehicle's leaving a place to the other's arrival there.
 
 Two vehicles were at one place where the box of one overlaps the box that the other had some rows before. The places
 of the last seconds are kept of every entity, in columns that are not cleared between runs: `trail_count` says which of

@@ -1,4 +1,4 @@
-"""The ego within its lane: how far its sides are from the edges, when they cross them, and how soon they would.
+"""The ego in its lane: distances of its sides from the edges, and the time until it crosses them.
 
 The same formulas, in the same order of operations, stand in `recording.in_lane` over arrays.
 """

@@ -1,4 +1,4 @@
-"""The driver's inputs after the response: when the wheel was turned and when the brake was pressed."""
+"""The driver's inputs after the response: the times of the first steering and the first braking."""
 
 from __future__ import annotations
 

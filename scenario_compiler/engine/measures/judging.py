@@ -1,4 +1,4 @@
-"""Adding the rows of a run to its totals, in order."""
+"""Adds the rows of a run to its totals, in order."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
 
 @compiled
 def note_fault(st: State, m: Totals) -> None:
-    """Take over what broke the run off, and the numbers of the entity that it is about."""
+    """Store the fault that broke the run off, and the numbers of its entity."""
     m.flag[0] = st.flag[0]
     m.flag_at[0] = st.flag_at[0]
     m.flag_time[0] = st.clock[0]

@@ -1,4 +1,4 @@
-"""Steering reversals: how often the wheel turns back by at least a gap, after a low-pass filter.
+"""Steering reversals: the number of turns back by at least a gap, after a low-pass filter.
 
 Markkula and Engstrom 2006 count them with a cut-off of 0.6 Hz and a gap of 3 degrees, and with 2 Hz and 0.1 degrees
 for the small corrections of a loaded driver (not verified). The filter here runs forwards alone, so that it knows

@@ -1,4 +1,4 @@
-"""The ego's rows: each is kept until the next step has begun, so that what begins at its time counts for it."""
+"""The ego's rows: each is kept until the next step has begun, so that events at its time belong to it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a row adds to the measures of the takeover: the request, the response, and how the ego was driven after it."""
+"""Adds a row to the measures of the takeover: the request, the response, and the driving after it."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def behind_collision(m: Totals) -> int:
 
 @compiled
 def add_request(m: Totals) -> None:
-    """Note the speed at the first request, and what it is about, in the first row behind it that has a cause.
+    """Store the speed and the subject of the first request, in the first row after it that has a cause.
 
-    The row of its time was recorded before it.
+    The row of its own time was recorded before the request.
     """
     if m.asked[0] == 0:
         m.asked[0] = 1

@@ -1,4 +1,4 @@
-"""The takeovers of a run, one after the other: what each was about and when it was escalated, answered and over."""
+"""The takeovers of a run: the cause of each, and the times of its escalation, its response and its end."""
 
 from __future__ import annotations
 

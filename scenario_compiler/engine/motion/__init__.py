@@ -1,1 +1,1 @@
-"""Where entities are and how they move: places, paths, steering, scripted motion, collisions, distances."""
+"""Positions of entities and their motion: paths, steering, scripted motion, collisions, distances."""

@@ -1,4 +1,4 @@
-"""What lies ahead: the way along the lanes, and other entities' boxes measured along and across it.
+"""The road ahead of an entity: the lanes that it will follow, and other entities' boxes along and across them.
 
 The way is a row of roads in scratch columns (`way_...`), written again by each look. Left is as seen in the direction
 in which the way is walked.

@@ -1,4 +1,4 @@
-"""Entities that are put somewhere: teleports, entities that appear and disappear, and what sees them.
+"""Entities that actions place: teleports, entities that appear and disappear, and who can see them.
 
 A teleport leaves the speed as it is, and is all that moves its entity in that step (esmini 3.6). On a lane the entity
 is led by that lane from then on, with the offset and the heading that it has there; off every road it goes straight on.

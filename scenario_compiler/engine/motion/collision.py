@@ -164,7 +164,7 @@ def find_contacts(p: Program, st: State, pairs: list[int]) -> int:
 
 @compiled
 def find_touched(p: Program, st: State, i: int) -> int:
-    """Return an entity whose box overlaps that of entity i where both are now, NONE where there is none."""
+    """Return an entity whose box overlaps that of entity i at their present poses, or NONE."""
     update_boxes(p, st)
     for j in range(p.entity_count[0]):
         if j != i and overlap(p, st, i, j) == 1:

@@ -1,4 +1,4 @@
-"""Distances that conditions measure: from an entity to another or to a point.
+"""The distances of conditions: from an entity to another entity or to a point.
 
 Each is straight, along or across; along and across are meant in the entity's own axes, in the world's, along the road
 (so in a lane's system too), or along the trajectory that the entity follows; along the road where it follows none. With

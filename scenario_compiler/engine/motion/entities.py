@@ -1,4 +1,4 @@
-"""How entities move: scripted along a lane, as a bicycle by throttle, steer and brake, or posed from outside.
+"""The motion of entities: scripted along a lane, as a bicycle by throttle, steer and brake, or set from outside.
 
 Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by v
 dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly

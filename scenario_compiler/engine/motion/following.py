@@ -66,7 +66,7 @@ def leader_gap(p: Program, st: State, i: int, centre: float, watched: int, slowe
 
 @compiled
 def follow_leader(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
-    """Give a scripted entity the speed that the model takes after dt behind whoever is ahead in its lane."""
+    """Give a scripted entity the speed of the model after dt, behind the entity ahead in its lane."""
     road = st.road[i]
     lane = st.lane[i]
     along = st.facing[i] * lane_direction(n, road, lane)

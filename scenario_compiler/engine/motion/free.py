@@ -1,4 +1,4 @@
-"""Entities that move freely: where on the road they are, and what would lead them along it from there."""
+"""Entities that move freely: their position on the road, and the lane that would lead them from there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a trajectory lies when its action begins: its vertices, with headings, distances, times and speeds.
+"""The geometry of a trajectory when its action begins: vertices with headings, distances, times and speeds.
 
 A polyline's vertices are its own. Clothoids get samples at even distances, which `tracks` integrates from; a NURBS at
 even parameters, each sample a weighted sum of control points.

@@ -1,4 +1,4 @@
-"""Where any position lies, also one along a trajectory, whose vertices are laid for the asking."""
+"""Resolves any position, also one along a trajectory, whose vertices are computed for the query."""
 
 from __future__ import annotations
 

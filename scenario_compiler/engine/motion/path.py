@@ -1,4 +1,4 @@
-"""The ego's path: the lane that it is to follow, and where the ego is along and beside it.
+"""The ego's path: the lane that it follows, and the ego's position along and beside it.
 
 The path goes from lane to lane over links, at a junction to the next road of the plan's route or else straight on. It
 holds the ego to one connecting road of a junction where several overlap.

@@ -1,4 +1,4 @@
-"""What the positions of our own language mean: in lanes, ahead of and beside entities, at random.
+"""Resolves the positions of the conflict language: in lanes, ahead of and beside entities, at random.
 
 A position relative to an entity is counted from where that entity starts. A random one is drawn with the counter hash,
 so that it depends on the run's seed (or its own), its row and the attempt alone.

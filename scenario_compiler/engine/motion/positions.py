@@ -1,4 +1,4 @@
-"""Where a position of the plan lies at the moment it is used: on a lane, or off every road.
+"""Resolves a position of the plan at the moment of its use, to a lane or to a point off every road.
 
 One way for all who use positions: teleports, conditions, entities that appear, the vertices of trajectories. What is
 relative to an entity is counted from where that entity is then. Distances along a road are those of its reference

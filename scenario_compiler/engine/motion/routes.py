@@ -1,4 +1,4 @@
-"""Which way an entity takes at a junction: by its guide, at random, or straight on.
+"""The road that an entity takes at a junction: by its guide, at random, or straight on.
 
 A guide is a row of `Program.guide_next`: for every road and each sense in which it is driven the road that comes next,
 so that an entity finds its way from wherever it is on it. It is over when the entity enters its last road.
@@ -80,7 +80,7 @@ def next_turn(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
 
 @compiled
 def leave_guide(p: Program, st: State, i: int) -> None:
-    """Drop an entity's guide where it has come to the last road."""
+    """Drop an entity's guide when it has reached the last road."""
     guide = st.guide[i]
     if guide >= 0 and p.guide_last[guide] == st.road[i]:
         st.guide[i] = op.NONE

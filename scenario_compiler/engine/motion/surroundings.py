@@ -1,4 +1,4 @@
-"""What surrounds the vehicles beside the weather: the time of day and the road's friction."""
+"""The surroundings of the vehicles other than the weather: the time of day and the road's friction."""
 
 from __future__ import annotations
 

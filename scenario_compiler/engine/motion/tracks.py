@@ -1,4 +1,4 @@
-"""Poses on a trajectory, at a distance or a time, and which trajectory an entity follows.
+"""Poses on a trajectory at a distance or a time, and the trajectory that an entity follows.
 
 A clothoid is integrated; everything else is straight between two vertices. The heading of a line is that of esmini
 3.6: it turns near the corners alone, or, where the vertices give headings and are followed smoothly, evenly from one

@@ -1,4 +1,4 @@
-"""Trailers: each keeps its coupler at the hitch of what tows it and swings round behind (esmini 3.6).
+"""Trailers: the coupler of each follows the hitch of the vehicle that tows it (esmini 3.6).
 
 A trailer's heading points from where its axle was to where the hitch is now; its axle then stands a coupler's length
 before the hitch. Trailers may tow further ones.

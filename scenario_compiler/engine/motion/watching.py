@@ -1,4 +1,4 @@
-"""What is measured of every entity after each step for the conditions that ask for it.
+"""Quantities of entities that are measured after each step because conditions use them.
 
 How long it has stood, been off the roads or stood at the end of one: time since it was first so, -1 while it is not.
 Velocity and acceleration are differences of positions over a step, as in esmini 3.6; in the frame of length 0 and

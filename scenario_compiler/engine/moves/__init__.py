@@ -1,4 +1,4 @@
-"""What actions do, an entry each: the row that its word becomes, its start, its step, what the log says of it.
+"""Actions, each with an entry: the row of its word, its start, its step, and its text in the log.
 
 A new action is one `Entry` beside the functions that execute it, and its place in `ACTIONS`.
 """

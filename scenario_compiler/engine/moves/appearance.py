@@ -1,4 +1,4 @@
-"""Actions on how an entity looks and moves its parts, which the log tells of: lights and animations."""
+"""Actions on the lights and animations of an entity, which are only logged and shown."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LIGHTS = (
 )
 """Lights of vehicles that are kept in the state, by ASAM OpenSCENARIO's names."""
 
-LOGGED = "A light of `entity`, or an animation: `cause` which, `message` what it does."
+LOGGED = "A light or an animation of `entity` changes: `cause` is its name, `message` its state."
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Actions on who drives an entity: controllers that are given, switched or held in place of."""
+"""Actions on the control of an entity: assigning, switching and overriding controllers."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ entity, wherever that stands (esmini 3.6).
 
 @compiled
 def nothing_to_start(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Start an action that only the log tells of."""
+    """Start an action that is only logged."""
     del n, p, st, k
 
 
@@ -35,11 +35,11 @@ def done_at_once(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int
 
 @dataclass(frozen=True)
 class Told:
-    """What the log says of an action.
+    """The log entry of an action.
 
     Attributes:
         event: The kind of the event.
-        text: What that kind tells, for people.
+        text: The meaning of that kind, for readers.
         words: From the action's word what it is about, and what it does there.
     """
 

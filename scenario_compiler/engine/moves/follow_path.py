@@ -1,4 +1,4 @@
-"""Moving on a path of one's own: straight lines over points of the plane, by speed or by the points' times.
+"""Motion along a path of points in the plane, at the entity's speed or by the points' times.
 
 The entity's place on the road is looked up at each step, so that conditions and sensors know where it is; beside all
 roads it has none.
@@ -82,7 +82,7 @@ def start_follow_path(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_follow_path(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Move an entity on along its path; return 1 where it has come to the end."""
+    """Move an entity along its path; return 1 when it has reached the end."""
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED or p.action_points[k] <= 0:
         return 1

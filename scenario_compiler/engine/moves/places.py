@@ -1,4 +1,4 @@
-"""Actions on where entities are, whether they are there at all and who minds them, and on what they tow."""
+"""Actions on the position and presence of entities, on their visibility, and on trailers."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def start_delete(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def start_visibility(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Set who minds an entity."""
+    """Set the observers to whom an entity is visible."""
     del n
     st.visible[p.action_entity[k]] = p.action_flags[k]
 
@@ -89,7 +89,7 @@ def delete_row(draft: ProgramDraft, word: DeleteEntityAction, actor: int) -> Act
 
 
 def visibility_row(draft: ProgramDraft, word: VisibilityAction, actor: int) -> ActionRow:
-    """Return the row of who minds an entity."""
+    """Return the row of an action on the visibility of an entity."""
     del draft, actor
     seen = op.SEEN_IN_PICTURES * word.graphics + op.SEEN_BY_SENSORS * word.sensors + op.SEEN_BY_TRAFFIC * word.traffic
     return ActionRow(flags=seen)

@@ -1,4 +1,4 @@
-"""Actions on which way entities go at junctions."""
+"""Actions on the route of entities at junctions."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ MESSAGE = Entry(
     ("message",),
     message_row,
     whose="ego",
-    told=Told("message", "The driver gets `message`; `cause` is the modality."),
+    told=Told("message", "The driver gets the message `message`; `cause` is its modality."),
 )
 STOP = Entry(("stop",), stop_row, start_stop, whose="run")
 COMMAND = Entry(
@@ -104,7 +104,7 @@ COMMAND = Entry(
     whose="run",
     told=Told(
         "command",
-        "A command for another program: `cause` which, `message` what it says.",
+        "A command for another program: `cause` is its type, `message` its text.",
         lambda word: (word.type, word.content),
     ),
 )

@@ -1,4 +1,4 @@
-"""Traffic signals: controllers that go through their phases again and again, and the states of the signals.
+"""Traffic signals: controllers that repeat their phases, and the states of the signals.
 
 A controller begins its first phase as much later than its reference as its delay says (one without reference, than the
 run); until then it is in none of its phases. An action may put it into a phase, which then begins again.
@@ -112,7 +112,7 @@ def signal_phase_row(draft: ProgramDraft, word: TrafficSignalControllerAction, a
     return ActionRow(other=draft.controllers[word.controller], mode=draft.texts[word.phase])
 
 
-TOLD = "A traffic signal or its controller: `cause` which, `message` its state or phase."
+TOLD = "A traffic signal or a controller changes: `cause` is its name, `message` its state or phase."
 
 SIGNAL_STATE = Entry(
     ("traffic_signal_state",),

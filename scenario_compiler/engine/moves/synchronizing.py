@@ -1,4 +1,4 @@
-"""Arriving at a position when another entity, the master, arrives at its own.
+"""Arriving at a position at the same time as another entity, the master, arrives at its own.
 
 The speed is solved for again in each step from the ways that remain up to the tolerances. With a speed on arrival two
 phases of even acceleration meet way, time and speed; whether the entity speeds up or slows down first is decided once.

@@ -1,4 +1,4 @@
-"""All actions, in the order of their numbers, and what follows from their entries."""
+"""The table of all actions in the order of their numbers, and tables derived from their entries."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ STARTS = tuple(entry.start for entry in ACTIONS)
 STEPS = tuple(entry.step for entry in ACTIONS)
 HOLDS = tuple(entry.holds for entry in ACTIONS)
 TOLD = tuple(1 if entry.told is not None else 0 for entry in ACTIONS)
-"""By the number of an action: what starts it, what steps it, the domains that it holds, whether the log tells of it."""
+"""By the number of an action: its start, its step, the domains that it holds, whether it is logged."""
 
 NUMBERS: dict[str, int] = {tag: number for number, entry in enumerate(ACTIONS) for tag in entry.words}
 """Number of the action that a word becomes, by the word's tag."""

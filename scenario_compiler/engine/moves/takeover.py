@@ -1,4 +1,4 @@
-"""Actions on the takeover: the machine carries them out at the next control step."""
+"""Actions on the takeover, which take effect at the next control step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a plan to a program: indices for ids, codes for words, and one slot for every number.
+"""Makes a program from a plan: indices for ids, codes for words, and one slot for every number.
 
 `build` goes through the plan; what a word becomes stands in a table by the word's type: `positions.POSITIONS`,
 `actions.ACTIONS` and `conditions.CONDITIONS`, each entry a small function that returns the word's row.

@@ -1,4 +1,4 @@
-"""A whole plan to a program, and the rows of its variants."""
+"""Makes the program of a whole plan, and the rows of its variants."""
 
 from __future__ import annotations
 

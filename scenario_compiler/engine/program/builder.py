@@ -1,4 +1,4 @@
-"""A program under construction: columns, numbers that are still expressions, and rows that are appended.
+"""A program under construction: columns, numbers that are still expressions, and appended rows.
 
 What a row holds is decided by the word's own entry (`moves`, `story`) or table (`positions`); here it gets its place.
 """

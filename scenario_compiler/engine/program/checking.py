@@ -1,4 +1,4 @@
-"""The check of a program: its columns by their declarations, its actions and conditions by their entries."""
+"""Checks a program: its columns by their declarations, its actions and conditions by their entries."""
 
 from __future__ import annotations
 

@@ -37,11 +37,11 @@ NO_SURROGATE = Code(
 
 @dataclass(frozen=True, slots=True)
 class Surrogate:
-    """What surrogate perception was fitted to, and the numbers that came of it.
+    """The fit of surrogate perception: its conditions and its coefficients.
 
     Attributes:
-        detector: The lane detector that it stands for.
-        camera: What that looked through, by the names of `MOUNTING`.
+        detector: The lane detector that it replaces.
+        camera: The mounting of the camera, by the names of `MOUNTING`.
         runs: Number of runs that it was fitted to.
         probes: What the detector says of pictures that the renderer draws for it (`perception.calibration.probes`):
             where that has changed, the coefficients are those of another detector or renderer.

@@ -1,4 +1,4 @@
-"""Actions between OpenSCENARIO's elements and our words, one module a family."""
+"""Converts actions between OpenSCENARIO's elements and our words, with one module for each family."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def _report_unread(node: Node) -> None:
 
 
 def write_action(word: Word, output: Output) -> etree._Element | None:
-    """Return the <PrivateAction>, <GlobalAction> or <UserDefinedAction> of an action; None, told, for none."""
+    """Return the <PrivateAction>, <GlobalAction> or <UserDefinedAction> of an action, or report that there is none."""
     form = ACTIONS.by_word.get(type(word))
     if form is None or output.version < form.since:
         why = UNSAID.get(word.tag(), "") if form is None else f"<{form.tag}> is not known before that"

@@ -1,4 +1,4 @@
-"""Actions on who drives an entity.
+"""Actions on the control of an entity.
 
 A controller is known by the class that esmini's files name, or by its name. Those that our world has a counterpart for
 get it; any other entity is driven by the storyboard alone, which is reported.

@@ -1,4 +1,4 @@
-"""What actions have in common: how a change is timed and shaped, and what limits a motion."""
+"""Common parts of actions: the timing and shape of a change, and the limits of a motion."""
 
 from __future__ import annotations
 

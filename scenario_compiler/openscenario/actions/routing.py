@@ -1,4 +1,4 @@
-"""Actions on where an entity is and which way it goes."""
+"""Actions on an entity's position and route."""
 
 from __future__ import annotations
 

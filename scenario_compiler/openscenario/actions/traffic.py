@@ -1,4 +1,4 @@
-"""Actions on background traffic: sources, sinks, swarms and their end; what a <TrafficDefinition> says of vehicles."""
+"""Actions on background traffic: sources, sinks, swarms and their end, and traffic definitions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a sweep varies a scenario, as a <ParameterValueDistribution> over the exported file."""
+"""The variation of a scenario, as a <ParameterValueDistribution> for the exported file."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from scenario_compiler.vocabulary.variation import (
 def export_variation(
     vary: Vary, parameters: Collection[str], scenario_file: str, output: Output
 ) -> etree._Element | None:
-    """Return the <OpenSCENARIO> element of a distribution of parameter values; None, told, where nothing can be said.
+    """Return the <OpenSCENARIO> element of a distribution of parameter values; if that is impossible, report it.
 
     Args:
-        vary: How the scenario varies.
+        vary: The variation of the scenario.
         parameters: Names of the parameters that the exported scenario declares.
         scenario_file: The exported scenario, as the file is to name it.
         output: What it is written with.

@@ -1,4 +1,4 @@
-"""Entities as <ScenarioObject>s: what each is, and what of ours the standard has no words for."""
+"""Entities as <ScenarioObject>s, with properties for parts that the standard cannot express."""
 
 from __future__ import annotations
 

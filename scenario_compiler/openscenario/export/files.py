@@ -1,4 +1,4 @@
-"""The files of an export: the scenario, its road, and how it varies."""
+"""The files of an export: the scenario, its road, and its variation."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 def export_files(
     plan: Plan, network: Network, output: Path, version: Version, sink: Diagnostics, scenario: Scenario | None = None
 ) -> dict[Path, bytes]:
-    """Return what an export consists of, by the files' paths; nothing is written.
+    """Return the contents of an export's files by their paths; nothing is written.
 
-    The road file stands beside the scenario under its own name; a scenario that varies gets a second file, whose name
-    ends in `_variation`.
+    The road file keeps its name and is put beside the scenario; a scenario with a variation gets a second file, whose
+    name ends in `_variation`.
 
     Args:
         plan: The plan.
         network: Its map.
         output: Path of the scenario's file.
         version: Version of OpenSCENARIO.
-        sink: Where what OpenSCENARIO cannot express is reported.
-        scenario: What the plan was made from, where it is at hand.
+        sink: Receives what OpenSCENARIO cannot express.
+        scenario: The scenario from which the plan was made, if available.
     """
     road = output.parent / Path(network.path).name
     element = export_openscenario(plan, network, road.name, version, sink, scenario)
@@ -47,14 +47,14 @@ def export_files(
 def write_openscenario(
     plan: Plan, network: Network, path: str | Path, version: str = "1.3", scenario: Scenario | None = None
 ) -> Diagnostics:
-    """Write a plan as OpenSCENARIO, its road file beside it, over what is there; return what cannot be expressed in it.
+    """Write a plan as OpenSCENARIO with its road file, replacing existing files; return what cannot be expressed.
 
     Args:
         plan: The plan.
         network: Its map.
         path: The scenario's file.
         version: "1.0", "1.1", "1.2" or "1.3"; ValueError for any other.
-        scenario: What the plan was made from: without it, background traffic and how a sweep varies are lost.
+        scenario: The scenario from which the plan was made; without it, background traffic and the variation are lost.
     """
     known = {"{}.{}".format(*one): one for one in VERSIONS}
     if version not in known:

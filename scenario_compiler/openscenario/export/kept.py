@@ -1,4 +1,4 @@
-"""What of a plan goes into the properties of entities: what the standard has no words for."""
+"""The parts of a plan that become properties of entities because the standard cannot express them."""
 
 from __future__ import annotations
 

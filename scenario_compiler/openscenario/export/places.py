@@ -1,4 +1,4 @@
-"""Where entities of a plan start and go, in positions that the standard has words for."""
+"""The starts and targets of a plan's entities, as positions of the standard."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SEED = 1
 
 
 def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -> Position:
-    """Return where an entity starts in a position that the standard knows; told where that is one draw of many."""
+    """Return an entity's start as a position of the standard; report a random start, of which one draw is written."""
     start = entity.start
     if start is not None and type(start) in POSITIONS.by_word:
         return start  # type: ignore[return-value]  # every position that is said is one

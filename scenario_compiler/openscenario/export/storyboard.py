@@ -1,4 +1,4 @@
-"""The storyboard: each word as the standard's element, and what is read back otherwise, word for word, beside it."""
+"""The storyboard: each word as the standard's element, and as properties if it would be read differently."""
 
 from __future__ import annotations
 

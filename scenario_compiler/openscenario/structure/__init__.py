@@ -1,4 +1,4 @@
-"""Whether an OpenSCENARIO file has the structure that its version demands, 1.0 to 1.3.
+"""Checks whether an OpenSCENARIO file of version 1.0 to 1.3 has the structure of its version.
 
 What enters: a document. What leaves: the version and diagnostics with line and column (`check_structure`). The tables
 of elements (`*_elements`) and of words are the facts; `grammar` binds them, `check` holds a file to them, `elements`

@@ -1,4 +1,4 @@
-"""Which versions of OpenSCENARIO have which elements and attributes, for tables and for those who write files."""
+"""The versions of OpenSCENARIO that have each element and attribute, for tables and for writing files."""
 
 from __future__ import annotations
 

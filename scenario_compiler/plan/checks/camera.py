@@ -1,4 +1,4 @@
-"""The camera takes its images at control steps."""
+"""Checks that the camera takes its images at control steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every limit of a cause, and of the forward sensor, is one that its kind has, and the numbers agree."""
+"""Checks that every limit of a cause or of the forward sensor belongs to its kind, and that the numbers agree."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Actions on controllers and on lights are of entities that have such, and can be done."""
+"""Checks that actions on controllers and lights are for entities that have them, and can be executed."""
 
 from __future__ import annotations
 

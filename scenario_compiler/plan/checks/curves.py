@@ -1,4 +1,4 @@
-"""The knots of a NURBS belong to its control points."""
+"""Checks that the knots of a NURBS match its control points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of the driver makes a difference."""
+"""Checks that every property of the driver has an effect."""
 
 from __future__ import annotations
 

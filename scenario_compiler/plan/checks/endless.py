@@ -1,4 +1,4 @@
-"""Nothing waits for the end of an action that keeps on until another one takes over."""
+"""Checks that nothing waits for the end of an action that ends only when another one replaces it."""
 
 from __future__ import annotations
 

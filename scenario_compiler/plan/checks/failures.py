@@ -1,4 +1,4 @@
-"""Every failure of the camera begins before the run ends, and lasts long enough to come to what it is to be."""
+"""Checks that every failure of the camera begins before the run ends, and reaches its amount."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What actions on speeds, lanes and distances refer to: another entity, one distance, a lane that there is."""
+"""Checks the references of actions on speeds, lanes and distances: another entity, one distance, existing lanes."""
 
 from __future__ import annotations
 

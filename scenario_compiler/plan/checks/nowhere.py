@@ -1,4 +1,4 @@
-"""Every entity has a place: a start, or an action that puts it somewhere."""
+"""Checks that every entity has a position: a start, or an action that places it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NOWHERE = Code(
 )
 
 PLACING = (TeleportAction, FollowTrajectoryAction)
-"""Actions that put whoever does them somewhere."""
+"""Actions that place their actor."""
 
 
 def check_nowhere(plan: Plan, network: Network, sink: Diagnostics) -> None:

@@ -1,4 +1,4 @@
-"""No two entities stand in one another at the start."""
+"""Checks that no two entities overlap at the start."""
 
 from __future__ import annotations
 

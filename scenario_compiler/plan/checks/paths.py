@@ -1,4 +1,4 @@
-"""The points of a path either all have a time or none has, and the times rise."""
+"""Checks that either all points of a path have a time or none, and that the times increase."""
 
 from __future__ import annotations
 

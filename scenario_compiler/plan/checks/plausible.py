@@ -1,4 +1,4 @@
-"""Numbers are of a size that can be meant: speeds that vehicles reach, budgets in which a driver would take over."""
+"""Checks that numbers have a plausible size: speeds of vehicles, time budgets of drivers."""
 
 from __future__ import annotations
 
@@ -53,9 +53,9 @@ def check_plausible(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def _speeds(plan: Plan) -> Iterator[tuple[str, Number, Place]]:
-    """Yield each speed that something is to have: what it is called, the number, its place.
+    """Yield each commanded speed: its name, the number, its place.
 
-    What a condition compares with is not among them: `triggers` tells which comparisons never come true.
+    Speeds in conditions are not included: `triggers` reports comparisons that are never true.
     """
     for entity in plan.entities:
         place = place_of(plan, f"entities/{entity.id}")

@@ -1,4 +1,4 @@
-"""Who cannot go, come or be towed: the automated vehicle, and a trailer of its own."""
+"""Checks that the automated vehicle is not added, removed or towed, and that no entity tows itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a condition measures has bounds: a limit beyond them is never met."""
+"""The possible ranges of the quantities in conditions: a limit outside them is never met."""
 
 from __future__ import annotations
 

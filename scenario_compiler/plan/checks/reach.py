@@ -1,4 +1,4 @@
-"""The conflict lies within the run, and the budget leaves room for the minimum-risk manoeuvre."""
+"""Checks that the conflict is within the run, and that the budget is enough for the minimum-risk manoeuvre."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Events that may run very often are held back by a trigger."""
+"""Checks that events with many executions have a trigger."""
 
 from __future__ import annotations
 

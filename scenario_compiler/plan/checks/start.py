@@ -1,4 +1,4 @@
-"""The ego vehicle can drive where it starts."""
+"""Checks that the ego can drive at its start."""
 
 from __future__ import annotations
 

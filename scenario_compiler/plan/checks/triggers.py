@@ -1,4 +1,4 @@
-"""Every trigger can fire: at the parameters' defaults, and before the run ends."""
+"""Checks that every trigger can fire at the default parameters, before the run ends."""
 
 from __future__ import annotations
 

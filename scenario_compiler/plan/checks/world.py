@@ -1,4 +1,4 @@
-"""Variables, traffic signals, elements of the storyboard, dates and controllers that words name are there, and fit."""
+"""Checks that variables, traffic signals, storyboard elements, dates and controllers exist and fit."""
 
 from __future__ import annotations
 

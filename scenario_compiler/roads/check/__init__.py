@@ -1,4 +1,4 @@
-"""What real road files get wrong, beyond their structure: `CHECKS`, one function a family of rules.
+"""Checks road files for faults beyond their structure: `CHECKS` has one function for each family of rules.
 
 What enters: a document and the network that was read from it. What leaves: diagnostics with places
 (`check_network`); all of them are warnings or notes, because the rest of the file can be used. Each check gets the

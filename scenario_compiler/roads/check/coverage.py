@@ -1,4 +1,4 @@
-"""The page that tells, element by element, what of OpenDRIVE is used, kept and not read (docs/opendrive.md).
+"""The page with the parts of OpenDRIVE that are used, kept and not read (docs/opendrive.md).
 
 It is made from the declarations of elements (`structure.grammar`) and from the list of what is read (`unread`).
 """

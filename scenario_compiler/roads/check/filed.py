@@ -1,4 +1,4 @@
-"""A road file as filed: its roads, lane sections, lanes, links and junctions by id, with their elements.
+"""The contents of a road file as written: roads, lane sections, lanes, links and junctions, with elements.
 
 The tables of a network hold what can be used; checks ask what stands in the file, and where.
 """

@@ -1,4 +1,4 @@
-"""Joints: gaps and kinks of reference lines and lane borders, within roads, between roads and into junctions."""
+"""Checks joints: gaps and kinks of reference lines and lane borders, inside and between roads and junctions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Junctions: connections that lead somewhere, by the end that they name, lane by lane."""
+"""Checks junctions: connections must join existing roads at the right ends, lane by lane."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Links of roads and lanes: back and forth, unambiguous, to lanes that exist."""
+"""Checks links of roads and lanes: they must be mutual, unambiguous, and to existing lanes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Objects and signals: on the road that they belong to, of a size that such things have, for lanes that exist."""
+"""Checks objects and signals: on their road, of a usual size, for existing lanes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The shape of single roads: lane widths, lane sections, the order of lanes and records, polynomials."""
+"""Checks the shape of single roads: lane widths, lane sections, the order of lanes and records, polynomials."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What lanes say about traffic: access, level, speed limits against the road's type."""
+"""Checks the traffic rules of lanes: access, level, speed limits for the road's type."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands in a road file and is not read: elements and attributes, known to OpenDRIVE or not."""
+"""Lists the parts of a road file that are not read: elements and attributes, known to OpenDRIVE or not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What OpenDRIVE 1.8 says about attributes and children of one element together.
+"""The rules of OpenDRIVE 1.8 on combinations of attributes and children of an element.
 
 Source: the assertions in the schema of its revision 1.8.1.
 """

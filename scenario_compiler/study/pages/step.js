@@ -1,8 +1,16 @@
-// A page with a form: it may be sent after its least time, once, and is loaded again when the experimenter pauses.
+// A page with a form: it may be sent after its least time, once, and is loaded again when the experimenter pauses. What has
+// been answered until then is kept in this tab, and stands in the form again.
 
 const form = document.querySelector("form");
 const { base, token, least } = form.dataset;
 const buttons = [...form.querySelectorAll("button")];
+const drawer = `${base} ${form.elements.step.value}`;
+
+for (const [name, value] of JSON.parse(sessionStorage.getItem(drawer) ?? "[]")) {
+  if (name !== "step" && form.elements[name]) form.elements[name].value = value; // of radio buttons this chooses one
+}
+form.addEventListener("input", () => sessionStorage.setItem(drawer, JSON.stringify([...new FormData(form)])));
+form.addEventListener("submit", () => sessionStorage.removeItem(drawer));
 
 if (Number(least) > 0) {
   const texts = buttons.map((button) => button.textContent);
