@@ -238,8 +238,8 @@ There is no request in {asked} with the surrogate. Aims that are missed: {missed
 Of 193 other runs, which had been looked at when the features were chosen, the surrogate agreed with the camera in 88%:
 such a figure is too high. A fit to 3625 runs with 32 hidden units was tried and agreed in 82% of the runs of the table.
 In a cross-validation over maps and drawn roads, half of the wrong answers were requests of the camera for which the
-surrogate sees no reason, among them in runs that begin close behind a vehicle, and where a single line is seen now well,
-now badly. The features have neither the phase of broken lines nor the size of vehicles.
+surrogate sees no reason, among them in runs that begin close behind a vehicle, and where a single line is seen now
+well, now badly. The features have neither the phase of broken lines nor the size of vehicles.
 
 ![Camera, surrogate and ideal perception](images/perception_surrogate.png)
 
