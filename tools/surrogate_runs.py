@@ -60,11 +60,8 @@ were looked at while the features were chosen."""
 FASTER = 0.01
 """How much faster the judged runs are driven the second time, as a share."""
 
-MAPS_OF_20 = 9
-"""How many of 20 runs of the fit are on maps."""
-
-AFTER_REQUEST = 4.0
-"""Time after the request at which a run of the fit ends, s."""
+MAPS_SHARE = 0.45
+"""Share of the runs of the fit that are on maps."""
 
 BY_HAND = (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK)
 AUTOMATED = (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
@@ -119,27 +116,23 @@ LOOK_COLUMNS = ("p_left", "p_right", "health", "path_error", "road", "lane", "s"
 of the lane's centre the followed path lies where it is steered for, the place, the time, and 1 from the request on."""
 
 
-def cases(maps: Sequence[Path], first: int, fitted: int) -> list[Case]:
-    """Return the runs that are judged, the same a little faster, and those that are fitted to, from a number on."""
+def cases(maps: Sequence[Path], fitted: int) -> list[Case]:
+    """Return the runs that are judged, the same a little faster, and then those that are fitted to."""
     unseen = sorted(str(one) for one in maps if one.stem in UNSEEN_MAPS)
     seen = sorted(str(one) for one in maps if one.stem not in UNSEEN_MAPS)
     judged = []
     for kind, (number, count) in JUDGED.items():
-        for k in range(count):
+        for k in range(count if kind != "map" or unseen else 0):
             judged.append(Case(kind, number - k, unseen[k % len(unseen)] if kind == "map" else ""))
     again = [one._replace(faster=FASTER) for one in judged]
-    learned = []
-    for k in range(first, first + fitted):
-        on_map = 7 * k % 20 < MAPS_OF_20
-        learned.append(Case("map", k, seen[k % len(seen)]) if on_map else Case("road", k, ""))
+    on_maps = round(MAPS_SHARE * fitted) if seen else 0
+    learned = [Case("map", k, seen[k % len(seen)]) for k in range(on_maps)]
+    learned += [Case("road", k, "") for k in range(on_maps, fitted)]
     return judged + again + learned
 
 
 def run_case(case: Case, perception: Perception, *, looks: bool) -> Made | None:
-    """Make a run; None where what was drawn cannot be driven. Without `looks` the outcome alone is kept.
-
-    A run of the fit ends when the driver drives, or some time after the request.
-    """
+    """Make a run; None where what was drawn cannot be driven. Without `looks` the outcome alone is kept."""
     cv2.setNumThreads(1)
     with TemporaryDirectory() as folder:
         draw = np.random.default_rng([7, case.number % (1 << 32)])
@@ -152,7 +145,7 @@ def run_case(case: Case, perception: Perception, *, looks: bool) -> Made | None:
         assert network is not None
         with open_world("kinematic", plan, network) as world:
             execution = Execution(plan, world, seed=1 + case.number % 1000)
-            rows = [row for row in _looks(execution, keep=looks, whole=case.number < 0)]
+            rows = [row for row in _looks(execution, keep=looks)]
             recording = execution.finish()
     row = row_of_recording(plan, recording)
     outcome: dict[str, Any] = {name: _number(row[name][0]) for name in KEPT}
@@ -166,13 +159,10 @@ def _number(value: Any) -> float:
     return math.nan if value is None else float(value)
 
 
-def _looks(execution: Execution, *, keep: bool, whole: bool) -> Iterator[Floats]:
-    """Drive a run, to its end where it is wanted whole; yield the looks at which the automation drives."""
+def _looks(execution: Execution, *, keep: bool) -> Iterator[Floats]:
+    """Drive a run to its end; yield the looks at which the automation drives."""
     st, program, simulation = execution.state, execution.program, execution.simulation
     while execution.going:
-        asked = 0.0 <= st.time_request[0] <= st.clock[0] - AFTER_REQUEST
-        if not whole and (asked or st.takeover_state[0] in BY_HAND):
-            return
         view = None
         if keep and st.frame[0] % program.image_every[0] == 0 and st.takeover_state[0] not in BY_HAND:
             view = simulation.look_at_view()
