@@ -1,12 +1,13 @@
 """Fits surrogate perception to runs with the camera, and judges it by runs that took no part.
 
-    python tools/fit_surrogate.py gather MAPS RUNS [--fitted 2000] [--jobs 32] [--seconds 370]
+    python tools/fit_surrogate.py gather MAPS RUNS [--first 0] [--fitted 4000] [--jobs 32] [--seconds 500]
     python tools/fit_surrogate.py fit RUNS
     python tools/fit_surrogate.py judge RUNS MAPS [--pages docs]
 
-`gather` makes the runs with the camera: MAPS is a folder of road files, RUNS the folder for what came of them (six
-minutes on 32 cores). `fit` writes the coefficients beside `engine/program/surrogate.py` (a minute on one core). `judge`
-makes the runs that took no part again, with surrogate and with ideal perception, and writes the page and the figure.
+`gather` makes the runs with the camera: MAPS is a folder of road files, RUNS the folder for what came of them (nine
+minutes on 32 cores). `fit` writes the coefficients beside `engine/program/surrogate.py` (two minutes on one core).
+`judge` makes the runs that took no part again, with surrogate and with ideal perception, and writes the page and the
+figure.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from scenario_compiler.vocabulary.sensors import Camera
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
-STEPS, WARM_UP, BATCH, RATE, DECAY = 12000, 200, 4096, 1e-2, 1e-5
+STEPS, WARM_UP, BATCH, RATE, DECAY = 12000, 200, 3072, 1e-2, 1e-5
 """Steps of the fit, those until its greatest rate, looks of a step, that rate, and the penalty on squared weights."""
 
 ABSOLUTE = 3.0
@@ -49,6 +50,9 @@ LEAST, MOST_OPEN, HALF_LEFT = 1e-3, 4.0, 0.7
 """Bounds of the confidence and of what is left open of its logit; and, of noise that is linear between cells, the share
 of a cell at which half of what neighbours have in common is left."""
 
+STRETCH, STRETCHES = 2.0, 20
+"""Length of the stretches of road in which runs are compared, m, and over how many of them."""
+
 RARE = (0.002, 0.998)
 """Quantiles that bound the domain in what has no bounds of its own: where the ego is in the lane, and bends."""
 UNBOUNDED = (at.V_OFFSET, at.V_HEADING, at.V_BEND_NEAR, at.V_BEND_FAR, at.V_TOWARDS_NEAR, at.V_TOWARDS_FAR)
@@ -62,7 +66,8 @@ class Looks:
         p: (N, 2) the detector's confidence, without the sensor's health.
         path: (N,) how far left of the lane's centre the followed path lies, m; NaN where that is not known.
         asking: (N,) 1 from the request on.
-        s: (N,) place along the road, m; `road` its number.
+        s: (N,) place along the road, m.
+        lane: (N,) number of the lane of all maps; -1 on drawn roads, of which each is driven once.
         run: (N,) number of the run.
     """
 
@@ -72,8 +77,13 @@ class Looks:
         rest = dict(zip(LOOK_COLUMNS, looks[:, 2 * VIEW_SIZE :].T, strict=True))
         self.view = looks[:, : 2 * VIEW_SIZE].reshape(-1, 2, VIEW_SIZE)
         self.p = np.stack([rest["p_left"], rest["p_right"]], axis=1)
-        self.path, self.asking, self.s, self.road = rest["path_error"], rest["asking"], rest["s"], rest["road"]
-        self.run = np.repeat(np.arange(len(runs)), [len(one.looks) for one in runs])
+        self.path, self.asking, self.s = rest["path_error"], rest["asking"], rest["s"]
+        counts = [len(one.looks) for one in runs]
+        self.run = np.repeat(np.arange(len(runs)), counts)
+        maps = ["", *sorted({Path(one.case.map).name for one in runs if one.case.map})]
+        place = np.repeat([maps.index(Path(one.case.map).name if one.case.map else "") for one in runs], counts)
+        lanes = np.unique(np.stack([place, rest["road"], rest["lane"]], axis=1), axis=0, return_inverse=True)[1]
+        self.lane = np.where(place == 0, -1, lanes.reshape(-1))
 
     @property
     def leads(self) -> NDArray[np.bool_]:
@@ -169,29 +179,39 @@ def answers(view: Floats, low: Floats, high: Floats, first: Floats, second: Floa
 def noise_of(residual: Floats, looks: Looks) -> tuple[float, float]:
     """Return (deviation, cell in m) of noise like what is left open, (N,), NaN where it does not count.
 
-    Of each run what is left open on the whole way is taken out: it is of the run, not of the place. The deviation is
-    that which looks 1 to 3 m apart have in common, so that what changes from image to image does not count. The cell is
-    the distance at which half of it is left, over `HALF_LEFT`.
+    What belongs to a place is what different runs have in common there: the deviation is the root of their covariance
+    in the same stretch of a lane, and the cell is the distance at which half of that is left, over `HALF_LEFT`. Of each
+    run what is left open on the whole way is taken out before: that belongs to the run.
     """
-    rest = residual.copy()
-    for number in np.unique(looks.run):
-        mine = looks.run == number
-        if np.isfinite(rest[mine]).any():
-            rest[mine] -= np.nanmean(rest[mine])
-    apart, product = [], []
-    for step in range(1, 80):
-        same = (looks.run[step:] == looks.run[:-step]) & (looks.road[step:] == looks.road[:-step])
-        both = rest[step:] * rest[:-step]
-        use = same & np.isfinite(both)
-        apart.append(np.abs(looks.s[step:] - looks.s[:-step])[use])
-        product.append(both[use])
-    distance, common = np.concatenate(apart), np.concatenate(product)
-    near = max(float(common[(distance >= 1.0) & (distance < 3.0)].mean()), 0.0)
-    for least in range(2, 40):
-        there = common[(distance >= least) & (distance < least + 2)]
-        if len(there) and there.mean() < 0.5 * near:
-            return math.sqrt(near), (least + 1.0) / HALF_LEFT
-    return math.sqrt(near), 40.0 / HALF_LEFT
+    product, pairs = np.zeros(STRETCHES), np.zeros(STRETCHES)
+    known = np.isfinite(residual)
+    count = np.bincount(looks.run[known], minlength=looks.run.max() + 1)
+    of_run = np.bincount(looks.run[known], residual[known], minlength=len(count)) / np.maximum(count, 1)
+    rest = residual - of_run[looks.run]
+    known &= looks.lane >= 0
+    order = np.flatnonzero(known)[np.argsort(looks.lane[known], kind="stable")]
+    for mine in np.split(order, np.flatnonzero(np.diff(looks.lane[order])) + 1):
+        runs, run = np.unique(looks.run[mine], return_inverse=True)
+        stretch = (looks.s[mine] / STRETCH).astype(np.int64)
+        stretch -= stretch.min()
+        size = (len(runs), int(stretch.max()) + STRETCHES)
+        there, total = np.zeros(size), np.zeros(size)
+        np.add.at(there, (run, stretch), 1.0)
+        np.add.at(total, (run, stretch), rest[mine])
+        mean, seen = total / np.maximum(there, 1.0), np.minimum(there, 1.0)
+        for apart in range(STRETCHES):
+            product[apart] += _of_different(mean, apart)
+            pairs[apart] += _of_different(seen, apart)
+    common = product / np.maximum(pairs, 1.0)
+    near = max(float(common[0]), 0.0)
+    half = next((apart for apart in range(1, STRETCHES) if common[apart] < 0.5 * near), STRETCHES)
+    return math.sqrt(near), half * STRETCH / HALF_LEFT
+
+
+def _of_different(values: Floats, apart: int) -> float:
+    """Return the sum over pairs of different rows of their products in columns that lie so far apart."""
+    first, second = values[:, : values.shape[1] - apart], values[:, apart:]
+    return float(first.sum(axis=0) @ second.sum(axis=0) - (first * second).sum())
 
 
 def fitted(runs: list[Made]) -> Surrogate:
@@ -199,13 +219,6 @@ def fitted(runs: list[Made]) -> Surrogate:
     looks = Looks(runs)
     low, high = domain_of(looks)
     first, second = fit(looks)
-    logit, drawn = answers(looks.view, low, high, first, second)
-    automated = looks.asking == 0.0
-    true = np.clip(looks.p, LEAST, 1.0 - LEAST)
-    left_open = np.clip(np.log(true / (1.0 - true)) - logit, -MOST_OPEN, MOST_OPEN)
-    sides = [noise_of(np.where(automated, left_open[:, side], np.nan), looks) for side in range(2)]
-    path = noise_of(np.where(automated & looks.leads, looks.path - drawn, np.nan), looks)
-    noise = (float(np.mean([one[0] for one in sides])), float(np.mean([one[1] for one in sides])), *path)
     camera = Camera.model_construct()
     return Surrogate(
         detector="classical",
@@ -216,8 +229,18 @@ def fitted(runs: list[Made]) -> Surrogate:
         high=_rounded(high),
         first=tuple(_rounded(row) for row in first),
         second=tuple(_rounded(row) for row in second),
-        noise=_rounded(np.array(noise)),
+        noise=_rounded(noise_left(looks, *answers(looks.view, low, high, first, second))),
     )
+
+
+def noise_left(looks: Looks, logit: Floats, drawn: Floats) -> Floats:
+    """Return deviation and cell of the noise of the logit, and of the path's, by what the network's answers leave."""
+    automated = looks.asking == 0.0
+    true = np.clip(looks.p, LEAST, 1.0 - LEAST)
+    left_open = np.clip(np.log(true / (1.0 - true)) - logit, -MOST_OPEN, MOST_OPEN)
+    sides = [noise_of(np.where(automated, left_open[:, side], np.nan), looks) for side in range(2)]
+    path = noise_of(np.where(automated & looks.leads, looks.path - drawn, np.nan), looks)
+    return np.array([*np.mean(sides, axis=0), *path])
 
 
 def _rounded(values: Floats) -> tuple[float, ...]:
@@ -239,7 +262,8 @@ def main() -> None:
     gathering = commands.add_parser("gather")
     gathering.add_argument("maps", type=Path)
     gathering.add_argument("runs", type=Path)
-    gathering.add_argument("--fitted", type=int, default=2000)
+    gathering.add_argument("--first", type=int, default=10_000)
+    gathering.add_argument("--fitted", type=int, default=4000)
     gathering.add_argument("--jobs", type=int, default=2)
     gathering.add_argument("--seconds", type=float, default=36000.0)
     fitting = commands.add_parser("fit")
@@ -251,7 +275,7 @@ def main() -> None:
     judging.add_argument("--sample", type=Path, default=Path("tests/engine/surrogate_runs.json"))
     options = parser.parse_args()
     if options.command == "gather":
-        todo = cases(sorted(options.maps.glob("*.xodr")), options.fitted)
+        todo = cases(sorted(options.maps.glob("*.xodr")), options.first, options.fitted)
         keep(make(todo, options.jobs, options.seconds), options.runs)
     elif options.command == "fit":
         found = fitted([one for one in kept(options.runs) if one.case.number >= 0])
@@ -261,8 +285,9 @@ def main() -> None:
     else:
         from surrogate_page import write_page
 
-        judged = [one for one in kept(options.runs) if one.case.number < 0]
-        write_page(judged, options.maps, options.pages)
+        of_no_fit = [one for one in kept(options.runs) if one.case.number < 0]
+        judged = [one for one in of_no_fit if not one.case.faster]
+        write_page(judged, [one for one in of_no_fit if one.case.faster], options.maps, options.pages)
         write_sample(judged, options.sample)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,18 +11,15 @@ import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import ks_2samp
-from surrogate_runs import CONFLICTS, Made, run_case
+from surrogate_runs import CONFLICTS, FASTER, Made, run_case
 
 from scenario_compiler import compile_scenario, load_network, open_world, run
 from scenario_compiler.compiler import Overrides
-from scenario_compiler.engine.columns.state import make_draws
-from scenario_compiler.engine.columns.totals import SUMMARY
 from scenario_compiler.engine.columns.view import HIDDEN, VIEW_NAMES, VIEW_SIZE
-from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.program.surrogate import load_surrogate
-from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.resources import library_folder
 from scenario_compiler.vocabulary.sensors import Perception
+from tests.benchmarks.surrogate_figures import VARIANTS, Rate, Timed, rate, share_of, whole_sweep
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -37,9 +33,6 @@ PERCEPTIONS: tuple[Perception, ...] = ("camera", "surrogate", "ideal")
 COLOURS = {"camera": "black", "surrogate": "#d55e00", "ideal": "#0072b2"}
 COMPARED = ("minimum_time_to_collision", "takeover_time", "maximum_lateral_offset", "request_time")
 NOT_ANSWERED = ("minimum_risk", "unanswered")
-
-VARIANTS = 10_000
-"""Variants of the sweep that is timed."""
 
 
 class Pairs(NamedTuple):
@@ -75,8 +68,15 @@ class Pairs(NamedTuple):
         return found[0], found[1]
 
 
-def write_page(judged: Sequence[Made], maps: Path, folder: Path) -> None:
-    """Make the judged runs again with surrogate and ideal perception, and write the page and its figure."""
+def write_page(judged: Sequence[Made], again: Sequence[Made], maps: Path, folder: Path) -> None:
+    """Make the judged runs again with surrogate and ideal perception, and write the page and its figure.
+
+    Args:
+        judged: The runs with the camera.
+        again: The same a little faster.
+        maps: Folder of the road files.
+        folder: Folder of the pages.
+    """
     pairs: dict[Perception, Pairs] = {}
     for perception in PERCEPTIONS[1:]:
         made = []
@@ -84,59 +84,22 @@ def write_page(judged: Sequence[Made], maps: Path, folder: Path) -> None:
             case = one.case
             if case.map:
                 case = case._replace(map=str(maps / Path(case.map).name))
-            again = run_case(case, perception, looks=False)
-            if again is None:
+            run_again = run_case(case, perception, looks=False)
+            if run_again is None:
                 raise RuntimeError(f"{case} cannot be driven any more")
-            made.append(again.outcome)
+            made.append(run_again.outcome)
         pairs[perception] = Pairs([one.outcome for one in judged], made)
+    faster = {one.case.number: one.outcome for one in again}
+    itself = Pairs([one.outcome for one in judged], [faster[one.case.number] for one in judged])
     kinds = np.array([one.case.kind for one in judged])
-    rates = [_rates(name) for name in CONFLICTS]
+    rates = [rate(name) for name in CONFLICTS]
     _figure(pairs, folder / "images" / "perception_surrogate.png")
-    (folder / "perception-surrogate.md").write_text(_page(pairs, kinds, rates, _sweep()), encoding="utf-8")
-
-
-def _rates(name: str) -> tuple[str, float, float]:
-    """Return a conflict's name and the steps in a CPU second of its sweep with ideal and surrogate perception."""
-    best = {}
-    for perception in PERCEPTIONS[:0:-1]:
-        plan = _planned(name, perception)
-        network = load_network(plan.map.file)
-        assert network is not None
-        program = build_program(plan, network)
-        simulation = Simulation(network.tables, program)
-        rows, draws = [list(program.const)] * 100, [make_draws(k) for k in range(100)]
-        seconds = []
-        for _ in range(3):
-            began = time.process_time()
-            summaries, _ = simulation.sweep(rows, draws, plan.step_limit)
-            seconds.append(time.process_time() - began)
-        best[perception] = float(summaries[:, SUMMARY.index("rows")].sum()) / min(seconds)
-    return name, best["ideal"], best["surrogate"]
+    (folder / "perception-surrogate.md").write_text(_page(pairs, itself, kinds, rates, whole_sweep()), encoding="utf-8")
 
 
 def _planned(name: str, perception: Perception) -> Any:
     file = library_folder() / "conflicts" / f"{name}.xml"
     return compile_scenario(file, overrides=Overrides(perception=perception))
-
-
-def _sweep() -> tuple[float, Floats]:
-    """Return the CPU seconds of a sweep of `markings_missing` over where the paint fades, and its request times."""
-    from tempfile import TemporaryDirectory
-
-    import pyarrow.parquet as pq
-
-    from scenario_compiler.batch.execute import run_sweep
-    from scenario_compiler.batch.spec import SweepSpec
-
-    with TemporaryDirectory() as folder:
-        vary = ("from=uniform(100,400)", "over=uniform(1,250)")
-        spec = SweepSpec(vary=vary, samples=VARIANTS, perception="surrogate")
-        began = time.process_time()
-        target = library_folder() / "conflicts" / "markings_missing.xml"
-        result = run_sweep(target, spec, Path(folder) / "sweep", report=False, workers=1)
-        seconds = time.process_time() - began
-        column = pq.read_table(result.table, columns=["request_time"])["request_time"]
-        return seconds, np.array([math.nan if one is None else one for one in column.to_pylist()])
 
 
 def _figure(pairs: dict[Perception, Pairs], file: Path) -> None:
@@ -172,25 +135,24 @@ def _figure(pairs: dict[Perception, Pairs], file: Path) -> None:
 
 
 def _page(
-    pairs: dict[Perception, Pairs],
-    kinds: NDArray[np.str_],
-    rates: list[tuple[str, float, float]],
-    sweep: tuple[float, Floats],
+    pairs: dict[Perception, Pairs], itself: Pairs, kinds: NDArray[np.str_], rates: list[Rate], sweep: Timed
 ) -> str:
     surrogate, ideal = pairs["surrogate"], pairs["ideal"]
     fitted, same = load_surrogate(), surrogate.same()
-    agreement = [("all", len(same), same.mean(), ideal.same().mean())]
     named = np.array([one["name"] for one in surrogate.camera])
-    groups = [(name, (kinds == "conflict") & (named == name)) for name in CONFLICTS]
+    groups = [("all", np.ones(len(same), np.bool_))]
+    groups += [(name, (kinds == "conflict") & (named == name)) for name in CONFLICTS]
     groups += [("drawn roads", kinds == "road"), ("maps", kinds == "map")]
-    agreement += [(name, int(of.sum()), same[of].mean(), ideal.same()[of].mean()) for name, of in groups]
+    shares = [
+        (name, str(of.sum()), *(f"{one.same()[of].mean():.0%}" for one in (surrogate, ideal, itself)))
+        for name, of in groups
+    ]
     camera, other = surrogate.times()
     asked = f"{int(np.isnan(camera).sum())} of {len(camera)} runs with the camera and {int(np.isnan(other).sum())}"
     alike = [(name, surrogate.alike(name), ideal.alike(name)) for name in COMPARED]
     left, left_so = surrogate.departed()
-    total = sum(1.0 / one[1] for one in rates) / sum(1.0 / one[2] for one in rates)
-    seconds, times = sweep
-    quantiles = ", ".join(f"{value:.1f}" for value in np.nanquantile(times, (0.05, 0.25, 0.5, 0.75, 0.95)))
+    total = share_of(rates)
+    quantiles = ", ".join(f"{value:.1f}" for value in np.nanquantile(sweep.requests, (0.05, 0.25, 0.5, 0.75, 0.95)))
     missed = [
         *(["the same answer in 90 %"] if same.mean() < 0.9 else []),
         *(f"Kolmogorov and Smirnov's test at 1 % for `{name}`" for name, p, _ in alike[:3] if p < 0.01),
@@ -209,9 +171,9 @@ def _page(
         path=f"{fitted.noise[2]:.3f}",
         path_cell=f"{fitted.noise[3]:.1f}",
         judged=len(same),
-        agreement=_table(
-            ("runs", "number", "surrogate", "ideal"), [(a, str(b), f"{c:.0%}", f"{d:.0%}") for a, b, c, d in agreement]
-        ),
+        faster=f"{FASTER:.0%}",
+        ceiling=f"{itself.same().mean():.0%}",
+        agreement=_table(("runs", "number", "surrogate", "ideal", "camera again"), shares),
         asked=asked,
         alike=_table(
             ("measure", "p-value, surrogate", "p-value, ideal"),
@@ -226,7 +188,7 @@ def _page(
         ),
         total=f"{total:.2f}",
         variants=f"{VARIANTS:,}".replace(",", " "),
-        seconds=f"{seconds:.1f}",
+        seconds=f"{sweep.seconds:.1f}",
         quantiles=quantiles,
         ranges=_table(("feature", "from", "to"), ranges),
     )

@@ -35,6 +35,9 @@ GONE_AFTER = 10.0
 A page that is frozen, or whose network is gone, keeps its connection open, and takes none of the pictures that wait.
 """
 
+MOST_UNSHOWN = 2
+"""Pictures on their way to a page at most, with those that wait in a browser: a slow one gets fewer, not later ones."""
+
 NO_MESSAGE = (ValueError, ValidationError, KeyError, TypeError, RecursionError)
 """Exceptions of reading a message from a page; its socket is then closed."""
 
@@ -47,11 +50,26 @@ class Viewer:
         socket: Its connection.
         waiting: The next picture for it; a later one takes the place of one that has not been sent.
         fresh: Set when there is one.
+        sent: Number of messages with pictures that have been sent.
+        shown: Number of those that the page has dealt with; 0 too for a page that does not say so.
+        room: Set when another picture may be sent.
     """
 
     socket: WebSocket
     waiting: bytes | None = None
     fresh: asyncio.Event = field(default_factory=asyncio.Event)
+    sent: int = 0
+    shown: int = 0
+    room: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def count(self, *, sent: int = 0, shown: int = 0) -> None:
+        """Count messages that have been sent, or that the page has dealt with."""
+        self.sent += sent
+        self.shown += shown
+        if self.shown and self.sent - self.shown >= MOST_UNSHOWN:
+            self.room.clear()
+        else:
+            self.room.set()
 
 
 class Begin(Protocol):
@@ -147,6 +165,8 @@ class Cockpit:
         session = self.session
         if kind == "ping":
             await viewer.socket.send_json({"pong": float(message["t"]), "at": 1e3 * time.perf_counter()})
+        elif kind == "shown":
+            viewer.count(shown=1)
         elif viewer is not self._driver:
             raise ValueError("a page that watches tells nothing")
         elif kind == "input" and session is not None and session.wheel is not None:
@@ -200,6 +220,8 @@ class Cockpit:
                 viewer.fresh.clear()
                 if content is not None:
                     await viewer.socket.send_bytes(content)
+                    viewer.count(sent=1)
+                    await viewer.room.wait()
 
 
 def described(drive: Drive, *, watched: bool = False) -> dict[str, Any]:

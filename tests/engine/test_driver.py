@@ -176,6 +176,19 @@ def test_between_full_lanes_a_driver_stops_before_a_closed_lane_and_not_within_i
     assert recording.s[slowest, 0] < 100.0 + 250.0
 
 
+@pytest.mark.parametrize(("beside", "passes"), [(-1, -3), (-3, -1)])
+def test_what_stands_on_the_way_to_the_lane_beside_is_not_driven_into(beside: int, passes: int, tmp_path: Path) -> None:
+    text = f"""<scenarios version="1"><scenario name="staggered" map="motorway" duration="20" control_every="2">
+    <ego speed="20"><start><lane road="1" lane="-2" s="100"/></start></ego>
+    <static id="before"><at><lane road="1" lane="{beside}" s="275"/></at></static>
+    <static id="block"><at><lane road="1" lane="-2" s="305"/></at></static>
+    <takeover minimum_risk="false"><cause kind="path_blocked"/><driver takeover_time="1.5"/>
+    <automation after="hold_speed"/></takeover></scenario></scenarios>"""
+    recording, outcome = next(runs(compiled(tmp_path, text), range(1, 2)))
+    assert outcome.collision_with is None
+    assert recording.lane[int(np.searchsorted(recording.s[:, 0], 305.0)), 0] == passes
+
+
 @pytest.mark.parametrize("deceleration", [2.0, 4.0, 6.0])
 def test_a_leader_that_stops_is_followed_to_its_standstill(deceleration: float, tmp_path: Path) -> None:
     text = """<scenarios version="1"><scenario name="leader" map="motorway" duration="30" control_every="2">

@@ -7,12 +7,14 @@ import json
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
 from tests.live.serving import Served, served
+from tests.live.test_drive import OPEN
 from tests.test_cli import CONFLICT
 
 
@@ -126,6 +128,34 @@ def test_what_is_no_message_of_ours_closes_the_socket_alone(own: Served, message
         one.send(message)
         assert closes(one)
     assert asked(own, "/")[0] == 200
+
+
+def picture(page: ClientConnection, seconds: float) -> dict[str, Any]:
+    """Return what belongs to the next picture; TimeoutError where none comes."""
+    told = page.recv(timeout=seconds)
+    assert isinstance(told, bytes)
+    about: dict[str, Any] = json.loads(told[4 : 4 + int.from_bytes(told[:4], "big")])
+    return about
+
+
+def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(tmp_path: Path) -> None:
+    file = tmp_path / "open.xml"
+    file.write_text(OPEN)
+    with served("drive", file, "--perception", "ideal") as server, server.connected() as page:
+        page.recv(timeout=30)
+        page.send('{"kind": "start"}')
+        picture(page, 60)
+        page.send('{"kind": "shown"}')
+        waiting = [picture(page, 60)]
+        with suppress(TimeoutError):
+            while True:
+                waiting.append(picture(page, 3))
+        assert len(waiting) <= 10  # those on their way when the page began to say what it shows
+        for _ in waiting:
+            page.send('{"kind": "shown"}')
+        picture(page, 60)  # the latest one when there was no room
+        page.send('{"kind": "shown"}')
+        assert picture(page, 60)["t"] > waiting[-1]["t"] + 0.2
 
 
 def test_a_second_page_watches(own: Served) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, pi, sqrt
+from math import atan2, exp, pi, sqrt
 
 from scenario_compiler.marker import compiled
 
@@ -43,6 +43,12 @@ def safe_sqrt(value: float) -> float:
     if value > 0.0:
         return sqrt(value)
     return 0.0
+
+
+@compiled
+def logistic(logit: float) -> float:
+    """Return the probability of a logit, the logistic function; beyond 50 either way it stays as it is there."""
+    return 1.0 / (1.0 + exp(clip(-logit, -50.0, 50.0)))
 
 
 @compiled

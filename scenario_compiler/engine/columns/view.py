@@ -48,7 +48,7 @@ V_SEEN = 43
 V_OTHER_SEEN = 44
 VIEW_SIZE = 45
 
-HIDDEN = 16
+HIDDEN = 32
 OUTPUTS = 2
 UNITS = HIDDEN + OUTPUTS
 """Size of the network of surrogate perception: hidden units and outputs."""

@@ -13,7 +13,7 @@ from math import cos, exp, log
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import log_event
-from scenario_compiler.engine.columns.numbers import CIRCLE, clip, ratio, safe_sqrt
+from scenario_compiler.engine.columns.numbers import CIRCLE, clip, logistic, ratio, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
@@ -150,7 +150,7 @@ def drawn_share(p: Program, st: State, median: float, what: int) -> float:
     logit = (
         log(max(middle, 0.01)) - log(max(1.0 - middle, 0.01)) + p.const[slot.K_STAGE_SPREAD] * drawn_normal(st, what)
     )
-    return 1.0 / (1.0 + exp(clip(-logit, -20.0, 20.0)))
+    return logistic(logit)
 
 
 @compiled

@@ -21,9 +21,7 @@ paint at a clear noon; a darker scene counts as black sooner in the image than i
 
 from __future__ import annotations
 
-from math import exp
-
-from scenario_compiler.engine.columns.numbers import clip
+from scenario_compiler.engine.columns.numbers import logistic
 from scenario_compiler.marker import compiled
 
 NOISE_AT_ONE = 80.0
@@ -48,7 +46,7 @@ DIRT_WIDTH = 0.05
 @compiled
 def falling(value: float, middle: float, width: float) -> float:
     """Return the logistic curve that falls from 1 to 0 and is one half at `middle`."""
-    return 1.0 / (1.0 + exp(clip((value - middle) / max(width, 1.0e-9), -50.0, 50.0)))
+    return logistic((middle - value) / max(width, 1.0e-9))
 
 
 @compiled

@@ -20,12 +20,10 @@ The automation then drives as the controller `lane_detection` does, along the pa
 
 from __future__ import annotations
 
-from math import exp
-
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import log_event
-from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
+from scenario_compiler.engine.columns.numbers import clip, logistic, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.view import HIDDEN, OUTPUTS, UNITS, VIEW_SIZE
@@ -145,12 +143,6 @@ def judge_side(p: Program, st: State, base: int) -> None:
 
 
 @compiled
-def probability(logit: float) -> float:
-    """Return the probability of a logit."""
-    return 1.0 / (1.0 + exp(clip(-logit, -50.0, 50.0)))
-
-
-@compiled
 def note_domain(p: Program, st: State) -> None:
     """Hold the view within the domain, and log the first time that it leaves it while the automation drives."""
     left = hold_in_domain(p, st, 0)
@@ -192,8 +184,8 @@ def surrogate_confidence(n: RoadTables, p: Program, st: State) -> None:
     s = st.path_s[0]
     cell = p.const[noise + N_CONFIDENCE_CELL]
     size = p.const[noise + N_CONFIDENCE]
-    left = probability(st.seen_logit[0] + size * noise_at(road, lane, 0, s, cell))
-    right = probability(st.seen_logit[1] + size * noise_at(road, lane, 1, s, cell))
+    left = logistic(st.seen_logit[0] + size * noise_at(road, lane, 0, s, cell))
+    right = logistic(st.seen_logit[1] + size * noise_at(road, lane, 1, s, cell))
     if max(left, right) >= TRUSTED:
         off = p.const[noise + N_PATH] * noise_at(road, lane, PATH_SIDE, s, p.const[noise + N_PATH_CELL])
         st.path_error[0] = clip(st.seen_drawn[0] + off, -FARTHEST_OFF, FARTHEST_OFF)

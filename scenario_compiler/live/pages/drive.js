@@ -166,8 +166,17 @@ class Page {
     this.say({ kind: "input", seq: this.seq, ...told });
   }
 
-  /** Take a picture, and show it when both of its files are decoded. */
+  /** Take a message, and say when it has been dealt with: a page that is slow is sent fewer pictures. */
   async take(data) {
+    try {
+      await this.deal(data);
+    } finally {
+      this.say({ kind: "shown" });
+    }
+  }
+
+  /** Take a picture, and show it when both of its files are decoded. */
+  async deal(data) {
     const view = new DataView(data);
     const length = view.getUint32(0);
     const about = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
@@ -179,9 +188,8 @@ class Page {
     const size = view.getUint32(4 + length);
     const files = [new Uint8Array(data, 8 + length, size), new Uint8Array(data, 8 + length + size)];
     const images = await Promise.all(files.map((file) => (file.length ? createImageBitmap(new Blob([file])) : null)));
-    requestAnimationFrame(() => {
-      if (stretch === this.stretch) this.show(about, images); // a run that ended or was held meanwhile shows no more
-    });
+    if (!document.hidden) await new Promise(requestAnimationFrame);
+    if (stretch === this.stretch) this.show(about, images); // a run that ended or was held meanwhile shows no more
   }
 
   /** Blank the pictures while the run stands still: for the experimenter, or for questions. */
