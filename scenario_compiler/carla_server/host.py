@@ -62,7 +62,7 @@ It asks in its own thread at the end of each step and then waits to be woken for
 comes just then is missed, and the client waits for ever. CARLA's own ticks take longer than that.
 """
 
-HELD = 0.1
+HELD = 0.5
 SEEN = 2
 """How long a vehicle that a client destroys in asynchronous mode waits at most for a Traffic Manager to be between two
 of its steps, s; and after how many snapshots it may go on.
