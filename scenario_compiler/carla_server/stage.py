@@ -264,9 +264,13 @@ class Stage:
         yield from self._by_place.values()
 
     def pose_of(self, body: Body) -> Pose:
-        """Return the pose of a body's reference point, OpenDRIVE axes."""
+        """Return the pose of a body's reference point, OpenDRIVE axes; while it falls, it leans as it was spawned."""
         st, place = self.simulation.state, body.place
-        return Pose(*(getattr(st, name)[place] for name in COLUMNS))
+        pose = Pose(*(getattr(st, name)[place] for name in COLUMNS))
+        if place in self._falling:
+            spawned = pose_from_carla(body.spawned)
+            pose = pose._replace(pitch=spawned.pitch, roll=spawned.roll)
+        return pose
 
     def transform_of(self, actor: Actor) -> CarlaTransform:
         """Return where an actor is now, CARLA's axes."""
@@ -494,10 +498,11 @@ class Stage:
         column = self.simulation.column
         pose = [column(name)[place] for name in COLUMNS]
         for one, until in list(self._falling.items()):  # it leans as the road does once its wheels are on it
+            if until < self.time:
+                del self._falling[one]
+                continue
             spawned = pose_from_carla(self._by_place[one].spawned)
             pose[4][self._index[one]], pose[5][self._index[one]] = spawned.pitch, spawned.roll
-            if until <= self.time:
-                del self._falling[one]
         now = carla_rows(np.stack(pose), self._center, self._up)
         before = self._before[place]
         self._before[place] = now

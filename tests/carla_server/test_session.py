@@ -177,6 +177,18 @@ def test_cars_lean_as_their_spawn_points_until_they_stand_on_the_road(server: Se
         one.actor_id
         for one in client.apply_batch_sync([carla.command.SpawnActor(model, point) for point in points], True)
     ]
+    sensor = world.get_blueprint_library().find("sensor.other.imu")
+    carried = [
+        one.actor_id
+        for one in client.apply_batch_sync(
+            [carla.command.SpawnActor(sensor, carla.Transform(), number) for number in ids], True
+        )
+    ]
+
+    def sensors_lean_with_their_cars() -> bool:
+        snapshot = world.get_snapshot()
+        pitches = [[snapshot.find(one).get_transform().rotation.pitch for one in group] for group in (ids, carried)]
+        return all(abs(car - on_it) < 0.001 for car, on_it in zip(*pitches, strict=True))
 
     def away() -> float:
         snapshot = world.get_snapshot()
@@ -188,8 +200,10 @@ def test_cars_lean_as_their_spawn_points_until_they_stand_on_the_road(server: Se
 
     world.tick()
     assert away() < 0.005
+    assert sensors_lean_with_their_cars()
     for _ in range(10):
         world.tick()
+        assert sensors_lean_with_their_cars()
     assert 0.05 < away() < 0.5
     settings.synchronous_mode, settings.fixed_delta_seconds = False, None
     world.apply_settings(settings)
