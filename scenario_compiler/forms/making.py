@@ -34,7 +34,7 @@ FLAGS = (
     *("-fvisibility=hidden", "-shared", "-fPIC"),
 )
 """Two forms of one source: no contraction and no fast arithmetic, and whole numbers wrap as Python's are masked to.
-What has no result is told from the result, so that mathematical functions need not set `errno`."""
+Whether a function has a result is seen from what it returns, so that none needs to set `errno`."""
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")
 
