@@ -242,9 +242,9 @@ def test_the_codebook_has_every_column_of_the_table() -> None:
 
 
 @pytest.mark.parametrize("address", ["banana", "http://here:1"])
-def test_an_address_that_is_none_leaves_no_folder(address: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_faulty_address_leaves_no_folder(address: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert sweep("--vary", "speed=uniform(5, 10)", "--scheduler", address) == 2
-    assert f"'{address}' is no address of a scheduler" in capsys.readouterr().err
+    assert f"'{address}' is not an address such as tcp://" in capsys.readouterr().err
     assert not Path("out").exists()
     assert sweep("--vary", "speed=uniform(5, 10)") == 0
 

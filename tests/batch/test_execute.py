@@ -171,7 +171,7 @@ def test_a_wrong_sweep_writes_nothing(conflict: Path, tmp_path: Path, vary: tupl
 
 
 def test_other_files_are_left_alone(conflict: Path, tmp_path: Path) -> None:
-    with pytest.raises(SweepError, match="holds no sweep"):
+    with pytest.raises(SweepError, match="contains no sweep"):
         run_sweep(conflict, _spec(), tmp_path, report=False)
 
 

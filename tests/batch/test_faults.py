@@ -298,7 +298,7 @@ def test_a_second_sweep_in_one_folder_is_refused_at_once(conflict: Path, tmp_pat
             refused.append(subprocess.run(told, capture_output=True, text=True, timeout=120, check=False).stdout)
 
     run_sweep(conflict, _spec(interpreted=True), folder, workers=1, progress=try_the_same, report=False)
-    expected = f"another sweep is writing into {folder} (process {os.getpid()})" if resume else "holds a sweep already"
+    expected = f"another sweep is writing into {folder} (process {os.getpid()})" if resume else "contains a sweep already"
     assert expected in refused[0]
     assert sorted(path.name for path in folder.iterdir()) == [
         "codebook.csv",
@@ -328,7 +328,7 @@ def test_two_sweeps_that_begin_together_do_not_mix(conflict: Path, tmp_path: Pat
     words = [sys.executable, "-c", SECOND, str(conflict), str(tmp_path / "both"), "False"]
     both = [subprocess.Popen(words, stdout=subprocess.PIPE, text=True) for _ in range(2)]
     told = [one.communicate(timeout=120)[0] for one in both]
-    assert sum("another sweep is writing" in text or "holds a sweep already" in text for text in told) == 1
+    assert sum("another sweep is writing" in text or "contains a sweep already" in text for text in told) == 1
     run_sweep(conflict, _spec(interpreted=True), tmp_path / "whole", workers=1, report=False)
     assert _bytes_of(tmp_path / "both") == _bytes_of(tmp_path / "whole")
 

@@ -117,7 +117,7 @@ def test_names_across_the_files_of_a_folder(tmp_path: Path) -> None:
             "ours.xml": 1,
             "templates.xml": 2,
         }
-        with pytest.raises(JsonRpcException, match="no name"):
+        with pytest.raises(JsonRpcException, match="cannot be the new name"):
             await client.text_document_rename_async(lsp.RenameParams(far.text_document, far.position, "7"))
         client.change(path, 2, using.replace("parked", "blocked_lane"))
         shipped = at(path, place_of(using, 'template="par'))

@@ -154,7 +154,7 @@ def test_a_command_repeats_a_persons_run_and_a_model_stands_in(
 ) -> None:
     target = ("run", conflict, "--perception", "ideal", "--dt", "0.02")
     assert call(*target) == 2
-    assert "a person is at the wheel" in capsys.readouterr().err
+    assert "has a person at the wheel" in capsys.readouterr().err
     assert call(*target, "--pilot", "-o", tmp_path / "pilot") == 0
     pilot = read_recording(tmp_path / "pilot" / "recording.parquet")
     assert SOURCE["driver model"] in pilot.control
