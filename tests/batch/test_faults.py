@@ -298,7 +298,9 @@ def test_a_second_sweep_in_one_folder_is_refused_at_once(conflict: Path, tmp_pat
             refused.append(subprocess.run(told, capture_output=True, text=True, timeout=120, check=False).stdout)
 
     run_sweep(conflict, _spec(interpreted=True), folder, workers=1, progress=try_the_same, report=False)
-    expected = f"another sweep is writing into {folder} (process {os.getpid()})" if resume else "contains a sweep already"
+    expected = (
+        f"another sweep is writing into {folder} (process {os.getpid()})" if resume else "contains a sweep already"
+    )
     assert expected in refused[0]
     assert sorted(path.name for path in folder.iterdir()) == [
         "codebook.csv",
