@@ -88,7 +88,7 @@ def test_nothing_is_written_or_read_outside_the_served_folder(server: Served, na
 
 def test_what_is_no_recording_is_refused(server: Served) -> None:
     (server.files / "text.log").write_text("nothing of ours")
-    with pytest.raises(RuntimeError, match="no recording of this server"):
+    with pytest.raises(RuntimeError, match="is not a recording of this server"):
         server.client().show_recorder_file_info("text.log", False)
     with pytest.raises(RuntimeError, match="not found"):
         server.client().show_recorder_file_info("absent.log", False)
