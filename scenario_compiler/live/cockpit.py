@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from pydantic import ValidationError
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 
 from scenario_compiler.live.session import Drive, Given, Picture, Session
 from scenario_compiler.live.sounds import sounds_of
@@ -146,6 +146,9 @@ class Cockpit:
                     self._begin()
                 while True:
                     await self._hear(viewer, await asyncio.wait_for(connection.receive_text(), GONE_AFTER))
+            except RuntimeError:
+                if connection.application_state is WebSocketState.CONNECTED:
+                    raise  # otherwise a picture that was sent found the page gone before this loop did
             finally:
                 sending.cancel()
                 self._viewers.remove(viewer)
