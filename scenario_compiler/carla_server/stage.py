@@ -245,14 +245,19 @@ class Stage:
         Raises:
             CallError: There is none.
         """
-        if number not in self.actors and number in self._gone:
-            return self._gone[number].box
+        gone = self._remembered(number)
+        if gone is not None:
+            return gone.box
         found: list[Any] = self.wire(self.get(number))[3]
         return found
 
     def gone(self, number: int) -> Actor | None:
         """Return an actor that has been destroyed a moment ago; None for others."""
-        return self._gone[number].actor if number not in self.actors and number in self._gone else None
+        found = self._remembered(number)
+        return None if found is None else found.actor
+
+    def _remembered(self, number: int) -> Gone | None:
+        return None if number in self.actors else self._gone.get(number)
 
     def remember(self, before: Stage) -> None:
         """Remember the actors of an episode that has ended as those that have been destroyed."""

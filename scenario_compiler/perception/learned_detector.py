@@ -27,7 +27,7 @@ from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import Confidence, load_confidence, noise_of
 from scenario_compiler.perception.lane_detector import Boundary, LaneResult, LaneState
-from scenario_compiler.perception.road_plane import BEND_DOUBT, TAPER, Tilt
+from scenario_compiler.perception.road_plane import Tilt, tilt_of_widening
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
@@ -200,12 +200,10 @@ def tilt_between(left: Rows, right: Rows, v: Floats, pitch: float) -> Tilt:
     reach = float(share @ (x - middle) ** 2)
     widens = float(share @ ((x - middle) * apart)) / reach
     width = float(share @ apart) - widens * middle
-    if width < 1.0:
-        return Tilt(0.0, math.inf)
     uneven = max(float(np.mean((weight * (apart - width - widens * x)) ** 2)), EVEN)
     variance = ALIKE_ROWS * uneven / (float(weight @ weight) * reach)
-    deviation = math.sqrt(variance + (TAPER + 4.0 * BEND_DOUBT * half * half) ** 2)
-    return Tilt(pitch - TRAINED_FOR.z * widens / width, TRAINED_FOR.z * deviation / width)
+    beyond = tilt_of_widening(widens, width, 2.0 * float(half), variance, TRAINED_FOR.z)
+    return Tilt(pitch + beyond.pitch, beyond.deviation)
 
 
 class _Side:

@@ -96,11 +96,27 @@ def tilt_beyond(left: Fit, right: Fit, height: float) -> Tilt:
     near, far = (_width(left, right, x - X_FROM) for x in COMPARED)
     slope = (far - near) / (COMPARED[1] - COMPARED[0])
     width = near - slope * COMPARED[0]
+    variance = left.slope_deviation**2 + right.slope_deviation**2
+    return tilt_of_widening(slope, width, 0.5 * float(left.curve[2] + right.curve[2]), variance, height)
+
+
+def tilt_of_widening(slope: float, width: float, bend: float, variance: float, height: float) -> Tilt:
+    """Return the tilt under which a lane that seems to widen keeps its width.
+
+    Args:
+        slope: By how much it seems to widen per metre ahead.
+        width: Its width below the camera, m.
+        bend: Its curvature, 1/m, which leaves doubt, as a lane may taper.
+        variance: Variance of the slope.
+        height: Height of the camera, m.
+
+    Returns:
+        The tilt, rad; of infinite deviation where the lane is less than 1 m wide.
+    """
     if width < 1.0:
         return Tilt(0.0, math.inf)
-    bend = 0.5 * float(left.curve[2] + right.curve[2])
     doubt = TAPER + BEND_DOUBT * bend * bend
-    deviation = math.sqrt(left.slope_deviation**2 + right.slope_deviation**2 + doubt * doubt)
+    deviation = math.sqrt(variance + doubt * doubt)
     return Tilt(-height * slope / width, height * deviation / width)
 
 

@@ -26,6 +26,7 @@ from scenario_compiler.engine.ego.passing import (
     MEETING_TIME,
     PASSING_SIGHT,
     RETURN_ACCELERATION,
+    is_beside,
     is_clear_of,
     meets_oncoming,
 )
@@ -217,8 +218,8 @@ def room_to_move(p: Program, st: State, i: int, blocker: int, centre: float) -> 
     begin = st.near[blocker] - row_gap(st, i)
     room = st.blocked_distance[0]
     for j in range(p.entity_count[0]):
-        aside = st.low[j] < max(centre, st.path_off[0]) + half and st.high[j] > min(centre, st.path_off[0]) - half
-        if aside and obstructs(st, j, front) == 1 and st.far[j] >= begin:
+        aside = is_beside(st.low[j], st.high[j], centre, st.path_off[0], half)
+        if aside == 0 and obstructs(st, j, front) == 1 and st.far[j] >= begin:
             room = min(room, max(st.near[j] - front, 0.0))
     return room - 1.0
 
@@ -249,7 +250,7 @@ def meets_standing(p: Program, st: State, i: int, centre: float, out: float, beg
         change = centre - st.path_off[0]
         first = st.path_off[0] + change * 0.5 * (1.0 - cos(pi * enters))
         last = st.path_off[0] + change * 0.5 * (1.0 - cos(pi * leaves))
-        if st.low[j] < max(first, last) + half and st.high[j] > min(first, last) - half:
+        if is_beside(st.low[j], st.high[j], first, last, half) == 0:
             return 1
     return 0
 
@@ -367,7 +368,7 @@ def way_back_free(p: Program, st: State, i: int) -> int:
     for j in range(p.entity_count[0]):
         if j == i or st.on_way[j] == 0 or abs(st.along[j]) >= SLOW or st.near[j] > end or st.far[j] < rear:
             continue
-        if st.low[j] < max(off, 0.0) + half and st.high[j] > min(off, 0.0) - half:
+        if is_beside(st.low[j], st.high[j], off, 0.0, half) == 0:
             return 0
     return 1
 
