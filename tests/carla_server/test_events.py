@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from scenario_compiler.carla_server.sensors.events import LEAST_THRESHOLD, EventPixels
+from scenario_compiler.carla_server.sensors.events import EVENT, LEAST_THRESHOLD, EventPixels
 
 MS = 1_000_000
 
@@ -17,7 +17,7 @@ def noise() -> np.random.Generator:
 
 def seen(pixels: EventPixels, *pictures: tuple[int, list[list[float]]]) -> list[tuple[int, int, int, bool]]:
     """Return the events of the last of some pictures, each with its time in ms."""
-    events: NDArray[np.void] = np.empty(0)
+    events: NDArray[np.void] = np.empty(0, EVENT)
     for time, brightness in pictures:
         events = pixels.see(np.array(brightness, np.float32), time * MS, noise())
     return [(int(one["x"]), int(one["y"]), round(int(one["t"]) / MS), bool(one["pol"])) for one in events]

@@ -30,9 +30,10 @@ def looking(camera: Camera, pose: Pose, block: Pose) -> Drawing:
     return RoadCamera(two_lanes(STRAIGHT), camera, box_offset=0.0).draw(pose, [box], CLEAR)
 
 
-def moved_pixels(found: NDArray[np.float64]) -> NDArray[np.float64]:
+def moved_pixels(found: NDArray[np.float32]) -> NDArray[np.float64]:
     """Return a flow in pixels to the right and down."""
-    return np.asarray(found * CENTRE * np.array([1.0, -1.0]))
+    scaled: NDArray[np.float64] = found * CENTRE * np.array([1.0, -1.0])
+    return scaled
 
 
 def offsets() -> NDArray[np.float64]:
@@ -44,7 +45,7 @@ def offsets() -> NDArray[np.float64]:
 def test_nothing_moves_without_a_motion() -> None:
     pose, block = STRAIGHT.pose(60.0), STRAIGHT.pose(70.0)
     drawing = looking(CAMERA, pose, block)
-    assert np.abs(flow(drawing, drawing.view, {7: np.eye(4)})).max() < 1e-12
+    assert np.abs(flow(drawing, drawing.view, {7: np.eye(4)})).max() < 1e-6
 
 
 def test_a_way_ahead_spreads_the_image_by_the_depths() -> None:
@@ -56,7 +57,7 @@ def test_a_way_ahead_spreads_the_image_by_the_depths() -> None:
     near = now.depth < FARTHEST_DEPTH
     expected = offsets() / (now.depth[..., None].astype(np.float64) + 1.0)
     assert np.abs(shift - expected)[near].max() < 1e-3
-    assert np.abs(shift[~near]).max() < 1e-9
+    assert np.abs(shift[~near]).max() < 1e-4
     assert (now.instance == 7).sum() > 100
 
 
@@ -92,6 +93,6 @@ def test_a_thing_that_turns_moves_by_its_own_matrix() -> None:
     point = ray @ now.view.rotation + now.view.position
     was = back[:3, :3] @ point + back[:3, 3]
     u, v = now.view.to_image(now.view.to_camera(was))
-    assert shift[row, column] == pytest.approx([column - u, row - v], abs=1e-6)
+    assert shift[row, column] == pytest.approx([column - u, row - v], abs=1e-3)
     assert shift[row, column, 0] < -1.0  # to the left is towards smaller columns
-    assert np.abs(shift[now.instance != 7]).max() < 1e-9
+    assert np.abs(shift[now.instance != 7]).max() < 1e-4

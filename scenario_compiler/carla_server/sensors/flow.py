@@ -9,6 +9,8 @@ right, and half of its height up, is 1.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,9 +25,13 @@ from scenario_compiler.roads import Pose
 from scenario_compiler.vocabulary.weather import Weather
 
 Floats = NDArray[np.float64]
+Table = NDArray[np.float32]
 
 FASTEST = 2.0
 """Greatest value, as CARLA documents it."""
+
+LEAST_AHEAD = 1e-3
+"""Least part of a direction along the optical axis for it to count as before the lens."""
 
 
 class FlowCamera(CameraInstrument):
@@ -49,7 +55,7 @@ class FlowCamera(CameraInstrument):
             if number in self._bodies
         }
         self._before, self._bodies = drawing.view, bodies
-        return self.message(flow(drawing, before, moved).astype("<f4"))
+        return self.message(flow(drawing, before, moved))
 
 
 def placed(pose: Pose) -> Floats:
@@ -59,7 +65,7 @@ def placed(pose: Pose) -> Floats:
     return matrix
 
 
-def flow(drawing: Drawing, before: View, moved: dict[int, Floats]) -> Floats:
+def flow(drawing: Drawing, before: View, moved: Mapping[int, Floats]) -> NDArray[np.float32]:
     """Return how far what each pixel shows has moved, (height, width, 2): right and up, half an image is 1.
 
     Args:
@@ -68,21 +74,35 @@ def flow(drawing: Drawing, before: View, moved: dict[int, Floats]) -> Floats:
         moved: By the number of a thing in the picture of instances, the (4, 4) matrix that takes its points, in the
             world's axes, from where they are now to where they were then; what is not listed stood still.
     """
-    view, camera = drawing.view, drawing.view.camera
-    size = np.array([camera.width, camera.height], np.float64)
-    columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
-    pixels = np.stack([columns, rows], axis=2).reshape(-1, 2).astype(np.float64)
-    depth = drawing.depth.ravel().astype(np.float64)
-    rays = np.concatenate([(pixels - size / 2.0) / camera.focal, np.ones((len(pixels), 1))], axis=1) @ view.rotation
-    near = depth < FARTHEST_DEPTH
-    from_eye = rays * np.where(near, depth, 1.0)[:, None]
-    then = from_eye + near[:, None] * (view.position - before.position)
-    instances = drawing.instance.ravel()
-    for number in np.intersect1d(instances, list(moved)).tolist():
-        its = np.flatnonzero((instances == number) & near)
-        then[its] = (from_eye[its] + view.position) @ moved[number][:3, :3].T + moved[number][:3, 3] - before.position
-    seen = then @ before.rotation.T
-    ahead = seen[:, 2] > NEAR * np.where(near, 1.0, 1e-3)
-    old = seen[:, :2] * (camera.focal / np.where(ahead, seen[:, 2], 1.0))[:, None] + size / 2.0
-    shift = np.where(ahead[:, None], pixels - old, 0.0) * np.array([2.0, -2.0]) / size
-    return np.asarray(np.clip(shift, -FASTEST, FASTEST).reshape(camera.height, camera.width, 2))
+    camera = drawing.view.camera
+    nearness = np.where(drawing.depth < FARTHEST_DEPTH, np.float32(1.0) / drawing.depth, np.float32(0.0))
+    rows, columns = (np.arange(count, dtype=np.float32) for count in drawing.depth.shape)
+    found = _shift(rows[:, None], columns, nearness, drawing.view, before, np.eye(4))
+    for number in np.intersect1d(drawing.instance, list(moved)).tolist():
+        row, column = np.nonzero(drawing.instance == number)
+        its = _shift(rows[row], columns[column], nearness[row, column], drawing.view, before, moved[number])
+        found[row, column] = its
+    found *= np.array([2.0 / camera.width, -2.0 / camera.height], np.float32)
+    return np.asarray(np.clip(found, -FASTEST, FASTEST, out=found))
+
+
+def _shift(row: Table, column: Table, nearness: Table, now: View, before: View, moved: Floats) -> Table:
+    """Return by how many pixels, right and down, points have moved that a matrix takes to where they were.
+
+    A point of depth Z in the direction (x, y, 1) was seen in the direction A (x, y, 1) + b / Z, with the rotation A and
+    the way b from this camera's axes to the ones before. What was not before the lens has not moved.
+    """
+    camera = now.camera
+    turn = (before.rotation @ moved[:3, :3] @ now.rotation.T).astype(np.float32)
+    way = before.rotation @ (moved[:3, :3] @ now.position + moved[:3, 3] - before.position)
+    across = (column - np.float32(camera.width / 2.0)) / np.float32(camera.focal)
+    down = (row - np.float32(camera.height / 2.0)) / np.float32(camera.focal)
+    right, low, ahead = (
+        across * turn[k, 0] + (down * turn[k, 1] + turn[k, 2]) + nearness * np.float32(way[k]) for k in range(3)
+    )
+    seen = ahead > np.maximum(np.float32(NEAR) * nearness, np.float32(LEAST_AHEAD))
+    scale = np.float32(camera.focal) / np.where(seen, ahead, np.float32(1.0))
+    shift = np.empty((*nearness.shape, 2), np.float32)
+    shift[..., 0] = np.where(seen, across * np.float32(camera.focal) - right * scale, np.float32(0.0))
+    shift[..., 1] = np.where(seen, down * np.float32(camera.focal) - low * scale, np.float32(0.0))
+    return shift
