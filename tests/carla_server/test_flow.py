@@ -32,7 +32,7 @@ def looking(camera: Camera, pose: Pose, block: Pose) -> Drawing:
 
 def moved_pixels(found: NDArray[np.float32]) -> NDArray[np.float64]:
     """Return a flow in pixels to the right and down."""
-    scaled: NDArray[np.float64] = found * CENTRE * np.array([1.0, -1.0])
+    scaled: NDArray[np.float64] = np.multiply(found, CENTRE * np.array([1.0, -1.0]))
     return scaled
 
 
