@@ -39,7 +39,7 @@ def moved_pixels(found: NDArray[np.float32]) -> NDArray[np.float64]:
 def offsets() -> NDArray[np.float64]:
     """Return the place of each pixel relative to the principal point."""
     columns, rows = np.meshgrid(np.arange(CAMERA.width), np.arange(CAMERA.height))
-    return np.stack([columns, rows], axis=2) - CENTRE
+    return np.asarray(np.stack([columns, rows], axis=2) - CENTRE, np.float64)
 
 
 def test_nothing_moves_without_a_motion() -> None:
