@@ -6,7 +6,6 @@ only `compile_scenario` raises `CompileError` at its end. Codes are declared bes
 
 from __future__ import annotations
 
-import difflib
 import enum
 import importlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -331,6 +330,8 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
     Empty names, which an author has left out, are not suggested.
     """
+    import difflib  # only a mistake needs it
+
     offered = list(known)
     if len(offered) > MOST_KNOWN:
         return ""

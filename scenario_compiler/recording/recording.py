@@ -29,7 +29,7 @@ Booleans: TypeAlias = NDArray[np.bool_]
 class Header(BaseModel):
     """The origin of a recording."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     plan_digest: str = Field(description="Digest of the plan.")
     plan_name: str = Field(description="Name of the plan.")
