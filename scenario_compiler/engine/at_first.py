@@ -113,7 +113,7 @@ def _check_request(plan: Plan, ideal: Plan, network: Network, state: State, enou
 
 
 def first_request(plan: Plan, network: Network, until: float) -> FirstRequest | None:
-    """Return the first request of a plan that the engine drives, None where there is none until a time, s."""
+    """Return the first request of a plan that the engine drives, None if there is none until a time, s."""
     simulation = Simulation(network.tables, build_program(plan, network))
     simulation.reset(make_draws(1))
     st, ego = simulation.state, simulation.program.ego[0]

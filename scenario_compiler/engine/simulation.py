@@ -35,9 +35,9 @@ class Outlook:
     """The road ahead of the ego.
 
     Attributes:
-        gap: Distance from the front bumper to the leader that the forward sensor sees, m; FAR without one.
+        gap: Distance from the front bumper to the leader that the forward sensor sees, m; FAR if there is none.
         lead_speed: Its speed along the way, m/s.
-        junction: Distance along the way to the next junction, m; FAR where there is none in reach.
+        junction: Distance along the way to the next junction, m; FAR if there is none in reach.
         way: Points of the planned way 1 m apart, (x ahead, y left) of the reference point, m.
     """
 
@@ -98,7 +98,7 @@ class Simulation:
         return self.state.stop[0] != op.STOP_NONE
 
     def begin(self) -> bool:
-        """Begin a step: the storyboard, and at control steps the ego's commands; return False where the run is over.
+        """Begin a step: the storyboard, and at control steps the ego's commands; return False if the run is over.
 
         After it, `move` and `end` make the step's row.
         """
@@ -113,7 +113,7 @@ class Simulation:
         self.form.enter("end_step")
 
     def step(self) -> bool:
-        """Do a whole step; return False where the run was over before it."""
+        """Do a whole step; return False if the run was over before it."""
         return bool(self.form.enter("step"))
 
     def set_step(self, step: float) -> None:
@@ -210,7 +210,7 @@ class Simulation:
     def look_at_view(self) -> NDArray[np.float64] | None:
         """Return what surrogate perception would go by, (2, VIEW_SIZE): the left side's features, then the right's.
 
-        None where the ego is on no lane.
+        None if the ego is on no lane.
         """
         if not self.form.enter("look_at_view"):
             return None

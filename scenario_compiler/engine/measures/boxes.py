@@ -162,7 +162,7 @@ def add_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: float) 
 
 @compiled
 def may_be_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: float) -> int:
-    """Return 0 where an entity cannot give a new least time to collision, headway or room to brake.
+    """Return 0 if an entity cannot give a new least time to collision, headway or room to brake.
 
     No part of a box is farther from its middle than its half diagonal; a part within w of a circle and `a` along it is
     no farther away than a + w; the middle's distance from the circle is (2 left - k (ahead^2 + left^2)) / (1 + q), with

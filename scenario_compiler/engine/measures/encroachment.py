@@ -74,7 +74,7 @@ def keep_place(st: State, m: Totals, i: int, before: int) -> None:
 
 @compiled
 def divides(p: Program, i: int, j: int, along: float, across: float, c: float, s: float) -> int:
-    """Return 1 where an axis of box i divides it from box j, whose middle is (along, across) in its axes.
+    """Return 1 if an axis of box i divides it from box j, whose middle is (along, across) in its axes.
 
     The boxes are turned against each other by an angle of which the absolute cosine and sine are given.
     """
@@ -89,7 +89,7 @@ def divides(p: Program, i: int, j: int, along: float, across: float, c: float, s
 
 @compiled
 def met_then(p: Program, st: State, m: Totals, i: int, at: int, j: int, dx: float, dy: float) -> int:
-    """Return 1 where the box that i had at a place of its trail overlaps j's now; between their middles is (dx, dy)."""
+    """Return 1 if the box that i had at a place of its trail overlaps j's now; between their middles is (dx, dy)."""
     ci = m.trail_cos[at]
     si = m.trail_sin[at]
     cj = st.box_cos[j]

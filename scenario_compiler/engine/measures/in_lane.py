@@ -58,7 +58,7 @@ def add_crossing(m: Totals, time: float) -> None:
 
 @compiled
 def surely_inside(p: Program, m: Totals, left: float) -> int:
-    """Return 1 where no corner can be beyond an edge: a sine is not above its angle, a cosine not above 1."""
+    """Return 1 if no corner can be beyond an edge: a sine is not above its angle, a cosine not above 1."""
     base = p.entity_const[reported_entity(p)]
     reach = abs(p.const[base + slot.E_CENTER]) + 0.5 * p.const[base + slot.E_LENGTH]
     side = 0.5 * p.const[base + slot.E_WIDTH] + reach * abs(m.before_heading[0])

@@ -79,7 +79,7 @@ def finish_keeping(m: Totals) -> None:
 
 @compiled
 def step_to_last_row(m: Totals) -> int:
-    """Return the sign of the step along the road to the last row, 0 where it led to another road."""
+    """Return the sign of the step along the road to the last row, 0 if it led to another road."""
     if m.before_road[0] != m.row_road[0] or m.before_s[0] == m.row_s[0]:
         return 0
     return 1 if m.row_s[0] > m.before_s[0] else -1

@@ -15,13 +15,13 @@ BRAKING = 0.1
 
 @compiled
 def since(m: Totals, time: float) -> int:
-    """Return 1 where the last row is not before the time of something that has happened."""
+    """Return 1 if the last row is not before the time of something that has happened."""
     return 1 if time >= 0.0 and m.row_time[0] >= time - SAME_TIME else 0
 
 
 @compiled
 def behind_collision(m: Totals) -> int:
-    """Return 1 where the last row is behind the first collision."""
+    """Return 1 if the last row is behind the first collision."""
     return 1 if m.time_collision[0] >= 0.0 and m.row_time[0] > m.time_collision[0] + SAME_TIME else 0
 
 

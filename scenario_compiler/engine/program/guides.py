@@ -62,7 +62,7 @@ def add_route(draft: ProgramBuilder, route: RouteWord) -> int:
 
 
 def add_goal(draft: ProgramBuilder, position: Word) -> int:
-    """Append the guide to a position from everywhere; return its row, NONE where it lies on no road."""
+    """Append the guide to a position from everywhere; return its row, NONE if it lies on no road."""
     goal = stretch_of(draft, position)
     if goal is None:
         return op.NONE

@@ -170,7 +170,7 @@ def _parameters(curve: Nurbs, length: float | None) -> list[tuple[int, float]]:
 
 
 def _control_length(draft: ProgramBuilder, curve: Nurbs) -> float | None:
-    """Return the length of the line through the control points, m, None where they are known only in a run."""
+    """Return the length of the line through the control points, m, None if they are known only in a run."""
     points = [_known_point(draft, one.position) for one in curve.points]
     known = [one for one in points if one is not None]
     return sum(dist(one, other) for one, other in pairwise(known)) if len(known) == len(points) else None

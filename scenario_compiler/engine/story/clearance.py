@@ -33,7 +33,7 @@ MOST_LANES = 16
 
 @compiled
 def is_member(p: Program, row: int, value: int) -> int:
-    """Return 1 where a set of the program holds a value, or holds nothing at all."""
+    """Return 1 if a set of the program holds a value, or holds nothing at all."""
     if p.set_first[row] == p.set_first[row + 1]:
         return 1
     for k in range(p.set_first[row], p.set_first[row + 1]):
@@ -44,7 +44,7 @@ def is_member(p: Program, row: int, value: int) -> int:
 
 @compiled
 def in_ranges(p: Program, row: int, value: int) -> int:
-    """Return 1 where a set of pairs holds one that the value lies between, or holds nothing at all."""
+    """Return 1 if a set of pairs holds one that the value lies between, or holds nothing at all."""
     if p.set_first[row] == p.set_first[row + 1]:
         return 1
     for k in range(p.set_first[row], p.set_first[row + 1] - 1, 2):
@@ -81,7 +81,7 @@ def lane_over(n: RoadTables, st: State, i: int, road: int, ahead: float) -> int:
 
 @compiled
 def in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> int:
-    """Return 1 where entity j keeps a clearance condition of entity i from being true."""
+    """Return 1 if entity j keeps a clearance condition of entity i from being true."""
     if st.road[i] < 0 or st.road[j] < 0 or is_member(p, p.condition_other[c], j) == 0:
         return 0
     ahead, _, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
@@ -103,7 +103,7 @@ def in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> 
 
 @compiled
 def has_lane(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where one of the lanes that a clearance condition asks for is there for driving, and counts."""
+    """Return 1 if one of the lanes that a clearance condition asks for is there for driving, and counts."""
     row = p.condition_other[c] + 1
     road = st.road[i]
     if road < 0 or p.set_first[row] == p.set_first[row + 1]:
@@ -121,7 +121,7 @@ def has_lane(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 @compiled
 def is_clear(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where no entity is in the way of a clearance condition of entity i, and the lanes are there (esmini)."""
+    """Return 1 if no entity is in the way of a clearance condition of entity i, and the lanes are there (esmini)."""
     if has_lane(n, p, st, c, i) == 0:
         return 0
     for j in range(p.entity_count[0]):

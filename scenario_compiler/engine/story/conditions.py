@@ -18,7 +18,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def edge_of(p: Program, st: State, c: int, now: int) -> int:
-    """Return 1 where the wanted change of a condition's value has come; the first evaluation is never a change."""
+    """Return 1 if the wanted change of a condition's value has come; the first evaluation is never a change."""
     edge = p.condition_edge[c]
     if edge > op.EDGE_BOTH:
         fault(st, op.FAULT_UNKNOWN_EDGE, c)
@@ -62,7 +62,7 @@ def delayed(p: Program, st: State, c: int, now: int) -> int:
 
 @compiled
 def holds_for_entities(n: RoadTables, p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition holds for all its triggering entities that are there, or for any of them.
+    """Return 1 if a condition holds for all its triggering entities that are there, or for any of them.
 
     It does not hold where none is there (esmini 3.6).
     """
@@ -80,7 +80,7 @@ def holds_for_entities(n: RoadTables, p: Program, st: State, c: int) -> int:
 
 @compiled
 def condition_fires(n: RoadTables, p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition's value, edge and delay say so in this frame."""
+    """Return 1 if a condition's value, edge and delay say so in this frame."""
     if OF_THE_RUN[p.condition_op[c]] == 1:
         result = HOLDS[p.condition_op[c]](n, p, st, c, op.NONE)
     else:

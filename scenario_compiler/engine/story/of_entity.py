@@ -76,7 +76,7 @@ KINDS = {
 
 @compiled
 def headway(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
-    """Return the time gap to the other entity ahead, s; -1 where it is behind, or i stands or drives backwards."""
+    """Return the time gap to the other entity ahead, s; -1 if it is behind, or i stands or drives backwards."""
     gap = distance_between(n, p, st, i, p.condition_other[c], p.condition_mode[c], p.condition_flags[c] & 1)
     if gap < 0.0 or st.v[i] < op.TOLERANCE:
         return -1.0
@@ -101,7 +101,7 @@ def closing_speed(st: State, i: int, j: int) -> float:
 
 @compiled
 def time_to_collision(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
-    """Return the distance to the other entity, or the position, over the closing speed, s; -1 where there is none."""
+    """Return the distance to the other entity, or the position, over the closing speed, s; -1 if there is none."""
     other = p.condition_other[c]
     if other >= 0:
         gap = distance_between(n, p, st, i, other, p.condition_mode[c], p.condition_flags[c] & 1)
@@ -162,7 +162,7 @@ def angle_of(n: RoadTables, st: State, i: int, kind: int, frame: int) -> float:
 
 @compiled
 def speed_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the speed, or a part of it, compares."""
+    """Return 1 if the speed, or a part of it, compares."""
     del n
     part = p.condition_mode[c]
     if part == op.PART_TOTAL:
@@ -172,7 +172,7 @@ def speed_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 @compiled
 def acceleration_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the acceleration, or a part of it, compares."""
+    """Return 1 if the acceleration, or a part of it, compares."""
     del n
     part = p.condition_mode[c]
     return compared(p, st, c, part_of(st, i, st.acceleration_x[i], st.acceleration_y[i], st.acceleration_z[i], part))
@@ -180,35 +180,35 @@ def acceleration_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> 
 
 @compiled
 def traveled_distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the distance covered compares."""
+    """Return 1 if the distance covered compares."""
     del n
     return compared(p, st, c, st.odometer[i])
 
 
 @compiled
 def standstill_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time of standing compares."""
+    """Return 1 if the time of standing compares."""
     del n
     return time_compared(p, st, c, st.still[i])
 
 
 @compiled
 def end_of_road_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time at the end of a road compares."""
+    """Return 1 if the time at the end of a road compares."""
     del n
     return time_compared(p, st, c, st.at_end[i])
 
 
 @compiled
 def off_road_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time off every lane compares."""
+    """Return 1 if the time off every lane compares."""
     del n
     return time_compared(p, st, c, st.off_road[i])
 
 
 @compiled
 def time_headway_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time gap compares."""
+    """Return 1 if the time gap compares."""
     if other_is_gone(p, st, c) == 1:
         return 0
     return time_compared(p, st, c, headway(n, p, st, c, i))
@@ -216,7 +216,7 @@ def time_headway_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> 
 
 @compiled
 def time_to_collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time to a collision compares."""
+    """Return 1 if the time to a collision compares."""
     if other_is_gone(p, st, c) == 1:
         return 0
     return time_compared(p, st, c, time_to_collision(n, p, st, c, i))
@@ -224,7 +224,7 @@ def time_to_collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int
 
 @compiled
 def distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the distance to another entity compares; FAR where no road leads there."""
+    """Return 1 if the distance to another entity compares; FAR if no road leads there."""
     if other_is_gone(p, st, c) == 1:
         return 0
     freespace = p.condition_flags[c] & 1
@@ -234,14 +234,14 @@ def distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 @compiled
 def position_distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the distance to a position compares; FAR where no road leads there."""
+    """Return 1 if the distance to a position compares; FAR if no road leads there."""
     gap = distance_to(n, p, st, i, p.condition_position[c], p.condition_mode[c], p.condition_flags[c] & 1)
     return compared(p, st, c, abs(gap))
 
 
 @compiled
 def relative_speed_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the speed relative to another entity compares."""
+    """Return 1 if the speed relative to another entity compares."""
     del n
     if other_is_gone(p, st, c) == 1:
         return 0
@@ -250,7 +250,7 @@ def relative_speed_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -
 
 @compiled
 def reach_position_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the distance to a point compares; FAR where the point lies nowhere."""
+    """Return 1 if the distance to a point compares; FAR if the point lies nowhere."""
     found, x, y = point_at(n, p, st, p.condition_position[c], i)
     if found == 0:
         return compared(p, st, c, op.FAR)
@@ -259,7 +259,7 @@ def reach_position_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -
 
 @compiled
 def collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the box of i overlaps that of the entity meant, or of any of the kind that is meant."""
+    """Return 1 if the box of i overlaps that of the entity meant, or of any of the kind that is meant."""
     del n
     other = p.condition_other[c]
     if other >= 0:
@@ -273,7 +273,7 @@ def collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int
 
 @compiled
 def angle_compares(p: Program, c: int, angle: float) -> int:
-    """Return 1 where an angle is the condition's, within its tolerance."""
+    """Return 1 if an angle is the condition's, within its tolerance."""
     base = p.condition_const[c]
     away = abs(angle_between(angle, p.const[base + slot.C_VALUE]))
     return 1 if away <= p.const[base + slot.C_TOLERANCE] + op.TOLERANCE else 0
@@ -298,7 +298,7 @@ def angle_on_track(p: Program, st: State, i: int, k: int, kind: int) -> float:
 
 @compiled
 def angle_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where an angle of the entity is the condition's; in a trajectory's system only while it follows one."""
+    """Return 1 if an angle of the entity is the condition's; in a trajectory's system only while it follows one."""
     kind = p.condition_mode[c] % 4
     frame = p.condition_mode[c] // 4
     if frame != op.FRAME_TRAJECTORY:
@@ -309,7 +309,7 @@ def angle_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 @compiled
 def relative_angle_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the angle to another entity is the condition's."""
+    """Return 1 if the angle to another entity is the condition's."""
     del n
     if other_is_gone(p, st, c) == 1:
         return 0

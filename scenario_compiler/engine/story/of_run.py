@@ -72,7 +72,7 @@ TRANSITIONS = {
 
 @compiled
 def states_compare(p: Program, st: State, c: int) -> int:
-    """Return 1 where the states of the elements that a condition watches compare as it says: 1 runs, 2 is complete.
+    """Return 1 if the states of the elements that a condition watches compare as it says: 1 runs, 2 is complete.
 
     An action of several actors is several elements; all must be as it says, or any where its mode is 1.
     """
@@ -87,7 +87,7 @@ def states_compare(p: Program, st: State, c: int) -> int:
 
 @compiled
 def transition_seen(p: Program, st: State, c: int, e: int, mark: int) -> int:
-    """Return 1 where a condition sees a transition of an element that was marked: for one frame.
+    """Return 1 if a condition sees a transition of an element that was marked: for one frame.
 
     What happened while the actions were run is seen in the next frame. What happens in a pass of triggers is seen in
     that pass by what comes later in the storyboard, in the next one by what had its turn already.
@@ -101,7 +101,7 @@ def transition_seen(p: Program, st: State, c: int, e: int, mark: int) -> int:
 
 @compiled
 def transitions_seen(p: Program, st: State, c: int) -> int:
-    """Return 1 where an element, or all elements of an action, go through the transition that a condition waits for."""
+    """Return 1 if an element, or all elements of an action, go through the transition that a condition waits for."""
     kind = p.condition_mode[c] - FIRST_TRANSITION
     seen = 0
     for e in range(p.condition_other[c], p.condition_other[c] + p.condition_flags[c] + 1):
@@ -135,14 +135,14 @@ def side_confidence(p: Program, st: State, c: int) -> float:
 
 @compiled
 def time_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time compares."""
+    """Return 1 if the time compares."""
     del n, i
     return compared(p, st, c, st.clock[0])
 
 
 @compiled
 def element_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where elements are in a state, or go through a transition."""
+    """Return 1 if elements are in a state, or go through a transition."""
     del n, i
     if p.condition_mode[c] >= FIRST_TRANSITION:
         return transitions_seen(p, st, c)
@@ -151,35 +151,35 @@ def element_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 @compiled
 def lane_confidence_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the lane confidence compares."""
+    """Return 1 if the lane confidence compares."""
     del n, i
     return compared(p, st, c, side_confidence(p, st, c))
 
 
 @compiled
 def sensor_health_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the camera's health compares."""
+    """Return 1 if the camera's health compares."""
     del n, i
     return compared(p, st, c, st.health[0])
 
 
 @compiled
 def takeover_state_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the takeover is in a state."""
+    """Return 1 if the takeover is in a state."""
     del n, i
     return 1 if st.takeover_state[0] == p.condition_other[c] else 0
 
 
 @compiled
 def variable_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where a variable compares."""
+    """Return 1 if a variable compares."""
     del n, i
     return compared(p, st, c, st.variable[p.condition_other[c]])
 
 
 @compiled
 def time_of_day_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time of day compares; 0 where there is none."""
+    """Return 1 if the time of day compares; 0 if there is none."""
     del n, i
     if st.day_known[0] == 0:
         return 0
@@ -196,14 +196,14 @@ def user_value_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> in
 
 @compiled
 def signal_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where a signal is in a state."""
+    """Return 1 if a signal is in a state."""
     del n, i
     return 1 if st.signal_state[p.condition_other[c]] == p.condition_mode[c] else 0
 
 
 @compiled
 def signal_phase_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where a controller of signals is in a phase."""
+    """Return 1 if a controller of signals is in a phase."""
     del n, i
     return phase_holds(p, st, p.condition_other[c], p.condition_mode[c])
 

@@ -44,7 +44,7 @@ STANDING_TIME = 3.0
 
 @compiled
 def drives_ego(p: Program) -> int:
-    """Return 1 where the ego is driven by commands, so that the takeover is about it."""
+    """Return 1 if the ego is driven by commands, so that the takeover is about it."""
     ego = p.ego[0]
     if ego < 0:
         return 0
@@ -139,7 +139,7 @@ def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def at_destination(n: RoadTables, p: Program, st: State) -> int:
-    """Return 1 where the ego is near its destination."""
+    """Return 1 if the ego is near its destination."""
     road = p.destination_road[0]
     if road < 0:
         return 0
@@ -178,7 +178,7 @@ def end_step(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def step(n: RoadTables, p: Program, st: State) -> int:
-    """Do one step; return 1 where it made a new row, 0 where the run was over before it.
+    """Do one step; return 1 if it made a new row, 0 if the run was over before it.
 
     `stop` may be set with either: the row made is then the last.
     """

@@ -23,7 +23,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
-    """Return 1 where all conditions of any group of a trigger fire; one without groups never fires.
+    """Return 1 if all conditions of any group of a trigger fire; one without groups never fires.
 
     All groups are evaluated. After a false condition the later ones of its group are not, so their memory of edges
     grows stale, unless they have a delay. A trigger that fires forgets what its conditions were before.
@@ -95,7 +95,7 @@ def rest_below(p: Program, st: State, e: int) -> None:
 
 @compiled
 def children_complete(p: Program, st: State, e: int) -> int:
-    """Return 1 where all children of an element are complete."""
+    """Return 1 if all children of an element are complete."""
     k = e + 1
     while k < p.element_end[e]:
         if st.element_state[k] != op.COMPLETE:

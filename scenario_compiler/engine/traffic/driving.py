@@ -179,7 +179,7 @@ def look(n: RoadTables, st: State, i: int, lane: int, along: int, horizon: float
 
 @compiled
 def change_gain(n: RoadTables, p: Program, st: State, i: int, lane: int, present: float) -> float:
-    """Return MOBIL's gain of a change to a lane beside, -FAR where it is not safe.
+    """Return MOBIL's gain of a change to a lane beside, -FAR if it is not safe.
 
     Args:
         n: The roads.
@@ -214,7 +214,7 @@ def change_gain(n: RoadTables, p: Program, st: State, i: int, lane: int, present
 
 @compiled
 def lane_beside(n: RoadTables, st: State, i: int, side: int) -> int:
-    """Return the lane to the left (1) or right (-1) that a vehicle may change into, 0 where there is none."""
+    """Return the lane to the left (1) or right (-1) that a vehicle may change into, 0 if there is none."""
     road = st.road[i]
     s = st.s[i]
     direction = lane_direction(n, road, st.kept_lane[i])

@@ -33,7 +33,7 @@ END_ROOM = 20.0
 
 @compiled
 def lane_by_draw(n: RoadTables, road: int, s: float, bits: int) -> int:
-    """Return one of the lanes at s that vehicles may appear in, by 32 drawn bits; 0 where the drawn one cannot."""
+    """Return one of the lanes at s that vehicles may appear in, by 32 drawn bits; 0 if the drawn one cannot."""
     section = section_at(n, road, s)
     if section < 0 or n.road_junction[road] >= 0:
         return 0
@@ -58,7 +58,7 @@ def safe_gap(p: Program, i: int, v: float, lead: float) -> float:
 
 @compiled
 def alone_around(p: Program, st: State, i: int) -> int:
-    """Return 1 where nobody on another road is close to an entity."""
+    """Return 1 if nobody on another road is close to an entity."""
     for j in range(p.entity_count[0]):
         if st.road[j] == st.road[i] or there_for(st, j, op.SEEN_BY_TRAFFIC) == 0:
             continue
@@ -69,7 +69,7 @@ def alone_around(p: Program, st: State, i: int) -> int:
 
 @compiled
 def has_room(n: RoadTables, p: Program, st: State, i: int) -> int:
-    """Return 1 where a vehicle of traffic is free ahead and behind; slow it down so that it can stop at a junction.
+    """Return 1 if a vehicle of traffic is free ahead and behind; slow it down so that it can stop at a junction.
 
     The entities must have been listed by road.
     """
@@ -118,7 +118,7 @@ def let_appear(st: State, i: int) -> None:
 
 @compiled
 def appears_at(n: RoadTables, p: Program, st: State, i: int) -> int:
-    """Let a vehicle appear where it has been put if it has room there; return 1 where it does."""
+    """Let a vehicle appear where it has been put if it has room there; return 1 if it does."""
     if has_room(n, p, st, i) == 0:
         leave_road(st, i)
         return 0

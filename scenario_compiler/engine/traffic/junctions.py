@@ -39,7 +39,7 @@ OUTSIDER_MORE = 5.0
 
 @compiled
 def crosses(p: Program, one: int, other: int) -> int:
-    """Return 1 where two connecting roads come so near to each other that only one may be driven on."""
+    """Return 1 if two connecting roads come so near to each other that only one may be driven on."""
     if other < 0:
         return 0
     for q in range(p.conflict_first[one], p.conflict_first[one + 1]):
@@ -50,7 +50,7 @@ def crosses(p: Program, one: int, other: int) -> int:
 
 @compiled
 def outsider_in_way(n: RoadTables, p: Program, st: State, road: int, j: int) -> int:
-    """Return 1 where an entity that is no traffic drives on a crossing road or is about to."""
+    """Return 1 if an entity that is no traffic drives on a crossing road or is about to."""
     at = st.road[j]
     if at < 0:
         return 0
@@ -71,7 +71,7 @@ def outsider_in_way(n: RoadTables, p: Program, st: State, road: int, j: int) -> 
 
 @compiled
 def way_is_free(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
-    """Return 1 where nobody drives on, has claimed or has waited longer for a road that crosses `road`."""
+    """Return 1 if nobody drives on, has claimed or has waited longer for a road that crosses `road`."""
     for j in range(p.entity_count[0]):
         if there_for(st, j, op.SEEN_BY_TRAFFIC) == 0:
             continue
@@ -118,7 +118,7 @@ def wait_at_red(p: Program, st: State, i: int, red: float) -> float:
 
 @compiled
 def distance_to_line(n: RoadTables, p: Program, st: State, i: int, gap: float, lead: float) -> float:
-    """Return the distance from the front to the line that a vehicle must stop at, FAR where it may go on.
+    """Return the distance from the front to the line that a vehicle must stop at, FAR if it may go on.
 
     The way must have been walked; `gap` and `lead` are those of the leader on it. Asks for the next connecting road.
     """

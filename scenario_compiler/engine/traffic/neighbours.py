@@ -51,7 +51,7 @@ def way_centre(n: RoadTables, st: State, w: int, s: float) -> float:
 
 @compiled
 def in_corridor(n: RoadTables, p: Program, st: State, i: int, j: int, w: int) -> int:
-    """Return 1 where the box of entity j reaches into the corridor of i along the way, or j is changing into it.
+    """Return 1 if the box of entity j reaches into the corridor of i along the way, or j is changing into it.
 
     The corridor of a vehicle that changes lanes covers where it comes from.
     """

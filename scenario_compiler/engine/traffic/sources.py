@@ -52,7 +52,7 @@ def place_around(
 
 @compiled
 def emit_vehicle(n: RoadTables, p: Program, st: State, k: int, i: int) -> int:
-    """Let a vehicle of a source appear where a place around it is free; return 1 where it does."""
+    """Let a vehicle of a source appear where a place around it is free; return 1 if it does."""
     reach = max(p.const[p.action_const[k] + slot.U_RADIUS], ALONE_IN_LANE)
     for attempt in range(SOURCE_TRIES):
         road, lane, s, x, y = place_around(n, p, st, k, i, attempt)

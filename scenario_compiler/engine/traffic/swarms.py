@@ -58,7 +58,7 @@ def extent_at(p: Program, st: State, k: int, x: float, y: float) -> float:
 
 @compiled
 def place_along(n: RoadTables, p: Program, st: State, k: int, i: int, draw: int) -> tuple[int, int, float]:
-    """Return (road, lane, s) of a place ahead of or behind the entity in the middle; road -1 where there is none."""
+    """Return (road, lane, s) of a place ahead of or behind the entity in the middle; road -1 if there is none."""
     c = p.action_flags[k]
     road = st.road[c]
     base = p.action_const[k]
@@ -89,7 +89,7 @@ def place_in_swarm(n: RoadTables, p: Program, st: State, k: int, i: int, draw: i
 
 @compiled
 def goes_as_wanted(p: Program, st: State, k: int, i: int, draw: int) -> int:
-    """Return 1 where a vehicle drives the way, with the entity or against it, that the draw wants."""
+    """Return 1 if a vehicle drives the way, with the entity or against it, that the draw wants."""
     base = p.action_const[k]
     c = p.action_flags[k]
     both = p.const[base + slot.W_SAME] + p.const[base + slot.W_OPPOSITE]
@@ -102,7 +102,7 @@ def goes_as_wanted(p: Program, st: State, k: int, i: int, draw: int) -> int:
 
 @compiled
 def comes_nearer(st: State, i: int, c: int) -> int:
-    """Return 1 where a vehicle does not move away from an entity."""
+    """Return 1 if a vehicle does not move away from an entity."""
     dx = st.x[i] - st.x[c]
     dy = st.y[i] - st.y[c]
     speed_x = st.v[i] * cos(st.h[i]) - st.v[c] * cos(st.h[c])
@@ -112,7 +112,7 @@ def comes_nearer(st: State, i: int, c: int) -> int:
 
 @compiled
 def fits_in(p: Program, st: State, k: int, i: int, draw: int) -> int:
-    """Return 1 where a vehicle has been put into the part of the ellipse that it may appear in."""
+    """Return 1 if a vehicle has been put into the part of the ellipse that it may appear in."""
     c = p.action_flags[k]
     extent = extent_at(p, st, k, st.x[i], st.y[i])
     distance = length_of(st.x[i] - st.x[c], st.y[i] - st.y[c])
