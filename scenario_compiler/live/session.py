@@ -150,7 +150,7 @@ class Session(threading.Thread):
 
         Args:
             drive: What is driven.
-            show: Takes a picture, in this thread; False where the page was too slow to take it.
+            show: Takes a picture, in this thread; False if the page was too slow to take it.
             number: Number of the run, which the page tells runs apart by.
             probe_at: Time at which the run stands still, s, until `go_on` is called; None for never.
             kept: Called in this thread with the run when it has ended and its files are written, before the page hears

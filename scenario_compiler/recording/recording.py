@@ -118,7 +118,7 @@ class Recording:
         events: Events, ordered by time.
         frames: First-person pictures, ordered by time.
         stop_reason: Why the run ended.
-        error: The engine's fault code; 0 for none.
+        error: The engine's fault code; 0 if there is none.
     """
 
     header: Header

@@ -130,7 +130,7 @@ def _driven(traces: Traces, begin: float, end: float) -> tuple[float, ...]:
 
 
 def _described(recording: Recording, begin: float, end: float) -> int:
-    """Return the first row behind a request, and before the next, that has a cause; -1 where there is none."""
+    """Return the first row behind a request, and before the next, that has a cause; -1 if there is none."""
     there = (recording.t > begin + SAME_TIME) & (recording.t < end - SAME_TIME) & (recording.cause != op.CAUSE_NONE)
     return int(np.argmax(there)) if there.any() else -1
 

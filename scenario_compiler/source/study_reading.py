@@ -41,14 +41,14 @@ from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.source.study_page import read_page
 
 MOST_POINTS = 101
-"""Points of a scale at most: 0 to 100."""
+"""Greatest number of points of a scale: 0 to 100."""
 
 RESERVED = ("participant_id", "session_id", "run", "when", "step")
 """Names that no item may have: the table's own columns, and the number of the step that a page sends."""
 
 
 def read_study(document: Document, sink: Diagnostics) -> StudyFile:
-    """Return what a `<study>` file holds, with the pages and questionnaires that it names; report what is wrong."""
+    """Return the contents of a `<study>` file, with the pages and questionnaires that it names; report the faults."""
     reading = ReadingContext(document, sink, Environment())
     study = read_word(document.root, StudyElement, reading)
     if study is None:
@@ -82,7 +82,7 @@ def read_study(document: Document, sink: Diagnostics) -> StudyFile:
 
 
 def read_questionnaire(document: Document, sink: Diagnostics) -> StudyFile:
-    """Return what a `<questionnaire>` file holds; report what is wrong."""
+    """Return the contents of a `<questionnaire>` file; report the faults."""
     found = read_word(document.root, QuestionnaireElement, ReadingContext(document, sink, Environment()))
     if found is None:
         return StudyFile(document)
@@ -122,7 +122,7 @@ def _report_doubles(
 
 
 def _report_names(items: Iterable[Item], sink: Diagnostics) -> None:
-    """Report items whose name is taken by what every questionnaire has, and options with one value."""
+    """Report items with a reserved name, and options with the same value."""
     for item in items:
         if item.name in RESERVED:
             message = f"every questionnaire has a column or field '{item.name}' of its own"
@@ -136,7 +136,7 @@ def _report_names(items: Iterable[Item], sink: Diagnostics) -> None:
 
 
 def _report_points(scale: Scale, sink: Diagnostics) -> None:
-    """Report a scale of too many points, and labels at points that it does not have or that have one already."""
+    """Report a scale with too many points, labels at points outside of it, and repeated labels."""
     if scale.most - scale.least >= MOST_POINTS:
         message = f"'{scale.name}' has {scale.most - scale.least + 1} points, but may have at most {MOST_POINTS}"
         sink.add(WRONG_POINTS, message, scale.place_of("to"))
@@ -156,7 +156,7 @@ def _report_empty(what: str, least: float, most: float, place: Place, sink: Diag
 
 
 def _report_shared_names(study: StudyElement, found: Mapping[str, QuestionnaireElement], sink: Diagnostics) -> None:
-    """Report questionnaires that have one name, or that of the study: their data would stand in one table."""
+    """Report questionnaires with the same name, or that of the study, because their data would be in the same table."""
     first: dict[str, str] = {}
     for ask in _asks_of(study):
         name = found[ask.file].name if ask.file in found else ""
@@ -185,7 +185,7 @@ def _asks_of(study: StudyElement) -> Iterator[Ask]:
 
 
 def _questionnaire_in(ask: Ask, folder: Path, sink: Diagnostics) -> QuestionnaireElement | None:
-    """Return the questionnaire of a file; its own faults are reported where they stand."""
+    """Return the questionnaire of a file; its own faults are reported at their places."""
     inner = Diagnostics()
     document = read_document(Path(os.path.normpath(folder / ask.file)), inner)
     if document is None or document.root.tag != QuestionnaireElement.tag():
