@@ -250,9 +250,9 @@ def compile_study(
             message = f"'{word.target}' has several scenarios"
             sink.add(UNREADABLE_PART, message, place, hint=f"name one as FILE#name: {', '.join(needed.names)}")
             return None
-        known = set(map(_told, sink.found))
+        known = {one.identity for one in sink.found}
         found = [_in_study(one, place, values) for one in inner.found]
-        sink.take(one for one in found if _told(one) not in known)
+        sink.take(one for one in found if one.identity not in known)
         if done is not None and done.plan.controller is None:
             sink.add(NOBODY_TAKES_OVER, f"nobody can take over in '{word.target}'", place)
         return done
@@ -287,10 +287,6 @@ def _in_study(one: Diagnostic, target: Place, values: Iterable[SetParameter]) ->
     if meant is None:
         return replace(one, place=target)
     return replace(one, place=meant.place_of("parameter" if one.code is UNKNOWN_ARGUMENT else "to"))
-
-
-def _told(one: Diagnostic) -> tuple[str, str, int, int, str]:
-    return one.code.id, one.place.file, one.place.line, one.place.column, one.message
 
 
 def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnostics) -> Vary | None:
