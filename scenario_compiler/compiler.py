@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 from lxml import etree
 
 from scenario_compiler.controllers import check_controller
-from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, Place
+from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, Place, did_you_mean
 from scenario_compiler.document import Document
 from scenario_compiler.files import split_target
 from scenario_compiler.languages import (
@@ -224,6 +225,7 @@ def compile_study(
         Foil,
         Practice,
         conditions_of,
+        library_conflicts,
         located,
     )
 
@@ -241,7 +243,11 @@ def compile_study(
         hmi = None if condition is None else condition.hmi
         changed = settings if hmi is None else replace(settings, messages=hmi.messages or SILENT)
         if not Path(split_target(target)[0]).is_file():
-            sink.add(UNREADABLE_PART, f"there is no file '{split_target(target)[0]}'", place)
+            if word.target == target.rpartition("#")[2]:
+                message = f"there is no file and no conflict of the library called '{word.target}'"
+                sink.add(UNREADABLE_PART, message, place, hint=did_you_mean(word.target, library_conflicts()))
+            else:
+                sink.add(UNREADABLE_PART, f"there is no file '{split_target(target)[0]}'", place)
             return None
         try:
             given = {one.parameter: one.to for one in values}
@@ -283,7 +289,8 @@ def _in_study(one: Diagnostic, target: Place, values: Iterable[SetParameter]) ->
         return replace(one, place=target)
     if one.place.file != "--set":
         return one
-    meant = next((value for value in values if f"'{value.parameter}'" in one.message), None)
+    named = set(re.findall(r"\w+", one.message))
+    meant = next((value for value in values if value.parameter in named), None)
     if meant is None:
         return replace(one, place=target)
     return replace(one, place=meant.place_of("parameter" if one.code is UNKNOWN_ARGUMENT else "to"))
