@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import gc
 import json
 import math
 import threading
@@ -254,7 +253,6 @@ class Session(threading.Thread):
                 with contextlib.suppress(OSError):  # told already: the run has broken off
                     self.wheel.close()
             self._show(Picture({"end": text, "run": self.number, "kept": kept}, b"", b""))
-            gc.collect()  # figures are cycles, and the command line lets the collector look seldom: they would pile up
 
     def figures(self) -> dict[str, Any]:
         """Return what was measured of the page and the clock; times in milliseconds."""
