@@ -223,8 +223,9 @@ class Structure:
 
 @dataclass(frozen=True, slots=True)
 class ConnectionEnd:
-    """Where a connection of a virtual junction leaves or enters a road: s, m, and "+" or "-" for travel along or
-    against s.
+    """Where a connection of a virtual junction leaves or enters a road.
+
+    `s` is in m; `direction` is "+" for travel along s and "-" for travel against it.
     """
 
     road: str
