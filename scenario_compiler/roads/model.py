@@ -223,9 +223,7 @@ class Structure:
 
 @dataclass(frozen=True, slots=True)
 class ConnectionEnd:
-    """Where a connection of a virtual junction leaves or enters a road: s, m, and "+" or "-" for travel along or
-    against s.
-    """
+    """Where a connection of a virtual junction leaves or enters a road: s, m, and "+" along s or "-" against s."""
 
     road: str
     s: float
