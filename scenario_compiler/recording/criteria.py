@@ -43,7 +43,7 @@ NOBODY: Mapping[ReferenceName, bool] = {}
 class Where(BaseModel):
     """Where the vehicle that is judged was at a time."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     road: str | None = Field(description="Road below its reference point; null off every road.")
     lane: int | None = Field(description="Lane; null off every road.")
@@ -55,7 +55,7 @@ class Where(BaseModel):
 class CriterionResult(BaseModel):
     """How a run fares by one criterion."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     criterion: str = Field(description="Name of the criterion in the conflict language.")
     passed: bool = Field(description="Whether it holds.")

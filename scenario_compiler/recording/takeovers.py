@@ -47,7 +47,7 @@ def _acceleration(where: str) -> float | None:
 class Takeover(BaseModel):
     """A request and its outcome. Missing times and durations are null."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     number: int = Field(description="Number of the request in its run, from 1 on.")
     cause: str = Field(description="Cause of the request.")

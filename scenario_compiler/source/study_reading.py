@@ -31,6 +31,7 @@ from scenario_compiler.source.study import (
     Scale,
     ScaleItem,
     Score,
+    SetParameter,
     Setting,
     StudyElement,
     StudyScenario,
@@ -55,6 +56,16 @@ def read_study(document: Document, sink: Diagnostics) -> StudyFile:
         return StudyFile(document)
     for named in (study.scenarios, study.hmis, study.settings, () if study.probe is None else study.probe.queries):
         _report_doubles(named, sink)
+    for setting in study.settings:
+        _report_repeated(setting.values, "parameter", f"'{setting.name}' sets the parameter '{{}}' already", sink)
+    parts = (
+        (study.before, "before the trials"),
+        (study.after_each, "after each trial"),
+        (study.after, "after the trials"),
+    )
+    for part, when in parts:
+        asks = [step for step in (() if part is None else part.steps) if isinstance(step, Ask)]
+        _report_repeated(asks, "file", f"'{{}}' is asked {when} already", sink)
     probe = study.probe
     if probe is not None and probe.latest < probe.earliest:
         _report_empty("the probe", probe.earliest, probe.latest, probe.place_of("to"), sink)
@@ -99,7 +110,8 @@ def read_questionnaire(document: Document, sink: Diagnostics) -> StudyFile:
             message = f"there is no scale '{item.scale}'"
             sink.add(UNKNOWN_SCALE, message, item.place_of("scale"), hint=did_you_mean(item.scale, scales))
     for scale in found.scales:
-        _report_points(scale, sink)
+        if scale.most > scale.least:
+            _report_points(scale, sink)
     _report_names(found.items, sink)
     for score in found.scores:
         for name in score.of:
@@ -119,6 +131,16 @@ def _report_doubles(
             message = f"there is a <{one.tag()}> named '{one.name}' already"
             sink.add(names.DUPLICATE_NAME, message, place, related=names.first_at(first[one.name]))
         first.setdefault(one.name, place)
+
+
+def _report_repeated(words: Iterable[SetParameter | Ask], attribute: str, message: str, sink: Diagnostics) -> None:
+    """Report words whose attribute has the value of an earlier word's; `message` takes this value."""
+    first: dict[str, Place] = {}
+    for one in words:
+        value, place = getattr(one, attribute), one.place_of(attribute)
+        if value in first:
+            sink.add(names.DUPLICATE_NAME, message.format(value), place, related=names.first_at(first[value]))
+        first.setdefault(value, place)
 
 
 def _report_names(items: Iterable[Item], sink: Diagnostics) -> None:
