@@ -86,7 +86,9 @@ class Door:
         return response
 
     def entered(self, request: Request, make: Callable[[], Response]) -> Response:
-        """Return a first page; if its address has the token, redirect to the one without it and store it as a cookie."""
+        """Return a first page. An address with the token is redirected to one without it, which sets the token's
+        cookie.
+        """
 
         def page() -> Response:
             if self.token and "token" in request.query_params:

@@ -177,7 +177,7 @@ class Drawing:
 
     @cached_property
     def normals(self) -> NDArray[np.float32]:
-        """(height, width, 3) unit normal of the surface in each pixel, in the world's axes, towards the camera; 0 for sky.
+        """(height, width, 3) unit normals of the surface in each pixel, world axes, towards the camera; 0 for sky.
 
         Where a plane is seen, 1 / depth is a linear function of the pixel, whose coefficients point along the plane's
         normal, away from the camera.
