@@ -92,14 +92,15 @@ class Looks:
     def leads(self) -> NDArray[np.bool_]:
         """(N,) whether the followed path depends on what was seen: it follows a boundary and the ego is in its lane."""
         seen = self.p.max(axis=1) >= 0.3
-        return seen & np.isfinite(self.path) & (np.abs(self.view[:, 0, at.V_OFFSET]) < 1.2) & (np.abs(self.path) < 2.0)
+        inside = np.abs(self.view[:, 0, at.V_OFFSET]) < 1.2
+        return np.asarray(seen & np.isfinite(self.path) & inside & (np.abs(self.path) < 2.0))
 
     @property
     def weight(self) -> Floats:
         """(N,) the probability of each look in a batch, from the paint and the takeover's state alone; the sum is 1."""
         worn = self.view[:, 0, at.V_PAINT : at.V_PAINT + 2 * at.WINDOWS].min(axis=1) < WORN
         weight = np.where(worn, WORN_WEIGHT, 1.0) * np.where(self.asking > 0.0, ASKING_WEIGHT, 1.0)
-        return weight / weight.sum()
+        return np.asarray(weight / weight.sum())
 
 
 def domain_of(looks: Looks) -> tuple[Floats, Floats]:

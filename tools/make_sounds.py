@@ -69,7 +69,7 @@ def spoken(text: str, voice: str) -> Samples:
     parts = samples[: len(samples) // 960 * 960].reshape(-1, 960)
     power = np.sort((parts**2).mean(axis=1))
     louder = float(np.sqrt(power[len(power) // 2 :].mean()))
-    return np.clip(samples * (LOUDNESS / louder), -0.95, 0.95).astype(np.float32)
+    return np.asarray(np.clip(samples * (LOUDNESS / louder), -0.95, 0.95), np.float32)
 
 
 def tone(waves: list[tuple[float, float, float]]) -> Samples:

@@ -54,15 +54,13 @@ class Pairs(NamedTuple):
         return near | (np.isnan(camera) & np.isnan(other))
 
     def alike(self, name: str) -> float:
-        """Return the p-value of Kolmogorov and Smirnov's two-sample test of a measure; undefined values are left out."""
+        """Return the p-value of Kolmogorov and Smirnov's two-sample test of a measure, without undefined values."""
         sides = (np.array([float(one[name]) for one in side]) for side in self)
         camera, other = (side[~np.isnan(side)] for side in sides)
         return float(ks_2samp(camera, other).pvalue)
 
     def departed(self) -> tuple[float, float]:
-        """Return the shares of runs with a lane departure, among those without a takeover, with the camera and the
-        other.
-        """
+        """Return the camera's and the other's share of lane departures among the runs without a takeover."""
         found = []
         for side in self:
             runs = [one for one in side if one["resolution"] in NOT_ANSWERED]

@@ -45,6 +45,7 @@ from scenario_compiler.vocabulary.sensors import Perception
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS
 
 Floats = NDArray[np.float64]
+Kind = Literal["road", "map", "conflict"]
 
 UNSEEN_MAPS = (
     *("Town03", "e6mini", "multi_intersections", "town_grid", "highway_loop"),
@@ -53,7 +54,7 @@ UNSEEN_MAPS = (
 """Names of the maps that are not used in the fit."""
 
 CONFLICTS = ("markings_missing", "obstacle_ahead", "ramp_blocked", "road_narrows", "sensor_failure")
-JUDGED = {"conflict": (-3001, 100), "road": (-4001, 60), "map": (-5001, 40)}
+JUDGED: dict[Kind, tuple[int, int]] = {"conflict": (-3001, 100), "road": (-4001, 60), "map": (-5001, 40)}
 """First number and count of the runs for evaluation, by kind; the numbers count downwards.
 
 The numbers -1 to -2040 are not used, because those runs were inspected while the features were chosen.
@@ -92,7 +93,7 @@ class Case(NamedTuple):
         faster: Share by which the ego's initial and desired speed exceeds the scenario's.
     """
 
-    kind: Literal["road", "map", "conflict"]
+    kind: Kind
     number: int
     map: str
     faster: float = 0.0
@@ -269,7 +270,7 @@ def kept(folder: Path) -> list[Made]:
     return sorted(found, key=lambda one: one.case.number)
 
 
-def _scenario(case: Case, folder: Path, draw: np.random.Generator) -> tuple[Path, dict[str, float]]:
+def _scenario(case: Case, folder: Path, draw: np.random.Generator) -> tuple[Path, dict[str, Any]]:
     if case.kind == "conflict":
         return _conflict(case, folder, draw)
     if case.kind == "road":
@@ -382,7 +383,7 @@ def _weather(draw: np.random.Generator) -> str:
     sun = draw.uniform(-20.0, 60.0)
     if draw.random() < 0.1:
         dust = draw.uniform(0, 100)
-    numbers = {
+    numbers: dict[str, str | float] = {
         "preset": "custom", "cloudiness": rain, "precipitation": rain, "precipitation_deposits": wet,
         "wind_intensity": 10.0, "sun_azimuth_angle": draw.uniform(0, 360), "sun_altitude_angle": sun,
         "fog_density": fog, "fog_distance": draw.uniform(0, 20), "fog_falloff": draw.uniform(0.1, 2.0),

@@ -174,9 +174,7 @@ def _roads(path: str, seed: int) -> MapRoads:
 
 
 def texture_of(seed: int) -> int:
-    """Return the seed of the ground texture for a seed of clips: `GROUND_SEED` for the three common seeds, else the
-    same.
-    """
+    """Return the seed of the ground texture for a seed of clips: `GROUND_SEED` for the common seeds, else itself."""
     return GROUND_SEED if seed in (SEED, UNSEEN_SEED, TEST_SEED) else seed
 
 
@@ -290,7 +288,8 @@ def train(data: Arrays, epochs: int, seconds: float, device: str) -> LaneNetwork
     torch.manual_seed(SEED)
     images, columns, truth = (torch.from_numpy(one).to(device) for one in data)
     images = images.permute(0, 3, 1, 2).contiguous()
-    network = LaneNetwork().to(device, memory_format=torch.channels_last)
+    network = LaneNetwork()
+    network.to(device, memory_format=torch.channels_last)
     torch.backends.cuda.matmul.allow_tf32 = torch.backends.cudnn.allow_tf32 = torch.backends.cudnn.benchmark = True
     optimizer = torch.optim.AdamW(network.parameters(), lr=RATE, weight_decay=1e-4)
     steps, batch = epochs * max(len(images) // BATCH, 1), min(BATCH, len(images))
@@ -325,7 +324,8 @@ def train(data: Arrays, epochs: int, seconds: float, device: str) -> LaneNetwork
         if used > seconds:
             print("stopped: the time is over")
             break
-    return network.eval().to("cpu", memory_format=torch.contiguous_format)
+    network.eval().to("cpu", memory_format=torch.contiguous_format)
+    return network
 
 
 def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.float64]]:

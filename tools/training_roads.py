@@ -50,7 +50,7 @@ def repainted(source: Path, target: Path, seed: int) -> None:
         kept = inside and draw.random() < 0.6
         styles = _Styles(draw)
         for section in road.iterfind("lanes/laneSection"):
-            lanes = {int(lane.get("id")): lane for lane in section.iter("lane")}
+            lanes = {int(lane.attrib["id"]): lane for lane in section.iter("lane")}
             for number, lane in lanes.items():
                 where = _where(lanes, number)
                 if where is None:
@@ -184,7 +184,15 @@ def _road(draw: np.random.Generator, number: int) -> etree._Element:
 
 def _beside(draw: np.random.Generator) -> list[str]:
     """Return the types of the lanes between the outermost driving lane and the verge, from the inside outwards."""
-    choices = ([], [], ["shoulder"], ["shoulder"], ["curb", "sidewalk"], ["parking", "curb", "sidewalk"], ["biking"])
+    choices: tuple[list[str], ...] = (
+        [],
+        [],
+        ["shoulder"],
+        ["shoulder"],
+        ["curb", "sidewalk"],
+        ["parking", "curb", "sidewalk"],
+        ["biking"],
+    )
     return list(choices[int(draw.integers(len(choices)))])
 
 

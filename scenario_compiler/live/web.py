@@ -86,9 +86,7 @@ class Door:
         return response
 
     def entered(self, request: Request, make: Callable[[], Response]) -> Response:
-        """Return a first page. An address with the token is redirected to one without it, which sets the token's
-        cookie.
-        """
+        """Return a first page. If the address has the token, redirect to one without it and set the token's cookie."""
 
         def page() -> Response:
             if self.token and "token" in request.query_params:
