@@ -296,8 +296,8 @@ class RecordingBuilder:
     """Builds the recording of a run.
 
     The columns are bound once; each `append` copies their present values. An entity's column is a sequence with one
-    value per entity; a run's column has one value. `road` contains indices into `road_ids`, as in the engine. The rows
-    of an `array` column, as in the compiled form, are collected in one `array`, which makes no objects of the numbers.
+    value per entity; a run's column has one value. `road` contains indices into `road_ids`, as in the engine. If a
+    column is an `array`, as in the compiled form, its rows are collected in an array, and no number becomes an object.
     """
 
     def __init__(self, header: Header, road_ids: Sequence[str], columns: Mapping[str, Sequence[float]]) -> None:

@@ -223,7 +223,10 @@ class Structure:
 
 @dataclass(frozen=True, slots=True)
 class ConnectionEnd:
-    """Where a connection of a virtual junction leaves or enters a road: s, m, and "+" along s or "-" against s."""
+    """Where a connection of a virtual junction leaves or enters a road.
+
+    `s` is in m; `direction` is "+" for travel along s and "-" for travel against it.
+    """
 
     road: str
     s: float
