@@ -27,7 +27,7 @@ NEAR = (-1, 0, 1)
 
 
 def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report every entity whose box overlaps an earlier one's at the start, unless one of them tows the other."""
+    """Report every entity whose box overlaps an earlier one's at the start. Trailers of actions are not checked."""
     del network
     severity = None if any(entity.kind == "ego" for entity in plan.entities) else Severity.WARNING
     actions = [initial.action for initial in plan.storyboard.init]
