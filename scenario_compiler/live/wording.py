@@ -252,7 +252,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "off_road": "stannade utanför vägen",
     },
 }
-"""Text by key, by language; `{}` is where a key's name or a number stands."""
+"""Text by key, by language; `{}` is replaced by a key's name or a number."""
 
 
 def ended_text(outcome: Outcome, language: Language, *, automated: bool) -> str:
