@@ -98,8 +98,8 @@ WORDS: dict[Language, dict[str, str]] = {
         "rest": "Ruhelage",
         "full": "Voll",
         "now": "Jetzt",
-        "how": "Wählen Sie die Zeile einer Eingabe, bewegen Sie die Eingabe bis zum Anschlag und lassen Sie los. Das Profil "
-        "bleibt in diesem Browser unter dem Namen des Geräts.",
+        "how": "Wählen Sie die Zeile einer Eingabe, bewegen Sie die Eingabe bis zum Anschlag und lassen Sie los. Das "
+        "Profil bleibt in diesem Browser unter dem Namen des Geräts.",
         "done": "Fertig",
         "usual": "Übliches Profil",
         "watched": "Niemand fährt: Die Fahrt wird gezeigt, wie sie geschieht.",
