@@ -19,7 +19,6 @@ from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.program.build import lowered
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.recording.outcome import judge
-from scenario_compiler.report import video
 from scenario_compiler.report.mcap_file import write_mcap
 from scenario_compiler.report.pictures import Sights, camera_pictures, row_at, stills
 from scenario_compiler.report.replay import Picture, pictures_of
@@ -123,7 +122,7 @@ def test_a_film_lasts_as_long_as_its_run(rain: Run, tmp_path: Path, ending: str,
 def test_a_film_is_vp9_where_there_is_no_encoder_of_h264(
     rain: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(video.av, "codecs_available", video.av.codecs_available - {"libx264"})
+    monkeypatch.setattr(av, "codecs_available", av.codecs_available - {"libx264"})
     write_video(rain, tmp_path / "film.mp4", "map")
     with av.open(str(tmp_path / "film.mp4")) as film:
         assert film.streams.video[0].codec_context.name == "vp9"
