@@ -5,7 +5,6 @@ Every fault of an element and of all below it is reported in one pass, each at i
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -140,6 +139,8 @@ def place_children(
 
 def misspelt(parent: etree._Element, tags: Iterable[str]) -> bool:
     """Return whether a child's tag is almost, but not quite, one of some: the fault is its spelling alone."""
+    import difflib  # only a mistake needs it
+
     meant = tuple(tags)
     found = {str(child.tag) for child in parent.iterchildren(etree.Element)}.difference(meant)
     return any(difflib.get_close_matches(tag, meant, n=1, cutoff=0.8) for tag in found)

@@ -265,7 +265,10 @@ def test_the_same_text_gives_the_same_scenario() -> None:
     ("content", "hint"),
     [
         ('<when><simulation_time after="5"/><do><weather preset="ClearNoon"/></do></when>', "did you mean 'time'?"),
-        ('<when><SpeedCondition/><do><weather preset="ClearNoon"/></do></when>', "did you mean 'speed'?"),
+        (
+            '<when><simulationTimeCondition after="5"/><do><weather preset="ClearNoon"/></do></when>',
+            "did you mean 'time'?",
+        ),
         ('<static id="a"><lane road="1" lane="-1" s="9"/></static>', "<lane> stands in <at>, which stands in <static>"),
         ("<zebra/>", "known: parameter, "),
     ],
