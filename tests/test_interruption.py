@@ -71,7 +71,8 @@ COMMANDS = {
     "report": "report made",
     "compare": "compare made made",
     "sweep": "sweep mine.xml --perception ideal --vary speed=values(10,20,30) -o swept",
-    "sweep in processes": "sweep mine.xml --duration 0.3 --vary speed=values(10,20,30) --workers 2 --no-report -o swept",
+    "sweep in processes": "sweep mine.xml --duration 0.3 --vary speed=values(10,20,30) --workers 2 --no-report "
+    "-o swept",
     "search": "sweep mine.xml --perception ideal --vary speed=uniform(9,20) --minimise final_speed --evaluations 5 "
     "-o found",
     "list": "list mine.xml",

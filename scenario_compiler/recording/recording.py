@@ -297,7 +297,8 @@ class RecordingBuilder:
 
     The columns are bound once; each `append` copies their present values. An entity's column is a sequence with one
     value per entity; a run's column has one value. `road` contains indices into `road_ids`, as in the engine. The rows
-    of a column that is an `array`, as in the compiled form, are collected in one, which makes no objects of the numbers.
+    of a column that is an `array`, as in the compiled form, are collected in an `array` too: no objects of the numbers
+    are made.
     """
 
     def __init__(self, header: Header, road_ids: Sequence[str], columns: Mapping[str, Sequence[float]]) -> None:

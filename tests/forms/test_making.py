@@ -98,7 +98,7 @@ SANITIZERS = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 def test_no_index_leaves_its_column_and_nothing_is_undefined(
     repository: Path, tmp_path: Path, sanitizers: tuple[str, ...]
 ) -> None:
-    """The engine's own checks are of indices and overflows; the sanitizers check addresses and all that C leaves open."""
+    """The engine itself checks indices and overflows; the sanitizers check addresses and all that C leaves open."""
     done = subprocess.run(
         [sys.executable, str(repository / "tests" / "forms" / "sanitized.py"), str(tmp_path), *sanitizers],
         capture_output=True,

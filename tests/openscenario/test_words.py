@@ -107,7 +107,10 @@ def _settled(word: Word) -> Word:
 
 
 @pytest.mark.parametrize("kind", SAID, ids=lambda kind: kind.__name__)
-@settings(max_examples=12, suppress_health_check=[HealthCheck.too_slow, HealthCheck.large_base_example])
+@settings(
+    max_examples=settings.default.max_examples // 4,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.large_base_example],
+)
 @given(data=st.data())
 def test_what_is_written_is_read_back(kind: type[Word], data: st.DataObject) -> None:
     word = _settled(data.draw(words(kind, FIXED)))
@@ -120,7 +123,10 @@ def test_what_is_written_is_read_back(kind: type[Word], data: st.DataObject) -> 
 
 
 @pytest.mark.parametrize("kind", SAID, ids=lambda kind: kind.__name__)
-@settings(max_examples=6, suppress_health_check=[HealthCheck.too_slow, HealthCheck.large_base_example])
+@settings(
+    max_examples=settings.default.max_examples // 8,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.large_base_example],
+)
 @given(data=st.data(), version=st.sampled_from(VERSIONS[:-1]))
 def test_what_an_older_version_cannot_say_is_told(kind: type[Word], data: st.DataObject, version: Version) -> None:
     word = _settled(data.draw(words(kind, FIXED)))
