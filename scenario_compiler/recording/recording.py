@@ -30,7 +30,7 @@ Booleans: TypeAlias = NDArray[np.bool_]
 class Header(BaseModel):
     """The origin of a recording."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     plan_digest: str = Field(description="Digest of the plan.")
     plan_name: str = Field(description="Name of the plan.")
@@ -119,7 +119,7 @@ class Recording:
         events: Events, ordered by time.
         frames: First-person pictures, ordered by time.
         stop_reason: Why the run ended.
-        error: The engine's fault code; 0 for none.
+        error: The engine's fault code; 0 if there is none.
     """
 
     header: Header
@@ -296,9 +296,8 @@ class RecordingBuilder:
     """Builds the recording of a run.
 
     The columns are bound once; each `append` copies their present values. An entity's column is a sequence with one
-    value per entity; a run's column has one value. `road` contains indices into `road_ids`, as in the engine. The rows
-    of a column that is an `array`, as in the compiled form, are collected in an `array` too: no objects of the numbers
-    are made.
+    value per entity; a run's column has one value. `road` contains indices into `road_ids`, as in the engine. If a
+    column is an `array`, as in the compiled form, its rows are collected in an array, and no number becomes an object.
     """
 
     def __init__(self, header: Header, road_ids: Sequence[str], columns: Mapping[str, Sequence[float]]) -> None:
