@@ -86,6 +86,15 @@ def test_damaged_text_is_asked_in_vain_but_safely(data: st.DataObject) -> None:
     laid_out(text)
 
 
+@pytest.mark.parametrize("written", ["\nspacing", "sp&#97;cing"])
+def test_a_name_is_found_however_it_is_written(written: str) -> None:
+    text = TEXT.replace('name="spacing"', f'name="{written}"')
+    analysis = analysed(text, HERE / "draft.xml")
+    mention = analysis.mention_at(text.index(written))
+    assert mention is not None
+    assert mention in [one.mention for one in uses_of(mention.symbol, [analysis])]
+
+
 @given(st.data())
 def test_a_damaged_text_has_findings(data: st.DataObject) -> None:
     at = data.draw(st.integers(0, len(TEXT)))
