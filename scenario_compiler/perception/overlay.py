@@ -135,7 +135,9 @@ def annotate(image: Image, caption: Caption) -> None:
 def outline_box(
     image: Image, view: View, pose: Pose, box: tuple[float, float, float, float], colour: Colour
 ) -> tuple[int, int] | None:
-    """Outline a box in the picture of a camera; return the outline's upper left corner, pixels, or None behind it.
+    """Outline a box in the picture of a camera; return the outline's upper left corner, pixels.
+
+    None if the box is behind the camera or outside its picture.
 
     Args:
         image: The picture, which is changed.
@@ -155,8 +157,9 @@ def outline_box(
     pixels = corners[:, :2] / corners[:, 2:] * camera.focal + (camera.width / 2.0, camera.height / 2.0)
     hull = cv2.convexHull(np.round(pixels).astype(np.int32).reshape(-1, 1, 2))
     cv2.polylines(image, [hull], True, colour, max(2, image.shape[1] // 480), cv2.LINE_AA)
-    left, top = hull.reshape(-1, 2).min(axis=0).tolist()
-    return left, top
+    (left, top), (right, bottom) = hull.reshape(-1, 2).min(axis=0).tolist(), hull.reshape(-1, 2).max(axis=0).tolist()
+    inside = right >= 0 and bottom >= 0 and left < camera.width and top < camera.height
+    return (left, top) if inside else None
 
 
 def write_above(image: Image, corner: tuple[int, int], text: str, colour: Colour) -> None:

@@ -15,7 +15,7 @@ from scenario_compiler.outputs import make_folder
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.report.run import Run
 from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem, SearchTask
-from scenario_compiler.study.dataset import Seat, answer_fault, write_dataset, write_run_tables
+from scenario_compiler.study.dataset import RunTables, Seat, answer_fault, write_dataset
 from scenario_compiler.study.journal import Journal, Record, attempts_at, read_journal, step_reached
 from scenario_compiler.study.pilot import planned_run
 from scenario_compiler.study.procedure import Step, Trial, procedure
@@ -90,6 +90,7 @@ class Attendance:
             if step_reached(read_journal(self.seat.journal)) < len(self.steps) - 1:
                 break
         self.journal = Journal(self.seat.journal, self._mark)
+        self._tables = RunTables(self.rules.compilation, self.seat)
         declined = any(one["kind"] == "declined" for one in self.journal.records)
         self.presence: Presence = "declined" if declined else "waiting"
         self._settle()
@@ -307,7 +308,7 @@ class Attendance:
 
     def _write(self) -> None:
         with self.rules.writing:
-            write_run_tables(self.rules.compilation, self.seat)
+            self._tables.write()
             write_dataset(self.rules.compilation, self.rules.root, pilot=False)
 
 

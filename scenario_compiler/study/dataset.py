@@ -209,45 +209,59 @@ def condition_of(compilation: StudyCompilation, step: Step) -> dict[str, str]:
     return compilation.conditions[step.trial.what][0].levels if step.trial.role == "trial" else {}
 
 
-def write_run_tables(compilation: StudyCompilation, seat: Seat) -> None:
-    """Write the tables of a session from its journal: events of each run, and one row for each run."""
-    study = compilation.study
-    records = read_journal(seat.journal)
-    rows = []
-    for step in procedure(study, seat.participant, seat.session):
-        ended = next((one for one in records if one["kind"] == "driven" and one["step"] == step.number), None)
-        if step.trial is None or ended is None:
-            continue
-        folder = seat.run_folder(step.trial.number, ended["attempt"])
-        own = [one for one in records if one["step"] == step.number and one.get("attempt") == ended["attempt"]]
+class RunTables:
+    """The tables of a session's runs: the events of each run, and one row a run.
+
+    What a run that has ended leaves does not change any more, so its recording is read once, however often the tables
+    are written.
+    """
+
+    def __init__(self, compilation: StudyCompilation, seat: Seat) -> None:
+        """Prepare the tables of a session; nothing is read yet."""
+        self._compilation, self._seat = compilation, seat
+        self._rows: dict[int, Row] = {}
+
+    def write(self) -> None:
+        """Write the tables from the session's journal and its run folders."""
+        study, seat = self._compilation.study, self._seat
+        records = read_journal(seat.journal)
+        ended = {one["step"]: one for one in reversed(records) if one["kind"] == "driven"}
+        for step in procedure(study, seat.participant, seat.session):
+            if step.number in ended and step.number not in self._rows:
+                own = [one for one in records if one["step"] == step.number]
+                self._rows[step.number] = self._row(step, ended[step.number], own)
+        write_table(seat.table(study.name, "beh"), TRIAL_COLUMNS, (self._rows[k] for k in sorted(self._rows)))
+
+    def _row(self, step: Step, ended: Record, records: Sequence[Record]) -> Row:
+        """Write the events of a run; return its row."""
+        assert step.trial is not None
+        seat, trial = self._seat, step.trial
+        folder = seat.run_folder(trial.number, ended["attempt"])
+        own = [one for one in records if one.get("attempt") == ended["attempt"]]
         recording = read_recording(folder / "recording.parquet")
         outcome = Outcome.model_validate_json((folder / "outcome.json").read_text(encoding="utf-8"))
-        events, sums = _events(compilation, recording, own)
-        write_table(seat.table(study.name, "events", step.trial.number), EVENT_COLUMNS, events)
-        measured = {name: one.value for name, one in outcome.measures.items()}
-        rows.append(
-            {
-                "participant_id": seat.sub,
-                "session_id": seat.ses,
-                "run": step.trial.number,
-                "role": step.trial.role,
-                "condition": step.trial.what,
-                **condition_of(compilation, step),
-                "attempt": ended["attempt"],
-                "marks": " ".join(ended["marks"]) or None,
-                "driven_by": ended["driven_by"],
-                "seed": step.trial.seed,
-                "plan_digest": outcome.plan_digest,
-                "result": outcome.result,
-                "resolution": outcome.resolution,
-                "cause": outcome.cause or None,
-                "override_time": next((one.t for one in recording.events if one.kind == "override"), None),
-                "recording": str(folder.relative_to(seat.root)),
-                **measured,
-                **sums,
-            }
-        )
-    write_table(seat.table(study.name, "beh"), TRIAL_COLUMNS, rows)
+        events, sums = _events(self._compilation, recording, own)
+        write_table(seat.table(self._compilation.study.name, "events", trial.number), EVENT_COLUMNS, events)
+        return {
+            "participant_id": seat.sub,
+            "session_id": seat.ses,
+            "run": trial.number,
+            "role": trial.role,
+            "condition": trial.what,
+            **condition_of(self._compilation, step),
+            "attempt": ended["attempt"],
+            "marks": " ".join(ended["marks"]) or None,
+            "driven_by": ended["driven_by"],
+            "seed": trial.seed,
+            "plan_digest": outcome.plan_digest,
+            "result": outcome.result,
+            "resolution": outcome.resolution,
+            "cause": outcome.cause or None,
+            "override_time": next((one.t for one in recording.events if one.kind == "override"), None),
+            "recording": str(folder.relative_to(seat.root)),
+            **{name: one.value for name, one in outcome.measures.items()},
+            **sums,
+        }
 
 
 def _events(compilation: StudyCompilation, recording: Recording, own: Sequence[Record]) -> tuple[list[Row], Row]:

@@ -26,6 +26,7 @@ from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.report.templates import page_environment
+from scenario_compiler.report.wording import fixed, unit_words
 from scenario_compiler.study.dataset import seats_of
 from scenario_compiler.study.tables import MISSING, read_table
 
@@ -194,7 +195,7 @@ def write_effects(compilation: StudyCompilation, root: Path) -> Path:
             found = [one for factor in factors for one in differences(rows, factor, name)]
             measured.append((units[name], conditions, found, _axis([one.mean for one in conditions])))
     environment = page_environment(Path(__file__).parent)
-    environment.filters["number"] = lambda value: "–" if not math.isfinite(value) else f"{value:.2f}"
+    environment.filters |= {"number": lambda value: fixed(value) if math.isfinite(value) else "–", "shown": unit_words}
     page = environment.get_template("effects.html.jinja")
     people = len({row["participant_id"] for row in rows})
     file = root / "expected.html"

@@ -17,7 +17,7 @@ from scenario_compiler.report.folder import write_run_folder
 from scenario_compiler.report.run import Run
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.source.study import ChoiceItem, NumberItem, Query, QuestionnaireElement, ScaleItem
-from scenario_compiler.study.dataset import Seat, seats_of, write_dataset, write_run_tables
+from scenario_compiler.study.dataset import RunTables, Seat, seats_of, write_dataset
 from scenario_compiler.study.journal import Journal, step_reached
 from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.situation import CHOICES
@@ -55,7 +55,7 @@ def run_pilot(
                 _go_through(compilation, seat, step, journal, trust)
         finally:
             journal.close()
-        write_run_tables(compilation, seat)
+        RunTables(compilation, seat).write()
         if progress is not None:
             progress(count, len(seats))
     write_dataset(compilation, root, pilot=True)

@@ -234,7 +234,7 @@ class StudyServer:
 def _row(one: Attendance) -> dict[str, Any]:
     """Return a participant's row on the experimenter's page."""
     step, session, trial = one.step, one.session, one.step.trial
-    what = step.kind if trial is None else f"{trial.role} {trial.what}"
+    what = f"{step.kind} {step.file}".strip() if trial is None else f"{trial.role} {trial.what}"
     return {
         "participant": one.participant,
         "id": one.seat.sub,
