@@ -18,6 +18,7 @@ from scenario_compiler.perception.solids import Box
 from scenario_compiler.perception.weather_look import WeatherNumbers, look_of
 from scenario_compiler.roads.mesh import Surface, road_marks, road_surface
 from scenario_compiler.roads.positions import Pose, SecondaryLine
+from scenario_compiler.roads.quality import PAINT_COLUMNS
 
 if TYPE_CHECKING:
     from scenario_compiler.roads.network import Network
@@ -27,10 +28,22 @@ _UNPAINTED: dict[str, tuple[Surface, Roadside]] = {}
 """The unpainted parts of the map that was drawn last, by the digest of its file."""
 
 
+_PAINTED: dict[tuple[object, ...], Scene] = {}
+"""The scene that was made last, by the digest of its map's file and by its paint."""
+
+
 def scene_of(network: Network, secondary: Sequence[SecondaryLine] = ()) -> Scene:
-    """Return the scene of a network with lines beside its marks, to be shared by the cameras of a run."""
-    surface, beside = _unpainted(network)
-    return Scene(surface, joined_marks(road_marks(network, secondary=secondary), beside.marks), beside.uprights)
+    """Return the scene of a network with lines beside its marks, to be shared by cameras; the last one is kept."""
+    paint = tuple(tuple(getattr(network.tables, name)) for name in PAINT_COLUMNS)
+    key = (network.sha256, paint, tuple(secondary))
+    found = _PAINTED.get(key)
+    if found is None:
+        surface, beside = _unpainted(network)
+        marks = joined_marks(road_marks(network, secondary=secondary), beside.marks)
+        found = Scene(surface, marks, beside.uprights)
+        _PAINTED.clear()
+        _PAINTED[key] = found
+    return found
 
 
 def _unpainted(network: Network) -> tuple[Surface, Roadside]:

@@ -424,6 +424,10 @@ def svg_of(figure: Figure, prefix: str) -> str:
     text = io.StringIO()
     FigureCanvasSVG(figure)
     with lettered(figure):
+        layout = figure.get_layout_engine()
+        if layout is not None:  # with an engine of its own, matplotlib draws the figure twice
+            layout.execute(figure)
+            figure.set_layout_engine(None)
         figure.savefig(text, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
     svg = text.getvalue()
     svg = svg[svg.index("<svg") :]
