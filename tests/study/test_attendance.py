@@ -136,6 +136,19 @@ def test_tables_that_are_missing_are_made_when_the_program_starts_again(rules: R
     assert table.read_bytes() == before
 
 
+def test_a_long_session_reads_each_recording_once(rules: Rules) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.go_on(0, {"agree": "yes"})
+    one.go_on(1, {})
+    run_of(one)
+    (one.seat.run_folder(1, 1) / "recording.parquet").unlink()
+    one.go_on(3, ANSWERS)
+    run_of(one)
+    one.close()
+    assert [row["run"] for row in read_table(one.seat.table("short", "beh"))] == ["1", "2"]
+
+
 @pytest.mark.slow
 def test_who_has_finished_a_session_begins_the_next(tmp_path: Path) -> None:
     done = compiled(tmp_path, repetitions="1")
