@@ -1,6 +1,6 @@
 """Fits surrogate perception to runs with the camera, and judges it by runs that took no part.
 
-    python tools/fit_surrogate.py gather MAPS RUNS [--fitted 2000] [--jobs 32] [--seconds 370]
+    python tools/fit_surrogate.py gather MAPS RUNS [--first 0] [--fitted 2000] [--jobs 32] [--seconds 370]
     python tools/fit_surrogate.py fit RUNS
     python tools/fit_surrogate.py judge RUNS MAPS [--pages docs]
 
@@ -51,7 +51,11 @@ of a cell at which half of what neighbours have in common is left."""
 
 RARE = (0.002, 0.998)
 """Quantiles that bound the domain in what has no bounds of its own: where the ego is in the lane, and bends."""
-UNBOUNDED = (at.V_OFFSET, at.V_HEADING, at.V_BEND_NEAR, at.V_BEND_FAR, at.V_TOWARDS_NEAR, at.V_TOWARDS_FAR)
+_OF_SIDES = (at.S_BESIDE, at.S_OFFSET, at.S_HEADING, at.S_BEND_NEAR, at.S_BEND_FAR)
+UNBOUNDED = (*_OF_SIDES, *(at.SIDE_SIZE + one for one in _OF_SIDES), at.V_CURVED_NEAR, at.V_CURVED_FAR)
+
+MIRRORED = np.r_[at.SIDE_SIZE : at.V_BOTH, : at.SIDE_SIZE, at.V_BOTH : VIEW_SIZE]
+"""Which features of the left side's view are those of the right side's, in their order."""
 
 
 class Looks:
@@ -69,8 +73,8 @@ class Looks:
     def __init__(self, runs: list[Made]) -> None:
         """Put the looks of the runs together."""
         looks = np.concatenate([one.looks for one in runs]).astype(np.float64)
-        rest = dict(zip(LOOK_COLUMNS, looks[:, 2 * VIEW_SIZE :].T, strict=True))
-        self.view = looks[:, : 2 * VIEW_SIZE].reshape(-1, 2, VIEW_SIZE)
+        rest = dict(zip(LOOK_COLUMNS, looks[:, VIEW_SIZE:].T, strict=True))
+        self.view = np.stack([looks[:, :VIEW_SIZE], looks[:, MIRRORED]], axis=1)
         self.p = np.stack([rest["p_left"], rest["p_right"]], axis=1)
         self.path, self.asking, self.s, self.road = rest["path_error"], rest["asking"], rest["s"], rest["road"]
         self.run = np.repeat(np.arange(len(runs)), [len(one.looks) for one in runs])
@@ -79,12 +83,12 @@ class Looks:
     def leads(self) -> NDArray[np.bool_]:
         """(N,) whether the followed path tells of what was seen: a boundary leads it, and the ego is in its lane."""
         seen = self.p.max(axis=1) >= 0.3
-        return seen & np.isfinite(self.path) & (np.abs(self.view[:, 0, at.V_OFFSET]) < 1.2) & (np.abs(self.path) < 2.0)
+        return seen & np.isfinite(self.path) & (np.abs(self.view[:, 0, at.S_OFFSET]) < 1.2) & (np.abs(self.path) < 2.0)
 
     @property
     def weight(self) -> Floats:
         """(N,) how much each look counts, by what is there to be seen alone."""
-        worn = self.view[:, 0, at.V_PAINT : at.V_PAINT + 2 * at.WINDOWS].min(axis=1) < WORN
+        worn = self.view[:, 0, [at.S_QUALITY, at.SIDE_SIZE + at.S_QUALITY]].min(axis=1) < WORN
         weight = np.where(worn, WORN_WEIGHT, 1.0) * np.where(self.asking > 0.0, ASKING_WEIGHT, 1.0)
         return weight / weight.sum()
 
@@ -239,6 +243,7 @@ def main() -> None:
     gathering = commands.add_parser("gather")
     gathering.add_argument("maps", type=Path)
     gathering.add_argument("runs", type=Path)
+    gathering.add_argument("--first", type=int, default=0)
     gathering.add_argument("--fitted", type=int, default=2000)
     gathering.add_argument("--jobs", type=int, default=2)
     gathering.add_argument("--seconds", type=float, default=36000.0)
@@ -251,7 +256,7 @@ def main() -> None:
     judging.add_argument("--sample", type=Path, default=Path("tests/engine/surrogate_runs.json"))
     options = parser.parse_args()
     if options.command == "gather":
-        todo = cases(sorted(options.maps.glob("*.xodr")), options.fitted)
+        todo = cases(sorted(options.maps.glob("*.xodr")), options.first, options.fitted)
         keep(make(todo, options.jobs, options.seconds), options.runs)
     elif options.command == "fit":
         found = fitted([one for one in kept(options.runs) if one.case.number >= 0])

@@ -53,9 +53,9 @@ UNSEEN_MAPS = (
 """Maps that take no part in the fit."""
 
 CONFLICTS = ("markings_missing", "obstacle_ahead", "ramp_blocked", "road_narrows", "sensor_failure")
-JUDGED = {"conflict": (-3001, 100), "road": (-4001, 60), "map": (-5001, 40)}
-"""First number and how many runs of each kind take no part in the fit. They count downwards; -1 to -2040 are runs that
-were looked at while the features were chosen."""
+JUDGED = {"conflict": (-6001, 100), "road": (-7001, 60), "map": (-8001, 40)}
+"""First number and how many runs of each kind take no part in the fit. They count downwards; those from -1 to -5040
+judged coefficients of earlier features."""
 
 FASTER = 0.01
 """How much faster the judged runs are driven the second time, as a share."""
@@ -102,7 +102,8 @@ class Made:
 
     Attributes:
         case: The run.
-        looks: (N, 2 VIEW_SIZE + 9) one row a look until the driver drives; see `LOOK_COLUMNS`.
+        looks: (N, VIEW_SIZE + 9) one row a look until the driver drives: the features as the left side has them, then
+            `LOOK_COLUMNS`.
         outcome: Measures by name, NaN where undefined; `cause` and `resolution` as texts.
     """
 
@@ -116,8 +117,8 @@ LOOK_COLUMNS = ("p_left", "p_right", "health", "path_error", "road", "lane", "s"
 of the lane's centre the followed path lies where it is steered for, the place, the time, and 1 from the request on."""
 
 
-def cases(maps: Sequence[Path], fitted: int) -> list[Case]:
-    """Return the runs that are judged, the same a little faster, and then those that are fitted to."""
+def cases(maps: Sequence[Path], first: int, fitted: int) -> list[Case]:
+    """Return the runs that are judged, the same a little faster, and then those that are fitted to, from a number on."""
     unseen = sorted(str(one) for one in maps if one.stem in UNSEEN_MAPS)
     seen = sorted(str(one) for one in maps if one.stem not in UNSEEN_MAPS)
     judged = []
@@ -126,8 +127,11 @@ def cases(maps: Sequence[Path], fitted: int) -> list[Case]:
             judged.append(Case(kind, number - k, unseen[k % len(unseen)] if kind == "map" else ""))
     again = [one._replace(faster=FASTER) for one in judged]
     on_maps = round(MAPS_SHARE * fitted) if seen else 0
-    learned = [Case("map", k, seen[k % len(seen)]) for k in range(on_maps)]
-    learned += [Case("road", k, "") for k in range(on_maps, fitted)]
+    kinds = np.random.default_rng(first).permutation(fitted) < on_maps
+    learned = [
+        Case("map", first + k, seen[k % len(seen)]) if on_map else Case("road", first + k, "")
+        for k, on_map in enumerate(kinds)
+    ]
     return judged + again + learned
 
 
@@ -151,7 +155,7 @@ def run_case(case: Case, perception: Perception, *, looks: bool) -> Made | None:
     outcome: dict[str, Any] = {name: _number(row[name][0]) for name in KEPT}
     outcome |= {"cause": row["cause"][0], "resolution": row["resolution"][0], "result": row["result"][0]}
     outcome |= {"name": plan.name, "map": Path(plan.map.file).stem}
-    made = np.array(rows, np.float32).reshape(-1, 2 * VIEW_SIZE + len(LOOK_COLUMNS))
+    made = np.array(rows, np.float32).reshape(-1, VIEW_SIZE + len(LOOK_COLUMNS))
     return Made(case, made, outcome)
 
 
@@ -175,7 +179,7 @@ def _looks(execution: Execution, *, keep: bool) -> Iterator[Floats]:
             continue
         error = _path_error(control.trajectory, way, _look_ahead(v))
         seen = (control.lanes.left.p, control.lanes.right.p, control.sensor_health, error, road, lane, s, now, asking)
-        yield np.concatenate([view.ravel(), seen])
+        yield np.concatenate([view[0], seen])
 
 
 def _look_ahead(speed: float) -> float:
@@ -226,13 +230,12 @@ def keep(runs: Sequence[Made], folder: Path, parts: int = 6) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for part in range(parts):
         some = runs[part::parts]
-        width = 2 * VIEW_SIZE
-        looks = np.concatenate([one.looks for one in some]) if some else np.zeros((0, width + len(LOOK_COLUMNS)))
+        looks = np.concatenate([one.looks for one in some]) if some else np.zeros((0, VIEW_SIZE + len(LOOK_COLUMNS)))
         about = [(one.case, len(one.looks), one.outcome) for one in some]
         np.savez_compressed(
             folder / f"runs{part}.npz",
-            view=looks[:, :width].astype(np.float16),
-            rest=looks[:, width:].astype(np.float32),
+            view=looks[:, :VIEW_SIZE].astype(np.float16),
+            rest=looks[:, VIEW_SIZE:].astype(np.float32),
             about=np.array(json.dumps(about)),
         )
 

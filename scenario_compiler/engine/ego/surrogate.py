@@ -26,7 +26,7 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import clip, logistic, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.columns.view import HIDDEN, OUTPUTS, UNITS, VIEW_SIZE
+from scenario_compiler.engine.columns.view import HIDDEN, OUTPUTS, SIDE_SIZE, UNITS, V_BOTH, VIEW_SIZE
 from scenario_compiler.engine.ego.failures import health_of_camera
 from scenario_compiler.engine.ego.objects_ahead import gap_to_keep
 from scenario_compiler.engine.ego.view import keep_view, lane_bend, look_at_view, view_stays
@@ -108,62 +108,64 @@ def noise_at(road: int, lane: int, side: int, s: float, cell: float) -> float:
 
 
 @compiled
-def hold_in_domain(p: Program, st: State, base: int) -> int:
-    """Hold the features of one side within the domain; return 1 where one was outside."""
+def take_up(p: Program, st: State) -> int:
+    """Bring `unit` up to date with the view, held within the domain; return 1 where a feature was outside.
+
+    Only features that have changed since the last look cost anything: most stay as they are from look to look.
+    """
     low = p.surrogate_const[0]
     outside = 0
     for k in range(VIEW_SIZE):
-        value = st.view[base + k]
+        value = st.view[k]
         if value < p.const[low + k]:
-            st.view[base + k] = p.const[low + k]
+            value = p.const[low + k]
             outside = 1
         elif value > p.const[low + VIEW_SIZE + k]:
-            st.view[base + k] = p.const[low + VIEW_SIZE + k]
+            value = p.const[low + VIEW_SIZE + k]
             outside = 1
+        change = value - st.taken_up[k]
+        if change != 0.0:
+            st.taken_up[k] = value
+            mirrored = k
+            if k < SIDE_SIZE:
+                mirrored = k + SIDE_SIZE
+            elif k < V_BOTH:
+                mirrored = k - SIDE_SIZE
+            left = low + FIRST_AT + UNITS * k
+            right = low + FIRST_AT + UNITS * mirrored
+            for unit in range(UNITS):
+                st.unit[unit] += p.const[left + unit] * change
+                st.unit[UNITS + unit] += p.const[right + unit] * change
     return outside
 
 
 @compiled
-def judge_side(p: Program, st: State, base: int) -> None:
-    """Work out the network for one side: `unit` ends with the logit of the confidence and how far it draws the path."""
-    row = p.surrogate_const[0] + FIRST_AT
-    for unit in range(UNITS):
-        st.unit[unit] = p.const[row + VIEW_SIZE * UNITS + unit]
-    for k in range(VIEW_SIZE):
-        value = st.view[base + k]
-        if value != 0.0:
-            for unit in range(UNITS):
-                st.unit[unit] += p.const[row + unit] * value
-        row += UNITS
+def output_of(p: Program, st: State, side: int, output: int) -> float:
+    """Return an output of the network for a side: 0 the logit of the confidence, 1 how far it draws the path."""
+    bias = p.surrogate_const[0] + FIRST_AT + VIEW_SIZE * UNITS
     second = p.surrogate_const[0] + SECOND_AT
+    total = st.unit[UNITS * side + HIDDEN + output] + p.const[bias + HIDDEN + output]
     for unit in range(HIDDEN):
-        value = st.unit[unit] / (1.0 + abs(st.unit[unit]))
-        st.unit[HIDDEN] += p.const[second + OUTPUTS * unit] * value
-        st.unit[HIDDEN + 1] += p.const[second + OUTPUTS * unit + 1] * value
-
-
-@compiled
-def note_domain(p: Program, st: State) -> None:
-    """Hold the view within the domain, and log the first time that it leaves it while the automation drives."""
-    left = hold_in_domain(p, st, 0)
-    right = hold_in_domain(p, st, VIEW_SIZE)
-    automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
-    if left + right > 0 and automated and st.time_outside_domain[0] < 0.0:
-        st.time_outside_domain[0] = st.clock[0]
-        log_event(st, op.EVENT_OUTSIDE_DOMAIN, 0.0)
+        value = st.unit[UNITS * side + unit] + p.const[bias + unit]
+        total += p.const[second + OUTPUTS * unit + output] * value / (1.0 + abs(value))
+    return total
 
 
 @compiled
 def judge_view(n: RoadTables, p: Program, st: State) -> None:
-    """Work out the network for both sides of the view that has just been written."""
+    """Work out the network for both sides of the view that has just been written.
+
+    The first time that it leaves the domain while the automation drives is logged.
+    """
     keep_view(n, p, st)
-    note_domain(p, st)
-    judge_side(p, st, 0)
-    st.seen_logit[0] = st.unit[HIDDEN]
-    left = st.unit[HIDDEN + 1]
-    judge_side(p, st, VIEW_SIZE)
-    st.seen_logit[1] = st.unit[HIDDEN]
-    st.seen_drawn[0] = left - st.unit[HIDDEN + 1]
+    outside = take_up(p, st)
+    automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
+    if outside == 1 and automated and st.time_outside_domain[0] < 0.0:
+        st.time_outside_domain[0] = st.clock[0]
+        log_event(st, op.EVENT_OUTSIDE_DOMAIN, 0.0)
+    st.seen_logit[0] = output_of(p, st, 0, 0)
+    st.seen_logit[1] = output_of(p, st, 1, 0)
+    st.seen_drawn[0] = output_of(p, st, 0, 1) - output_of(p, st, 1, 1)
 
 
 @compiled
