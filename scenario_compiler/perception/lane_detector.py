@@ -10,7 +10,7 @@ The tilt of the camera against the road ahead is found in the image (`road_plane
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -21,14 +21,19 @@ from scenario_compiler.perception.birds_eye import PITCH_STEP, X_FROM, BirdsEye,
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import (
     FEATURES,
+    MIDDLE,
+    NEWEST,
+    PLACES,
+    Before,
     Circumstances,
     Confidence,
+    evidence,
     features,
     load_confidence,
     noise_of,
 )
 from scenario_compiler.perception.lane_fit import CURVATURES, LEFT, RIGHT, Fit, LaneFitter, arc_y
-from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, tilt_beyond
+from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, alike, tilt_beyond
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
@@ -51,9 +56,6 @@ FORGOTTEN = 0.7
 NEARBY = np.arange(5.0, 19.5, 1.0)
 TO_PARABOLA = np.linalg.pinv(np.vander(NEARBY, 3))
 """Distances ahead of the camera, m, and what takes values there to the coefficients of the nearest parabola."""
-
-MIDDLE = np.array(12.0)
-"""Distance ahead of the camera at which a boundary is compared with where it was, m."""
 
 REMEMBERED = 0.5
 """Probability over which a boundary is looked for again where it was."""
@@ -100,6 +102,7 @@ class LaneResult:
         p_right: right.p * sensor_health.
         lane_width: Distance between the boundaries 10 m ahead, m.
         tilt: How far the camera is tilted against the ground ahead, beyond its mounting.
+        evidence: What the detector remembers of each side beside the boundary, None where it has nothing.
     """
 
     left: Boundary
@@ -110,6 +113,7 @@ class LaneResult:
     p_right: float
     lane_width: float
     tilt: Tilt = LEVEL
+    evidence: tuple[tuple[float, ...], tuple[float, ...]] | None = None
 
 
 @dataclass(frozen=True)
@@ -124,6 +128,9 @@ class LaneState:
         way: Slope below the camera and curvature, 1/m, of the way that the car is to go, where others branch off:
             the search begins with boundaries that go that way.
         tilt: How far the camera was tilted against the ground ahead, beyond its mounting.
+        last: Both boundaries of the last image, trusted or not.
+        evidence: What the detector remembers of each side beside the boundary.
+        images: Number of images that were seen.
     """
 
     left: Boundary | None = None
@@ -131,6 +138,9 @@ class LaneState:
     width: float | None = None
     way: tuple[float, float] | None = None
     tilt: Tilt = LEVEL
+    last: tuple[Boundary, Boundary] | None = None
+    evidence: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    images: int = 0
 
     def after(self, result: LaneResult) -> LaneState:
         """Return the state after one more image."""
@@ -139,7 +149,15 @@ class LaneState:
             width = result.lane_width if width is None else 0.9 * width + 0.1 * result.lane_width
         left = result.left if result.left.p > REMEMBERED else None
         right = result.right if result.right.p > REMEMBERED else None
-        return LaneState(left, right, width, tilt=result.tilt.later())
+        return LaneState(
+            left,
+            right,
+            width,
+            tilt=result.tilt.later(),
+            last=(result.left, result.right),
+            evidence=result.evidence,
+            images=self.images + 1,
+        )
 
 
 class LaneDetector(Protocol):
@@ -201,42 +219,59 @@ class ClassicalLaneDetector:
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
     ) -> tuple[LaneResult, tuple[Floats, Floats]]:
         """Return what `detect` does, and the features that the left and the right side's confidence is made from."""
-        fits, rows, tilt = self.examine(image, prior, pitch)
         sigma_hat = noise_of(image)
+        fits, rows, tilt = self.examine(image, prior, pitch, sigma_hat)
         health = noise_health(sigma_hat)
         left, right = (_boundary(fit, *self.confidence(row)) for fit, row in zip(fits, rows, strict=True))
-        lane_width = float(left.y(10.0) - right.y(10.0))
-        return LaneResult(left, right, health, sigma_hat, left.p * health, right.p * health, lane_width, tilt), rows
+        return LaneResult(
+            left,
+            right,
+            health,
+            sigma_hat,
+            left.p * health,
+            right.p * health,
+            lane_width=float(left.y(10.0) - right.y(10.0)),
+            tilt=tilt,
+            evidence=(evidence(rows[0]), evidence(rows[1])),
+        ), rows
 
     def examine(
-        self, image: Image, prior: LaneState | None = None, pitch: float | None = None
+        self, image: Image, prior: LaneState | None, pitch: float | None, noise: float
     ) -> tuple[tuple[Fit, Fit], tuple[Floats, Floats], Tilt]:
         """Return the fits of the left and the right side, the features of their confidence, and the tilt found."""
         state = prior if prior is not None else LaneState()
         width, spread = (USUAL_WIDTH, USUAL_SPREAD)
         if state.width is not None:
             width, spread = state.width, TRACKED_SPREAD
+        known = Circumstances(width, Tilt(0.0, 0.0), Tilt(0.0, 0.0), 0.0, self.camera.z, noise, state.way is not None)
+        before = _before(state, 0), _before(state, 1)
         if pitch is not None:
             tilt = Tilt(pitch, 0.0)
             ridges = self.birds_eye.ridges(image, pitch)
-            left, right = self._fit(ridges, state, width, spread)
+            fits = self._fit(ridges, state, width, spread)
+            known = replace(known, tilt=tilt, seen=tilt)
         else:
             start = self._first_pitch(image, state, width, spread)
             for _ in range(MOST_ROUNDS):
                 ridges = self.birds_eye.ridges(image, start)
-                left, right = self._fit(ridges, state, width, spread)
-                beyond = tilt_beyond(left, right, self.camera.z)
+                fits = self._fit(ridges, state, width, spread)
+                beyond = tilt_beyond(*fits, self.camera.z)
                 seen = Tilt(start + beyond.pitch, beyond.deviation)
                 found = state.tilt.with_seen(seen)
                 looked_at, start = start, found.pitch
                 if abs(start - looked_at) <= PITCH_STEP:
                     break
-            painted = self._painted(self._features(left, right, ridges, width, state, found))
-            tilt = state.tilt.with_seen(seen, painted)
+            unsettled = abs(start - looked_at)
+            # Where one look after the other shows another tilt, the two sides are no lane's.
+            seen = Tilt(seen.pitch, math.hypot(seen.deviation, unsettled))
+            known = replace(known, tilt=found, seen=seen, unsettled=unsettled)
+            painted = self._painted(features(fits, ridges, known, before))
+            tilt = state.tilt.with_seen(seen, alike(*fits, width, spread, painted))
             if abs(tilt.pitch - looked_at) > PITCH_STEP:
                 ridges = self.birds_eye.ridges(image, tilt.pitch)
-                left, right = self._fit(ridges, state, width, spread)
-        return (left, right), self._features(left, right, ridges, width, state, tilt), tilt
+                fits = self._fit(ridges, state, width, spread)
+            known = replace(known, tilt=tilt)
+        return fits, features(fits, ridges, known, before), tilt
 
     def _painted(self, rows: tuple[Floats, Floats]) -> float:
         """Return the probability that both sides are painted: only then do they tell how the road lies."""
@@ -265,18 +300,15 @@ class ClassicalLaneDetector:
             chosen = self.fitter.settle(votes, width, spread, chosen)
         return self.fitter.refine(ridges, votes, chosen)
 
-    def _features(
-        self, left: Fit, right: Fit, ridges: Ridges, width: float, state: LaneState, tilt: Tilt
-    ) -> tuple[Floats, Floats]:
-        off = float(left.curve[0] - right.curve[0]) - width
-        found = []
-        for fit, other, before in ((left, right, state.left), (right, left, state.right)):
-            moved = None
-            if before is not None:
-                moved = float(arc_y(fit.curve, MIDDLE - X_FROM)) - float(before.y(MIDDLE))
-            known = Circumstances(off, (tilt.pitch, tilt.deviation), moved, state.way is not None)
-            found.append(features(fit, other, ridges, known))
-        return found[0], found[1]
+
+def _before(state: LaneState, side: int) -> Before:
+    trusted = (state.left, state.right)[side]
+    return Before(
+        None if trusted is None else float(trusted.y(MIDDLE)),
+        None if state.last is None else state.last[side].y(PLACES),
+        None if state.evidence is None else np.array(state.evidence[side]),
+        max(NEWEST, 1.0 / (state.images + 1)),
+    )
 
 
 def _boundary(fit: Fit, p_geom: float, p_paint: float, p: float) -> Boundary:
