@@ -30,7 +30,7 @@ from scenario_compiler.vocabulary.sensors import Camera
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
-STEPS, WARM_UP, BATCH, RATE, DECAY = 12000, 200, 4096, 1e-2, 1e-5
+STEPS, WARM_UP, BATCH, RATE, DECAY = 2000, 200, 2048, 1e-2, 1e-3
 """Steps of the fit, those until its greatest rate, looks of a step, that rate, and the penalty on squared weights."""
 
 ABSOLUTE = 3.0

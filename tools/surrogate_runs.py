@@ -118,7 +118,7 @@ of the lane's centre the followed path lies where it is steered for, the place, 
 
 
 def cases(maps: Sequence[Path], first: int, fitted: int) -> list[Case]:
-    """Return the runs that are judged, the same a little faster, and then those that are fitted to, from a number on."""
+    """Return the runs that are judged, the same a little faster, and those that are fitted to, from a number on."""
     unseen = sorted(str(one) for one in maps if one.stem in UNSEEN_MAPS)
     seen = sorted(str(one) for one in maps if one.stem not in UNSEEN_MAPS)
     judged = []

@@ -4,8 +4,6 @@ Quality says how well a mark can be seen, 1 (new) to 0 (gone). A file gives it i
 value="0.3"/>` inside `<roadMark>`; a scenario overrides it by stretch (`Network.with_mark_quality`).
 """
 
-from math import floor
-
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_row
 from scenario_compiler.roads.tables import RoadTables
@@ -61,6 +59,9 @@ STANDARD_DASH, STANDARD_GAP = 3.0, 9.0
 DOT, DOT_GAP = 0.1, 1.1
 """Size and distance of Botts' dots, m."""
 
+MOST_PERIODS = 1.0e6
+"""Dashes that are counted at most: beyond them a line counts as one dash or one gap."""
+
 STANDARD_WIDTH = 0.12
 """Width of a mark where the file gives none, m: our choice, a common width of lane lines; a bold mark is twice that."""
 
@@ -109,7 +110,7 @@ def mark_at(n: RoadTables, road: int, lane: int, s: float) -> tuple[int, float, 
 def dashes_up_to(distance: float, dash: float, gap: float) -> float:
     """Return how much of a distance from the start of a broken line on is painted, m."""
     period = max(dash + gap, 0.01)
-    whole = floor(distance / period)
+    whole = int(max(min(distance / period, MOST_PERIODS) + MOST_PERIODS, 0.0)) - MOST_PERIODS
     return whole * dash + min(distance - whole * period, dash)
 
 

@@ -304,12 +304,14 @@ class State(Columns):
     view_heading: list[float] = column(RUN)
     view_pitch: list[float] = column(RUN)
     view_sigma: list[float] = column(RUN)
+    view_looks: list[int] = column(RUN)
+    """Number of looks so far."""
     view_dashed: list[int] = column(RUN)
     """1 where a line ahead is not painted alike everywhere, so that the view changes with every metre."""
     air_weather: list[float] = column(WEATHER_NUMBER, -1.0e9)
     """The weather that the following is of."""
     air_lit: list[float] = column(LOOKED)
-    """Light that comes from the ground in each piece, 1 at a clear noon; how rough hard ground and meadow look there."""
+    """Light from the ground in each piece, 1 at a clear noon; how rough hard ground and meadow look there."""
     air_hard: list[float] = column(LOOKED)
     air_soft: list[float] = column(LOOKED)
     air_ground: list[float] = column(RUN)
@@ -319,15 +321,19 @@ class State(Columns):
     air_glare: list[float] = column(RUN)
     """How much the sun dazzles from straight ahead, 0-1, and its direction, rad."""
     air_sun: list[float] = column(RUN)
-    clutter: list[float] = column(LOOKED)
-    """How rough the ground looks in each piece, grey levels: what stands out of it is a line."""
+    stands_out: list[float] = column(LOOKED)
+    """Strength in each piece per grey level by which paint is brighter than the ground: light over roughness."""
+    beside_row: list[int] = column(RUN, op.NONE)
+    """Row of the lane, s and the camera's noise for which was noted what lies beside the lane."""
+    beside_s: list[float] = column(RUN)
+    beside_sigma: list[float] = column(RUN)
     way_half: list[float] = column(LOOKED)
     """Half of the lane's width in each piece, m."""
     way_bend: list[float] = column(RUN)
     """Curvature of the way at the ego, 1/m, and its rate, 1/m2."""
     way_bend_rate: list[float] = column(RUN)
     hides_from: list[float] = column(RUN)
-    """Directions between which the obstacle nearest ahead hides the ground (y / x), and from which distance on, m."""
+    """Directions (y / x) between which the obstacle nearest ahead hides the ground, and from where on, m."""
     hides_to: list[float] = column(RUN)
     hides_at: list[float] = column(RUN)
     seen_logit: list[float] = column(SIDE)

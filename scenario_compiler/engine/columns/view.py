@@ -21,7 +21,7 @@ S_CONTRAST = 9
 S_HIDDEN = 10
 S_IN_VIEW = 11
 S_BESIDE = 12
-S_VOTE = 13
+S_VOTES = 13
 S_BROKEN = 14
 S_WIDTH = 15
 S_YELLOW = 16
@@ -35,7 +35,8 @@ S_HEADING = 23
 S_BEND_NEAR = 24
 S_BEND_FAR = 25
 S_BEARING = 26
-SIDE_SIZE = 27
+S_VOTES_LATELY = 27
+SIDE_SIZE = 28
 """Places of a side's own features, from where that side begins."""
 
 V_BOTH = 2 * SIDE_SIZE
@@ -85,7 +86,7 @@ SIDE_NAMES = (
     *("paint 4-8 m", "paint 8-12 m", "paint 12-18 m", "paint 18-24 m", "paint 24-30 m"),
     *("quality", "painted and seen", "strength", "farthest paint", "contrast", "hidden", "in view", "distance"),
     *("votes", "broken", "width of line", "yellow", "double", "distance of rival", "paint of rival", "pavement beyond"),
-    *("covered", "offset", "heading", "bend near", "bend far", "bearing of obstacle"),
+    *("covered", "offset", "heading", "bend near", "bend far", "bearing of obstacle", "votes lately"),
 )
 VIEW_NAMES = (
     *SIDE_NAMES,

@@ -91,6 +91,7 @@ def note_air(st: State) -> None:
             same = 0
     if same == 1:
         return
+    st.beside_row[0] = op.NONE
     rain = share_or(st.weather[W_PRECIPITATION], 0.0)
     wet = max(rain, max(share_or(st.weather[W_DEPOSITS], 0.0), share_or(st.weather[W_WETNESS], 0.0)))
     dust = share_or(st.weather[W_DUST_STORM], 0.0)

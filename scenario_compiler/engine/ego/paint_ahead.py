@@ -51,6 +51,9 @@ WHOLE_WIDTH = 0.14
 NARROWEST = 0.3
 """Width from which a line has its full contrast, m, and the share that the narrowest has."""
 
+NEWEST = 0.3
+"""Weight of the newest image in the running mean of the votes, as in `perception.confidence`."""
+
 NEAR_PIECES = 7
 FAR_PIECES = 6
 """Pieces up to 18 m, which the detector's confidence is about, and beyond."""
@@ -90,11 +93,12 @@ def note_clutter(st: State, pavement_left: float, pavement_right: float) -> None
         right = clip((half - pavement_right) / half, 0.0, 1.0)
         meadow = 0.5 * (left + right)
         rough = st.air_hard[k] * (1.0 - meadow) + st.air_soft[k] * meadow
-        st.clutter[k] = 2.0 + rough + 0.8 * st.sigma[0] + st.air_streaks[0]
+        clutter = 2.0 + rough + 0.8 * st.sigma[0] + st.air_streaks[0]
+        st.stands_out[k] = 2.0 * st.air_lit[k] / max(clutter, 1.0)
         if k == 2:
             note_common(st, at.V_MEADOW_NEAR, meadow)
         if k == 3:
-            note_common(st, at.V_CLUTTER, log(max(st.clutter[k], 1.0)))
+            note_common(st, at.V_CLUTTER, log(max(clutter, 1.0)))
         if k == 6:
             note_common(st, at.V_MEADOW_FAR, meadow)
 
@@ -114,36 +118,36 @@ def window_share(k: int) -> float:
 @compiled
 def begin_side(st: State, base: int) -> None:
     """Forget what was seen of a side."""
-    for k in range(at.S_VOTE + 1):
+    for k in range(at.S_VOTES + 1):
         st.view[base + k] = 0.0
     st.view[base + at.S_FARTHEST] = 0.4
     st.view[base + at.S_CONTRAST] = log(LEAST_STRENGTH)
 
 
 @compiled
-def see_piece(st: State, base: int, k: int, tone: float, quality: float, painted: float, y: float) -> None:
+def see_piece(st: State, base: int, k: int, bright: float, quality: float, painted: float, y: float) -> None:
     """Add a piece of a side's line to its features.
 
     Args:
         st: The state.
         base: Where the side's features begin.
         k: The piece.
-        tone: How much new paint is brighter than the ground, grey levels.
+        bright: How much the paint is brighter than the ground, grey levels.
         quality: Quality of the paint.
         painted: Share of the piece that is painted.
         y: How far the line lies to the side, m.
     """
     x = AHEAD_FROM + AHEAD_STEP * k
-    bearing = y / x if base == 0 else -y / x
-    strength = 0.0
-    if quality > 0.0:
-        strength = 2.0 * max(left_of_paint(quality) * tone, 0.0) * st.air_lit[k] / max(st.clutter[k], 1.0)
-    hidden = 1.0 if x > st.hides_at[0] and bearing > st.hides_from[0] and bearing < st.hides_to[0] else 0.0
+    strength = bright * st.stands_out[k]
+    hidden = 0.0
+    if x > st.hides_at[0]:
+        ray = y if base == 0 else -y
+        hidden = 1.0 if ray > st.hides_from[0] * x and ray < st.hides_to[0] * x else 0.0
     in_view = 1.0 if abs(y) < EDGE_OF_VIEW * x - WITHIN_VIEW else 0.0
     seen = painted if hidden == 0.0 and in_view == 1.0 else 0.0
     voted = min(strength, ENOUGH) * seen
     st.view[base + at.S_STRENGTH + window_of(k)] += window_share(k) * voted
-    st.view[base + at.S_VOTE] += voted
+    st.view[base + at.S_VOTES] += voted
     if seen > SHOWN_SHARE and strength > SHOWN:
         st.view[base + at.S_FARTHEST] = 0.1 * x
     if k == 3:
@@ -175,8 +179,10 @@ def end_side(st: State, base: int) -> None:
         half = abs(way_side(st, base, k))
         if half < EDGE_OF_VIEW * (AHEAD_FROM + AHEAD_STEP * k) - WITHIN_VIEW:
             in_view += 1.0
-    st.view[base + at.S_VOTE] /= max(safe_sqrt(in_view), 1.0)
+    st.view[base + at.S_VOTES] /= max(safe_sqrt(in_view), 1.0)
     st.view[base + at.S_BESIDE] = way_side(st, base, 0)
+    share = NEWEST if st.view_looks[0] > 0 else 1.0
+    st.view[base + at.S_VOTES_LATELY] += share * (st.view[base + at.S_VOTES] - st.view[base + at.S_VOTES_LATELY])
 
 
 @compiled
@@ -221,11 +227,11 @@ def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colo
         y_left = way_side(st, 0, k)
         y_right = way_side(st, at.SIDE_SIZE, k)
         if (lane > 0) == (lane_direction(n, road, lane) > 0):
-            see_piece(st, 0, k, left_tone, outer, outer_share, y_left)
-            see_piece(st, at.SIDE_SIZE, k, right_tone, inner, inner_share, y_right)
+            see_piece(st, 0, k, left_tone * left_of_paint(outer), outer, outer_share, y_left)
+            see_piece(st, at.SIDE_SIZE, k, right_tone * left_of_paint(inner), inner, inner_share, y_right)
         else:
-            see_piece(st, 0, k, left_tone, inner, inner_share, y_left)
-            see_piece(st, at.SIDE_SIZE, k, right_tone, outer, outer_share, y_right)
+            see_piece(st, 0, k, left_tone * left_of_paint(inner), inner, inner_share, y_left)
+            see_piece(st, at.SIDE_SIZE, k, right_tone * left_of_paint(outer), outer, outer_share, y_right)
     end_side(st, 0)
     end_side(st, at.SIDE_SIZE)
     note_common(st, at.V_JUNCTION_NEAR, near)
@@ -237,8 +243,8 @@ def see_even_lines(n: RoadTables, st: State, left_colour: int, right_colour: int
     """Do what `see_lines` does where the marks on both sides are known to stay as they are."""
     begin_side(st, 0)
     begin_side(st, at.SIDE_SIZE)
-    left_tone = line_tone(st, 0, left_colour)
-    right_tone = line_tone(st, at.SIDE_SIZE, right_colour)
+    left_bright = line_tone(st, 0, left_colour) * left_of_paint(st.even_left[0])
+    right_bright = line_tone(st, at.SIDE_SIZE, right_colour) * left_of_paint(st.even_right[0])
     row = st.path_row[0]
     lane = st.path_lane[0]
     here = st.path_s[0]
@@ -263,10 +269,8 @@ def see_even_lines(n: RoadTables, st: State, left_colour: int, right_colour: int
             first_right = right_share
         if left_share != first_left or right_share != first_right:
             st.view_dashed[0] = 1
-        see_piece(st, 0, k, left_tone, st.even_left[0], left_share, way_side(st, 0, k))
-        see_piece(
-            st, at.SIDE_SIZE, k, right_tone, st.even_right[0], right_share, way_side(st, at.SIDE_SIZE, k)
-        )
+        see_piece(st, 0, k, left_bright, st.even_left[0], left_share, way_side(st, 0, k))
+        see_piece(st, at.SIDE_SIZE, k, right_bright, st.even_right[0], right_share, way_side(st, at.SIDE_SIZE, k))
     end_side(st, 0)
     end_side(st, at.SIDE_SIZE)
     inside_junction = 1.0 if n.road_junction[st.path_road[0]] >= 0 else 0.0

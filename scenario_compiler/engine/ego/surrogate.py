@@ -63,6 +63,9 @@ DRIVING = 9
 COEFFICIENTS = DRIVING_AT + DRIVING
 """How many numbers surrogate perception has."""
 
+TOO_SMALL = 0.004
+"""Change of a feature that is not worth taking up, as a share of its domain."""
+
 PATH_SIDE = 2
 """The stream of the path's noise beside those of the left (0) and the right (1) boundary."""
 
@@ -111,20 +114,22 @@ def noise_at(road: int, lane: int, side: int, s: float, cell: float) -> float:
 def take_up(p: Program, st: State) -> int:
     """Bring `unit` up to date with the view, held within the domain; return 1 where a feature was outside.
 
-    Only features that have changed since the last look cost anything: most stay as they are from look to look.
+    Only features that have changed since they were last taken up cost anything, and small changes wait until they have
+    added up: most features stay nearly as they are from look to look.
     """
     low = p.surrogate_const[0]
     outside = 0
     for k in range(VIEW_SIZE):
         value = st.view[k]
-        if value < p.const[low + k]:
-            value = p.const[low + k]
-            outside = 1
-        elif value > p.const[low + VIEW_SIZE + k]:
-            value = p.const[low + VIEW_SIZE + k]
+        if value == st.taken_up[k]:
+            continue
+        least = p.const[low + k]
+        most = p.const[low + VIEW_SIZE + k]
+        if value < least or value > most:
+            value = clip(value, least, most)
             outside = 1
         change = value - st.taken_up[k]
-        if change != 0.0:
+        if abs(change) > TOO_SMALL * (most - least):
             st.taken_up[k] = value
             mirrored = k
             if k < SIDE_SIZE:
@@ -140,15 +145,18 @@ def take_up(p: Program, st: State) -> int:
 
 
 @compiled
-def output_of(p: Program, st: State, side: int, output: int) -> float:
-    """Return an output of the network for a side: 0 the logit of the confidence, 1 how far it draws the path."""
+def outputs_of(p: Program, st: State, side: int) -> tuple[float, float]:
+    """Return the outputs of the network for a side: the logit of the confidence, and how far it draws the path."""
     bias = p.surrogate_const[0] + FIRST_AT + VIEW_SIZE * UNITS
     second = p.surrogate_const[0] + SECOND_AT
-    total = st.unit[UNITS * side + HIDDEN + output] + p.const[bias + HIDDEN + output]
+    logit = st.unit[UNITS * side + HIDDEN] + p.const[bias + HIDDEN]
+    drawn = st.unit[UNITS * side + HIDDEN + 1] + p.const[bias + HIDDEN + 1]
     for unit in range(HIDDEN):
         value = st.unit[UNITS * side + unit] + p.const[bias + unit]
-        total += p.const[second + OUTPUTS * unit + output] * value / (1.0 + abs(value))
-    return total
+        value = value / (1.0 + abs(value))
+        logit += p.const[second + OUTPUTS * unit] * value
+        drawn += p.const[second + OUTPUTS * unit + 1] * value
+    return logit, drawn
 
 
 @compiled
@@ -163,9 +171,11 @@ def judge_view(n: RoadTables, p: Program, st: State) -> None:
     if outside == 1 and automated and st.time_outside_domain[0] < 0.0:
         st.time_outside_domain[0] = st.clock[0]
         log_event(st, op.EVENT_OUTSIDE_DOMAIN, 0.0)
-    st.seen_logit[0] = output_of(p, st, 0, 0)
-    st.seen_logit[1] = output_of(p, st, 1, 0)
-    st.seen_drawn[0] = output_of(p, st, 0, 1) - output_of(p, st, 1, 1)
+    left, left_drawn = outputs_of(p, st, 0)
+    right, right_drawn = outputs_of(p, st, 1)
+    st.seen_logit[0] = left
+    st.seen_logit[1] = right
+    st.seen_drawn[0] = left_drawn - right_drawn
 
 
 @compiled

@@ -7,7 +7,7 @@ and use share this one function.
 
 from __future__ import annotations
 
-from math import cos, exp, log, sin
+from math import cos, exp, sin
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -74,14 +74,17 @@ FARTHEST_RIVAL = 5.0
 FARTHEST_EDGE = 6.0
 LEAST_RIVAL = 0.02
 LONG_RUN = 60.0
-"""How far beside a line another counts as another, and up to where; how much of it is painted at least, on how many
-metres."""
+BESIDE_EVERY = 10.0
+"""How far beside a line another counts as another, and up to where, m; how much of it is painted at least, on how many
+metres; and after how many metres this is looked at anew."""
 
 STEADY_SPEED = 0.5
 STEADY_OFF = 0.05
 STEADY_ANGLE = 0.01
 STEADY_PITCH = 0.002
-"""Changes up to which a view is kept: of the speed, m/s, the offset, m, the heading and the body's pitch, rad."""
+STEADY_VOTES = 0.05
+"""Changes up to which a view is kept: of the speed, m/s, the offset, m, the heading and the body's pitch, rad, and how
+far the running means of the votes may be from the votes."""
 
 YELLOW = MARK_COLOUR_CODES["yellow"]
 
@@ -138,7 +141,15 @@ def note_rival(st: State, base: int, beyond: float, paint: float) -> None:
 
 @compiled
 def look_beside(n: RoadTables, p: Program, st: State, road: int, row: int, s: float) -> None:
-    """Note the lines and the pavement beyond both sides of the lane, and how rough the ground looks."""
+    """Note the lines and the pavement beyond both sides of the lane, and how rough the ground looks.
+
+    It is looked at anew after some metres only.
+    """
+    if row == st.beside_row[0] and abs(s - st.beside_s[0]) < BESIDE_EVERY and st.sigma[0] == st.beside_sigma[0]:
+        return
+    st.beside_row[0] = row
+    st.beside_s[0] = s
+    st.beside_sigma[0] = st.sigma[0]
     sense = lane_direction(n, road, n.lane_id[row])
     centre, _ = row_centre(n, road, row, s)
     half = 0.5 * row_width(n, row, s)
@@ -300,7 +311,13 @@ def note_obstacle(p: Program, st: State, i: int, j: int) -> None:
         nearest = min(nearest, at_x)
         begin = min(begin, bearing)
         end = max(end, bearing)
-    if nearest > NEAREST_CORNER and nearest < st.hides_at[0] and nearest < OBSTACLE_REACH and begin < 0.5 and end > -0.5:
+    if (
+        nearest > NEAREST_CORNER
+        and nearest < st.hides_at[0]
+        and nearest < OBSTACLE_REACH
+        and begin < 0.5
+        and end > -0.5
+    ):
         st.hides_at[0] = nearest
         st.hides_from[0] = begin
         st.hides_to[0] = end
@@ -322,6 +339,7 @@ def look_at_view(n: RoadTables, p: Program, st: State) -> int:
     note_common(st, at.V_PITCH, 50.0 * st.body_pitch[i])
     note_mirrored(st, at.S_OFFSET, st.path_off[0])
     note_mirrored(st, at.S_HEADING, 5.0 * st.path_heading[0])
+    st.view_looks[0] += 1
     return 1
 
 
@@ -382,10 +400,20 @@ def may_keep(n: RoadTables, p: Program, st: State) -> int:
 
 
 @compiled
+def votes_settled(st: State) -> int:
+    """Return 1 where the running means of the votes have come to the votes."""
+    for side in range(2):
+        base = at.SIDE_SIZE * side
+        if abs(st.view[base + at.S_VOTES] - st.view[base + at.S_VOTES_LATELY]) > STEADY_VOTES:
+            return 0
+    return 1
+
+
+@compiled
 def keep_view(n: RoadTables, p: Program, st: State) -> None:
     """Note whether the view that has just been written may be kept at later looks, and what it was written for."""
     i = p.ego[0]
-    st.view_row[0] = st.path_row[0] if may_keep(n, p, st) == 1 else op.NONE
+    st.view_row[0] = st.path_row[0] if may_keep(n, p, st) == 1 and votes_settled(st) == 1 else op.NONE
     st.view_piece[0] = st.path_piece[0]
     st.view_speed[0] = st.v[i]
     st.view_off[0] = st.path_off[0]
