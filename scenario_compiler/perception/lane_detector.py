@@ -170,7 +170,7 @@ class LaneDetector(Protocol):
             image: (height, width, 3) uint8, BGR.
             prior: What is remembered, None for the first image.
             pitch: Upward tilt of the camera against the ground ahead, rad, beyond its mounting, where it is known;
-                None where it is to be found in the image.
+                None if it is to be found in the image.
         """
         ...
 
@@ -318,7 +318,7 @@ def _boundary(fit: Fit, p_geom: float, p_paint: float, p: float) -> Boundary:
 
 
 def _shape(way: tuple[float, float] | None) -> Floats | None:
-    """Return a way as (slope, curvature) 5 m ahead, None where it bends much more than any boundary voted for."""
+    """Return a way as (slope, curvature) 5 m ahead, None if it bends much more than any boundary voted for."""
     if way is None or abs(way[1]) > 1.5 * CURVATURES[-1]:
         return None
     return np.array([way[0] + way[1] * X_FROM, way[1]])

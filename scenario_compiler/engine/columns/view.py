@@ -1,13 +1,15 @@
 """Indices of the features of surrogate perception, for one side of the lane.
 
 Distances are along the path from the vehicle's reference point. Signs are those of the left side; for the right side
-everything is mirrored, so that one function serves both. The names are those of the coefficients' file.
+everything is mirrored, so that one function serves both. The coefficients' file uses the same names.
 """
 
 from __future__ import annotations
 
 WINDOWS = 5
-"""Stretches in which the paint is looked at: 0 to 6 m (what has just been driven over), then up to 10, 14, 18, 26 m."""
+"""Number of windows in which the paint is sampled: from 0 to 6 m (the stretch driven over last), then to 10, 14, 18, 26
+m.
+"""
 
 V_PAINT = 0
 V_OTHER_PAINT = 5
@@ -63,5 +65,7 @@ VIEW_NAMES = (
     *("speed", "offset", "heading", "pitch", "leader", "covered", "other side covered"),
     *("paint 6-18 m", "other side 6-18 m"),
 )
-"""What each place holds: shares of 0 to 1, and SI units but for these: curvatures in 1/40 m, the contrast and the last
-two as logarithms, the darkness in 10 degrees of the sun below 0, rain and failures as shares of their greatest."""
+"""Name of each feature. Shares are from 0 to 1, other values in SI units, except: curvatures in 1/40 m, the contrast
+and the last two as logarithms, the darkness in units of 10 degrees of the sun below the horizon, rain and failures as
+shares of their greatest values.
+"""

@@ -1,8 +1,8 @@
-"""The features of surrogate perception: what a camera of the ego has in view, as numbers.
+"""The features of surrogate perception: numbers that describe what the ego's camera has in view.
 
-They are what the engine knows of the paint on both sides, the way, the weather, the camera and who is in the picture
-(`columns.view` names them). The surrogate is fitted to these numbers as they were in runs with the camera, so that fit
-and use share this one function.
+They describe the paint on both sides, the road, the weather, the camera and the vehicles in the picture, as far as the
+engine knows them (`columns.view` names the features). The surrogate was fitted to the same features of runs with a
+camera, so that fit and use share this one function.
 """
 
 from __future__ import annotations
@@ -37,21 +37,21 @@ SAMPLES = 13
 SAMPLE_FROM = 1.0
 SAMPLE_STEP = 2.0
 SAMPLE_TO = 25.0
-"""The paint is looked at from 1 m to 25 m ahead of the reference point, every 2 m."""
+"""The paint is sampled from 1 m to 25 m ahead of the reference point, every 2 m."""
 
 KIND_AT = 11.0
-"""Where the kind of both lines is looked at, m ahead."""
+"""Distance ahead at which the kind of both lines is looked up, m."""
 
 BEND_NEAR = 9.0
 BEND_FAR = 19.0
-"""Where the curvature is looked at, m ahead; the change of the grade lies between here and the further place."""
+"""Distances ahead at which the curvature is taken, m; the change of the grade is taken between the two."""
 
 LEADER_REACH = 60.0
 LEADER_SCALE = 12.0
-"""Up to where objects ahead count, m, and the gap by which their weight falls to 1/e."""
+"""Distance up to which objects ahead count, m, and the gap over which their weight falls to 1/e, m."""
 
 COVERED = 0.6
-"""An object covers a line that lies no further than this outside its box, m."""
+"""An object covers a line that is at most this far outside its box, m."""
 
 HALF_LANE = 1.75
 
@@ -59,10 +59,10 @@ STEADY_SPEED = 0.5
 STEADY_OFF = 0.05
 STEADY_ANGLE = 0.01
 STEADY_PITCH = 0.002
-"""Changes up to which a view is kept: of the speed, m/s, the offset, m, the heading and the body's pitch, rad."""
+"""Changes up to which a view is kept: of the speed, m/s, the offset, m, the heading, rad, and the body's pitch, rad."""
 
 LEAST_PAINT = 0.02
-"""Quality of which the logarithm is taken where there is less."""
+"""Lower bound of the quality before its logarithm is taken."""
 
 YELLOW = MARK_COLOUR_CODES["yellow"]
 
@@ -81,7 +81,7 @@ def lane_bend(n: RoadTables, road: int, lane: int, row: int, s: float) -> float:
 
 @compiled
 def window_of(sample: int) -> int:
-    """Return the window that a sample of the paint belongs to."""
+    """Return the window, 0 to WINDOWS - 1, that a sample of the paint belongs to."""
     if sample < 3:
         return 0
     return min(1 + (sample - 3) // 2, at.WINDOWS - 1)
@@ -89,7 +89,7 @@ def window_of(sample: int) -> int:
 
 @compiled
 def share_of(sample: int) -> float:
-    """Return the share of a sample in its window's mean."""
+    """Return the weight of a sample in its window's mean."""
     window = window_of(sample)
     if window == 0:
         return 1.0 / 3.0
@@ -98,7 +98,7 @@ def share_of(sample: int) -> float:
 
 @compiled
 def paint_stays(st: State) -> int:
-    """Return 1 where the marks are known to stay as they are as far as the view reaches."""
+    """Return 1 if the road marks are known not to change within the range of the view."""
     s = st.path_s[0]
     end = s + st.path_sense[0] * SAMPLE_TO
     if st.path_row[0] != st.even_row[0] or min(s, end) <= st.even_from[0] or max(s, end) >= st.even_to[0]:
@@ -108,7 +108,7 @@ def paint_stays(st: State) -> int:
 
 @compiled
 def add_paint(st: State, window: int, left: float, right: float) -> None:
-    """Add paint on both sides to a window of each side's features."""
+    """Add the quality of the left and the right mark to a window of both sides' features."""
     st.view[at.V_PAINT + window] += left
     st.view[at.V_OTHER_PAINT + window] += right
     st.view[at.VIEW_SIZE + at.V_PAINT + window] += right
@@ -117,7 +117,7 @@ def add_paint(st: State, window: int, left: float, right: float) -> None:
 
 @compiled
 def look_at_paint(n: RoadTables, p: Program, st: State) -> None:
-    """Note the paint's quality on both sides by windows, and how much of the way is in junctions."""
+    """Write the paint's quality on both sides by windows, and which share of the path ahead is in junctions."""
     if paint_stays(st) == 0:
         note_even_marks(n, p, st)
     if paint_stays(st) == 1:
@@ -152,21 +152,21 @@ def look_at_paint(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def note_both(st: State, feature: int, value: float) -> None:
-    """Note a feature that is the same for both sides."""
+    """Write a feature that is the same for both sides."""
     st.view[feature] = value
     st.view[at.VIEW_SIZE + feature] = value
 
 
 @compiled
 def note_mirrored(st: State, feature: int, value: float) -> None:
-    """Note a feature whose sign is the other way round for the right side."""
+    """Write a feature that has the opposite sign for the right side."""
     st.view[feature] = value
     st.view[at.VIEW_SIZE + feature] = -value
 
 
 @compiled
 def note_line(n: RoadTables, st: State, base: int, other: int, road: int, lane: int, s: float) -> None:
-    """Note what kind of line bounds one side; `other` is where the other side's features begin."""
+    """Write the kind, width and colour of the line on one side; `other` is where the other side's features begin."""
     kind, _, colour, width = mark_at(n, road, lane, s)
     broken = 1.0 if kind in (MARK_BROKEN, MARK_BROKEN_BROKEN) else 0.0
     st.view[base + at.V_BROKEN] = broken
@@ -177,7 +177,7 @@ def note_line(n: RoadTables, st: State, base: int, other: int, road: int, lane: 
 
 @compiled
 def look_at_way(n: RoadTables, p: Program, st: State) -> None:
-    """Note the lines' kinds, the bend, the change of grade and the lane's width ahead."""
+    """Write the kinds of the lines, the curvature, the change of the grade and the lane's width ahead."""
     road, lane, row, s, _ = path_ahead(n, p, st, KIND_AT)
     inner = lane_inside(lane)
     if (lane > 0) == (lane_direction(n, road, lane) > 0):
@@ -210,7 +210,7 @@ def seen_paint(st: State, first: int) -> float:
 
 @compiled
 def look_at_air(st: State) -> None:
-    """Note the light, the weather and what is wrong with the camera."""
+    """Write the light, the weather and the faults of the camera."""
     note_both(st, at.V_CONTRAST, log(max(weather_contrast(st), LEAST_CONTRAST)))
     note_both(st, at.V_DARKNESS, clip(-0.1 * st.weather[W_SUN_ALTITUDE], -1.0, 1.0))
     note_both(st, at.V_RAIN, clip(0.01 * st.weather[W_PRECIPITATION], 0.0, 1.0))
@@ -230,9 +230,9 @@ def look_at_air(st: State) -> None:
 
 @compiled
 def look_at_others(p: Program, st: State, i: int) -> None:
-    """Note how near what stands or drives in the picture is, and whether it covers a line of the lane.
+    """Write how near the objects in the picture are, and whether they cover a line of the lane.
 
-    Where others are on the way is what the last look ahead measured.
+    The positions along the path are those of the last look ahead.
     """
     front = front_of(p, i)
     half = max(0.5 * st.lane_width[0], HALF_LANE)
@@ -258,7 +258,7 @@ def look_at_others(p: Program, st: State, i: int) -> None:
 
 @compiled
 def look_at_view(n: RoadTables, p: Program, st: State) -> int:
-    """Write the features of both sides; return 0, and write nothing, where the ego is on no lane."""
+    """Write the features of both sides and return 1; return 0 and write nothing if the ego is on no lane."""
     i = p.ego[0]
     if i < 0 or st.path_found[0] == 0 or st.path_row[0] < 0:
         return 0
@@ -286,7 +286,7 @@ def look_at_view(n: RoadTables, p: Program, st: State) -> int:
 
 @compiled
 def way_stays(n: RoadTables, st: State) -> int:
-    """Return 1 where lines, bend, grade and width are the same as far as the view reaches, in both directions."""
+    """Return 1 if lines, curvature, grade and width do not change within the range of the view."""
     road = st.path_road[0]
     row = st.path_row[0]
     piece = st.path_piece[0]
@@ -301,7 +301,7 @@ def way_stays(n: RoadTables, st: State) -> int:
 
 @compiled
 def alone(p: Program, st: State, i: int) -> int:
-    """Return 1 where nobody is near enough ahead to be a feature."""
+    """Return 1 if nothing ahead is near enough to be a feature."""
     front = front_of(p, i)
     for j in range(p.entity_count[0]):
         if j != i and st.on_way[j] == 1 and st.far[j] > front and st.near[j] - front <= LEADER_REACH:
@@ -311,9 +311,9 @@ def alone(p: Program, st: State, i: int) -> int:
 
 @compiled
 def view_stays(n: RoadTables, p: Program, st: State) -> int:
-    """Return 1 where the features are as at the last look, but for changes that are too small to matter.
+    """Return 1 if the features of the last view still hold, apart from negligible changes.
 
-    `view_row` is NONE where that look is not to be kept.
+    `view_row` is NONE if that view must not be kept.
     """
     i = p.ego[0]
     if i < 0 or st.view_row[0] == op.NONE or st.view_row[0] != st.path_row[0] or st.view_piece[0] != st.path_piece[0]:
@@ -332,7 +332,7 @@ def view_stays(n: RoadTables, p: Program, st: State) -> int:
 
 @compiled
 def may_keep(n: RoadTables, p: Program, st: State) -> int:
-    """Return 1 where way, air and camera are constant and nobody is near enough ahead to be a feature."""
+    """Return 1 if road, weather and camera are constant and nothing ahead is near enough to be a feature."""
     if st.weather_to[0] != op.NONE or p.failure_count[0] > 0 or way_stays(n, st) == 0:
         return 0
     return alone(p, st, p.ego[0])
@@ -340,7 +340,7 @@ def may_keep(n: RoadTables, p: Program, st: State) -> int:
 
 @compiled
 def keep_view(n: RoadTables, p: Program, st: State) -> None:
-    """Note whether the view that has just been written may be kept at later looks, and what it was written for."""
+    """Write whether the view that was just computed may be kept, and the state of the ego that it belongs to."""
     i = p.ego[0]
     st.view_row[0] = st.path_row[0] if may_keep(n, p, st) == 1 else op.NONE
     st.view_piece[0] = st.path_piece[0]

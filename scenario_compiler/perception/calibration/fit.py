@@ -89,7 +89,7 @@ class Reliability:
     Attributes:
         count: Number of looks.
         accuracy: Share in which p > 0.5 said the right thing.
-        area: Area under the receiver operating characteristic; NaN where there was one outcome alone.
+        area: Area under the receiver operating characteristic; NaN if there was one outcome alone.
         brier: Mean squared difference of probability and outcome.
         expected_error: Mean over the looks of the difference of a bin's probability and frequency.
         largest_error: Largest such difference over the bins with at least `COUNTED` looks.
