@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 PERCEPTIONS = ("camera", "ideal", "surrogate")
 """Sources of the lane confidence, as in `vocabulary.sensors.Perception`, which takes too long to load for help."""
 
+PYTHONS_THRESHOLDS = gc.get_threshold()
+"""When the garbage collector looks, before the command line lets it look seldom."""
+
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
 
@@ -251,6 +254,15 @@ def keep_loaded() -> None:
     It is called before any code of the user's is loaded, so that the collector still closes what that leaves open.
     """
     gc.freeze()
+
+
+def stay_small() -> None:
+    """Let the collector look as often as Python does by itself: for a command that runs until it is interrupted.
+
+    What is loaded by now is exempt, so that a round looks only at what runs, requests and edits have made since.
+    """
+    keep_loaded()
+    gc.set_threshold(*PYTHONS_THRESHOLDS)
 
 
 def library_target(text: str) -> str:

@@ -83,7 +83,7 @@ class ControllerError(Exception):
 
     Attributes:
         code: The diagnostic's code.
-        place: Where in its code it happened; line 0 where that is not known.
+        place: Where in its code it happened; line 0 if that is not known.
     """
 
     def __init__(self, message: str, code: Code = UNKNOWN_CONTROLLER, place: FilePlace | None = None) -> None:

@@ -29,7 +29,7 @@ OFF_THE_WAY = 1.75
 def worth_on_way(boundary: Boundary, way: Sequence[Point]) -> float:
     """Return how much of its probability a boundary keeps beside the planned way, 0-1.
 
-    It is 1 where the boundary goes where the way does on the whole stretch looked at, and falls to 0 where it leaves
+    It is 1 if the boundary goes where the way does on the whole stretch looked at, and falls to 0 if it leaves
     the way so early that what is left would not count as painted.
 
     Args:

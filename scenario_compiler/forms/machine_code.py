@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from scenario_compiler.forms.making import LIBRARY, Note
+from scenario_compiler.forms.note import LIBRARY, Note
 
 SCALARS = {"int": ctypes.c_int64, "real": ctypes.c_double}
 """The types of numbers by their kinds."""

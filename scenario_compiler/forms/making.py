@@ -7,27 +7,15 @@ so that code which is older than its sources is noticed.
 
 from __future__ import annotations
 
-import hashlib
 import importlib.util
-import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-FORMS = Path(__file__).resolve().parent
-PACKAGE = FORMS.parent
-
-LIBRARY = FORMS / "engine.library"
-"""The engine's machine code: a shared library without Python; its suffix is not that of a Python module."""
-
-NOTE = FORMS / "engine.json"
-"""Notes on the library: how it was made, from which sources, and its entries."""
+from scenario_compiler.forms.note import LIBRARY, PACKAGE, Note, digest_of, source_files
 
 FLAGS = (
     *("-std=gnu11", "-O3", "-fwrapv", "-ffp-contract=off", "-fno-math-errno"),
@@ -38,10 +26,6 @@ those in Python are masked. A missing result is detected from its value, so math
 """
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")
-
-SOURCE_FOLDERS = ("forms", "roads", "engine")
-SOURCE_MODULES = ("marker.py", "randomness.py")
-"""Folders and modules with the marked functions, their dependencies and the translator."""
 
 
 class NoCompilerError(Exception):
@@ -54,63 +38,6 @@ class NoCompilerError(Exception):
 
 class BuildError(Exception):
     """A C compiler rejected the translated engine; the text is its output."""
-
-
-@dataclass(frozen=True)
-class Note:
-    """What is known of a built library.
-
-    Attributes:
-        made_by: The compiler and its version.
-        entries: The kinds of the arguments of each entry by its name, and last that of its result.
-        sources: Size, time of change (ns) and SHA-256 of each source; empty for a library that is part of a wheel.
-    """
-
-    made_by: str
-    entries: dict[str, list[str]]
-    sources: dict[str, tuple[int, int, str]]
-
-    @classmethod
-    def read(cls) -> Note | None:
-        """Return the note beside the library; None where there is no library."""
-        if not LIBRARY.is_file() or not NOTE.is_file():
-            return None
-        known: dict[str, Any] = json.loads(NOTE.read_text(encoding="utf-8"))
-        sources = {name: (size, time, digest) for name, (size, time, digest) in known["sources"].items()}
-        return cls(known["made_by"], known["entries"], sources)
-
-    def write(self, path: Path = NOTE) -> None:
-        """Keep the note."""
-        path.write_text(json.dumps(vars(self), indent=1) + "\n", encoding="utf-8")
-
-    @property
-    def is_fresh(self) -> bool:
-        """Whether the sources are those that the library was made of."""
-        if not self.sources:
-            return True
-        now = {path.relative_to(PACKAGE).as_posix(): path for path in source_files()}
-        return now.keys() == self.sources.keys() and all(
-            _is_the_same(now[name], *known) for name, known in self.sources.items()
-        )
-
-
-def _is_the_same(path: Path, size: int, time: int, digest: str) -> bool:
-    stated = path.stat()
-    if stated.st_size != size:
-        return False
-    return stated.st_mtime_ns == time or _digest(path) == digest
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def source_files() -> Iterator[Path]:
-    """Yield the files that the library is made of."""
-    yield from (PACKAGE / name for name in SOURCE_MODULES)
-    for folder in SOURCE_FOLDERS:
-        yield from sorted((PACKAGE / folder).rglob("*.py"))
-    yield FORMS / "engine.h"
 
 
 def compiler() -> list[str]:
@@ -173,7 +100,7 @@ def make(*, noting_sources: bool = True) -> Note:
         signature = FunctionSource.of(function).signature
         kinds[function.__name__] = [str(kind) for kind in (*signature.arguments.values(), signature.result)]
     sources = {
-        path.relative_to(PACKAGE).as_posix(): (path.stat().st_size, path.stat().st_mtime_ns, _digest(path))
+        path.relative_to(PACKAGE).as_posix(): (path.stat().st_size, path.stat().st_mtime_ns, digest_of(path))
         for path in (source_files() if noting_sources else ())
     }
     note = Note(made_by, kinds, sources)

@@ -80,7 +80,7 @@ class LiveServer:
         return Session(drive, show, self._runs, kept=self._ended)
 
     def _folder(self, number: int) -> Path | None:
-        """Return the folder of a run; None where nothing is written."""
+        """Return the folder of a run; None if nothing is written."""
         return None if self.drive.folder is None else self.drive.folder / f"drive-{number:03d}"
 
     def _ended(self, session: Session, run: Run) -> None:

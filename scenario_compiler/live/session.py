@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import gc
 import json
 import math
 import threading
@@ -150,7 +149,7 @@ class Session(threading.Thread):
 
         Args:
             drive: What is driven.
-            show: Takes a picture, in this thread; False where the page was too slow to take it.
+            show: Takes a picture, in this thread; False if the page was too slow to take it.
             number: Number of the run, which the page tells runs apart by.
             probe_at: Time at which the run stands still, s, until `go_on` is called; None for never.
             kept: Called in this thread with the run when it has ended and its files are written, before the page hears
@@ -254,7 +253,6 @@ class Session(threading.Thread):
                 with contextlib.suppress(OSError):  # told already: the run has broken off
                     self.wheel.close()
             self._show(Picture({"end": text, "run": self.number, "kept": kept}, b"", b""))
-            gc.collect()  # figures are cycles, and the command line lets the collector look seldom: they would pile up
 
     def figures(self) -> dict[str, Any]:
         """Return what was measured of the page and the clock; times in milliseconds."""

@@ -58,7 +58,7 @@ class Lookup:
     Attributes:
         column: (rows, columns) u, pixels; -1 behind the camera.
         row: (rows, columns) v, pixels; -1 behind the camera.
-        seen: (rows, columns) 1 where a cell and its sides lie in the image, else 0.
+        seen: (rows, columns) 1 if a cell and its sides lie in the image, else 0.
         count: (rows,) number of the cells that are seen, and 1.
     """
 

@@ -216,7 +216,7 @@ class Ground:
 
         Returns:
             The share of light that the ground mirrors, for rows from `lens.top` on as far as it can be seen, in steps
-            of `step` pixels; None where it is dry.
+            of `step` pixels; None if it is dry.
         """
         first = self.lens.top
         palette = weather.palette(traced)

@@ -37,6 +37,7 @@ from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, al
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
+Votes = NDArray[np.float32]
 
 USUAL_WIDTH, USUAL_SPREAD = 3.45, 0.5
 """Width of a lane and its deviation before any was seen, m: rural and urban lanes have 3.0 to 3.75 m, some 4."""
@@ -170,7 +171,7 @@ class LaneDetector(Protocol):
             image: (height, width, 3) uint8, BGR.
             prior: What is remembered, None for the first image.
             pitch: Upward tilt of the camera against the ground ahead, rad, beyond its mounting, where it is known;
-                None where it is to be found in the image.
+                None if it is to be found in the image.
         """
         ...
 
@@ -284,13 +285,20 @@ class ClassicalLaneDetector:
             return first
         best, most = first, -math.inf
         for away in STARTS:
-            fits = self._fit(self.birds_eye.ridges(image, first + away), state, width, spread)
-            score = fits[0].support + fits[1].support - COST_OF_PITCH * (away / USUAL_PITCH) ** 2
+            votes, chosen = self._chosen(self.birds_eye.ridges(image, first + away), state, width, spread)
+            support = float(votes[LEFT][chosen[LEFT]]) + float(votes[RIGHT][chosen[RIGHT]])
+            score = support - COST_OF_PITCH * (away / USUAL_PITCH) ** 2
             if score > most:
                 best, most = first + away, score
         return best
 
     def _fit(self, ridges: Ridges, state: LaneState, width: float, spread: float) -> tuple[Fit, Fit]:
+        return self.fitter.refine(ridges, *self._chosen(ridges, state, width, spread))
+
+    def _chosen(
+        self, ridges: Ridges, state: LaneState, width: float, spread: float
+    ) -> tuple[tuple[Votes, Votes], tuple[int, int]]:
+        """Return the votes for the arcs of both sides, and the numbers of the two arcs that are chosen."""
         votes = (self.fitter.votes(ridges, LEFT), self.fitter.votes(ridges, RIGHT))
         tracked = (_curve(state.left), _curve(state.right))
         way = _shape(state.way)
@@ -298,7 +306,7 @@ class ClassicalLaneDetector:
         if way is not None:
             # The way only says where to begin: the paint decides what is there, and the probability keeps its sense.
             chosen = self.fitter.settle(votes, width, spread, chosen)
-        return self.fitter.refine(ridges, votes, chosen)
+        return votes, chosen
 
 
 def _before(state: LaneState, side: int) -> Before:
@@ -318,7 +326,7 @@ def _boundary(fit: Fit, p_geom: float, p_paint: float, p: float) -> Boundary:
 
 
 def _shape(way: tuple[float, float] | None) -> Floats | None:
-    """Return a way as (slope, curvature) 5 m ahead, None where it bends much more than any boundary voted for."""
+    """Return a way as (slope, curvature) 5 m ahead, None if it bends much more than any boundary voted for."""
     if way is None or abs(way[1]) > 1.5 * CURVATURES[-1]:
         return None
     return np.array([way[0] + way[1] * X_FROM, way[1]])

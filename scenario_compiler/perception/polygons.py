@@ -117,7 +117,7 @@ def clip(points: Floats, inside: Floats, count: Index) -> tuple[Floats, Index]:
         count: (K,) numbers of corners.
 
     Returns:
-        The corners (D, N + 1, K), in the same order, and their numbers (K,), 0 where nothing is left.
+        The corners (D, N + 1, K), in the same order, and their numbers (K,), 0 if nothing is left.
     """
     size, total = inside.shape
     following = np.arange(1, size + 1)[:, None]

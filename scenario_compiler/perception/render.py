@@ -31,7 +31,7 @@ from scenario_compiler.perception.ground import (
 from scenario_compiler.perception.labels import FARTHEST_DEPTH, Tag
 from scenario_compiler.perception.lens import Lens
 from scenario_compiler.perception.lighting import Air, Light
-from scenario_compiler.perception.polygons import SUBPIXEL, nearness_planes
+from scenario_compiler.perception.polygons import SUBPIXEL, Floats, nearness_planes
 from scenario_compiler.perception.rain import add_rain
 from scenario_compiler.perception.reflection import Reflection
 from scenario_compiler.perception.scene import Scene
@@ -116,6 +116,11 @@ class Drawing:
         self._renderer, self._weather = renderer, weather
         self._traced, self._placed, self._faces = traced, placed, faces
 
+    @property
+    def view(self) -> View:
+        """The camera in the world."""
+        return self._traced.view
+
     def image(self, seed: int, frame_index: int, strokes: Sequence[Stroke] = ()) -> Image:
         """Return the image (height, width, 3), BGR.
 
@@ -155,12 +160,8 @@ class Drawing:
     @cached_property
     def depth(self) -> NDArray[np.float32]:
         """(height, width) distance of each pixel along the optical axis, m, `FARTHEST_DEPTH` at most."""
-        camera, traced = self._renderer.camera, self._traced
-        slopes = traced.surfaces.points[:, :, : len(traced.material) - FIRST - len(traced.surfaces.index)]
-        points = np.concatenate([traced.surfaces.points, slopes, self._faces.points], axis=2)
-        planes = np.zeros((points.shape[2] + FIRST, 4), np.float32)
-        planes[BARE, :3] = bare_plane(traced.view)
-        planes[FIRST:, :3] = nearness_planes(points).T
+        camera, points = self._renderer.camera, self._corners
+        planes = self._planes.astype(np.float32)
         bounds = np.full((len(planes), 2), 1.0 / FARTHEST_DEPTH, np.float32)
         bounds[BARE, 1] = np.inf
         corners = np.maximum(points[2], 1e-2)
@@ -173,6 +174,32 @@ class Drawing:
         nearness = np.minimum(np.maximum(nearness, bound[..., 0]), bound[..., 1])
         far = nearness <= np.float32(1.0 / FARTHEST_DEPTH)
         return np.where(far, np.float32(FARTHEST_DEPTH), np.float32(1.0) / np.where(far, np.float32(1.0), nearness))
+
+    @cached_property
+    def normals(self) -> NDArray[np.float32]:
+        """(height, width, 3) unit normal of what each pixel shows, in the world's axes, towards the camera; 0 for sky.
+
+        Where a plane is seen, 1 / depth is a linear function of the pixel, whose coefficients point along the plane's
+        normal, away from the camera.
+        """
+        length = np.sqrt((self._planes * self._planes).sum(axis=1, keepdims=True))
+        normals = -(self._planes / np.where(length > 0.0, length, 1.0)) @ self.view.rotation
+        return np.asarray(np.take(normals.astype(np.float32), self._ids.astype(np.intp), axis=0))
+
+    @cached_property
+    def _corners(self) -> Floats:
+        """(3, 4, polygons) corners of everything that is drawn but the bare plane, in camera axes."""
+        traced = self._traced
+        slopes = traced.surfaces.points[:, :, : len(traced.material) - FIRST - len(traced.surfaces.index)]
+        return np.concatenate([traced.surfaces.points, slopes, self._faces.points], axis=2)
+
+    @cached_property
+    def _planes(self) -> Floats:
+        """(polygons + FIRST, 3) coefficients of 1 / depth by what `_ids` says (see `nearness_planes`); 0 for sky."""
+        planes = np.zeros((self._corners.shape[2] + FIRST, 3))
+        planes[BARE] = bare_plane(self.view)
+        planes[FIRST:] = nearness_planes(self._corners).T
+        return planes
 
     @cached_property
     def semantic(self) -> NDArray[np.uint8]:

@@ -252,7 +252,7 @@ class _Shapes:
                     yield place, _size(thing, look, repeat, share)
 
     def _place(self, thing: RoadObject, s: float, t: float, z: float) -> _Place | None:
-        """Return the place of an object, None where there is no road or where there are too many."""
+        """Return the place of an object, None if there is no road or where there are too many."""
         pose = self._pose(thing.road, s, t)
         self.left -= 1
         if pose is None or self.left < 0:

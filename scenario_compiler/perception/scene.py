@@ -46,7 +46,7 @@ class Uprights:
         tag: (N,) uint8, a `labels.Tag`.
         instance: (N,) int32 number of the thing that the face belongs to.
         two_sided: (N,) bool, the face is seen from behind too.
-        lamp: (N,) uint8, 0 where the face is no lamp of a traffic light, else 1 for red, 2 for yellow, 3 for green.
+        lamp: (N,) uint8, 0 if the face is no lamp of a traffic light, else 1 for red, 2 for yellow, 3 for green.
         place: (N, 2) float32 where the face stands, m from the origin: its middle, or that of the board it is part of.
         signals: Instances of the traffic lights by their id in the road file.
         origin: (3,) float64, world, m.

@@ -149,7 +149,7 @@ class SensorMonitor:
 
 
 def _equal(image: Image, other: Image) -> bool:
-    """Tell whether two images are equal: images of a moving camera differ in the first rows already."""
+    """Return whether two images are equal: images of a moving camera differ in the first rows already."""
     return image.shape == other.shape and all(np.array_equal(a, b) for a, b in zip(image, other, strict=True))
 
 

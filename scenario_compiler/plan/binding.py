@@ -463,7 +463,7 @@ class Binder:
 
 
 def travel_direction(network: Network, road: str, lane: int) -> int:
-    """Return 1 where a lane's traffic goes along s, -1 where it goes against it."""
+    """Return 1 if a lane's traffic goes along s, -1 if it goes against it."""
     return lane_direction(network.tables, network.road_index(road), lane)
 
 

@@ -40,7 +40,7 @@ def break_off_text(code: int, at: int, entities: Sequence[str], values: Mapping[
     """Return why the engine ended a run; empty for a run that it did not end.
 
     Args:
-        code: The engine's fault code; 0 for none.
+        code: The engine's fault code; 0 if there is none.
         at: Subject of the fault: for the codes OF_ENTITIES, the number of the entity.
         entities: The entities' ids.
         values: That entity's values of QUANTITIES at the end.

@@ -91,8 +91,8 @@ class EventPair:
         entity: Id of the entity concerned.
         cause: Why.
         message: The message to the driver, or a name.
-        first: When, in the first run, s; None where it is not in it.
-        second: When, in the second run, s; None where it is not in it.
+        first: When, in the first run, s; None if it is not in it.
+        second: When, in the second run, s; None if it is not in it.
     """
 
     kind: str
@@ -105,7 +105,7 @@ class EventPair:
 
 @dataclass(frozen=True, slots=True)
 class MeasurePair:
-    """A measure of both runs, and the second value less the first; None where one is not defined."""
+    """A measure of both runs, and the second value less the first; None if one is not defined."""
 
     name: str
     unit: str
@@ -122,7 +122,7 @@ class Comparison:
         facts: What is said of both.
         rows: Number of rows at times that both have.
         same_times: The rows are at the same times; with a tolerance, the runs end within a step of each other.
-        parting: Where they part; None where they do not.
+        parting: Where they part; None if they do not.
         apart: How far apart each entity gets that both have, in the first run's order.
         events: Events that are not in both alike.
         measures: The measures, where both runs were judged.
@@ -160,7 +160,7 @@ def compare(
         first: A run.
         second: The other.
         outcomes: How they were judged.
-        tolerance: Greatest distance between positions that counts as equal, m; None for none.
+        tolerance: Greatest distance between positions that counts as equal, m; None if there is none.
     """
     pair = _Pair(first, second)
     whole = bool(first.header.plan_digest and second.header.plan_digest)

@@ -43,7 +43,7 @@ NOBODY: Mapping[ReferenceName, bool] = {}
 class Where(BaseModel):
     """Where the vehicle that is judged was at a time."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     road: str | None = Field(description="Road below its reference point; null off every road.")
     lane: int | None = Field(description="Lane; null off every road.")
@@ -55,7 +55,7 @@ class Where(BaseModel):
 class CriterionResult(BaseModel):
     """How a run fares by one criterion."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     criterion: str = Field(description="Name of the criterion in the conflict language.")
     passed: bool = Field(description="Whether it holds.")
@@ -70,7 +70,7 @@ class Rule:
 
     Attributes:
         broken_at: From traces, which runs reached their destination (...) and the criterion's limit (...), when each
-            run first broke it, s, (...); NaN where it holds.
+            run first broke it, s, (...); NaN if it holds.
         fails: The same question of totals, (runs,).
         found: Says what was found in a recording.
     """
@@ -81,7 +81,7 @@ class Rule:
 
 
 def broken_at(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
-    """Return when each run first broke a criterion, s, (...); NaN where it holds.
+    """Return when each run first broke a criterion, s, (...); NaN if it holds.
 
     Args:
         criterion: The criterion.
@@ -135,7 +135,7 @@ def _never_reached(criterion: Criterion, totals: RunTotals, reached: Booleans, l
 
 
 def _late_response(criterion: Criterion, runs: Traces | RunTotals, reached: Booleans, limit: Floats) -> Floats:
-    """Return when the driver should have responded and had not, NaN where there was an answer in time or no request."""
+    """Return when the driver should have responded and had not, NaN if there was an answer in time or no request."""
     del criterion, reached
     due = runs.times["request"] + limit
     response = runs.times["response"]
@@ -233,7 +233,7 @@ def judge_criterion(criterion: Criterion, recording: Recording, traces: Traces) 
 def where_at(recording: Recording, when: float) -> Where | None:
     """Return where the first entity was in the last row that is not after a time, s.
 
-    None where it was not there, or where its place was no finite number, as when a run breaks off.
+    None if it was not there, or where its place was no finite number, as when a run breaks off.
     """
     row = int(np.searchsorted(recording.t, when + SAME_TIME, side="right")) - 1
     if row < 0 or not recording.present[row, 0]:

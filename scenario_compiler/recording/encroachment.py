@@ -16,7 +16,7 @@ from scenario_compiler.recording.traces import Traces
 
 
 def least_encroachment(traces: Traces) -> Floats:
-    """Return the least post-encroachment time of each run, s, (...); 0 where boxes overlap, NaN where there is none."""
+    """Return the least post-encroachment time of each run, s, (...); 0 where boxes overlap, NaN if there is none."""
     every = rows_between(traces.step)
     limit = rows_looked_at(traces.step)
     kept = _Kept(traces, every)

@@ -27,10 +27,10 @@ class Sides:
         left: Offset of its reference point from the lane's centre, m.
         to_left: Distance of its outermost corners from the reference point, m.
         to_right: The same to the right.
-        width: Width of the lane, m; 0 where there is none.
+        width: Width of the lane, m; 0 if there is none.
         on_lane: Whether the reference point is on a lane.
         out: Whether a side is beyond its edge, or the reference point off every lane; false where it is absent.
-        crossing: Time until a side crosses its edge at the present speed across the lane, s; 0 where one has, infinite
+        crossing: Time until a side crosses its edge at the present speed across the lane, s; 0 if one has, infinite
             where none will.
     """
 
@@ -50,7 +50,7 @@ class Departures:
     Attributes:
         count: Their number.
         longest: Rows of the longest.
-        deepest: How far a side was beyond the edge of the lane that it had left, m; NaN where that is not known.
+        deepest: How far a side was beyond the edge of the lane that it had left, m; NaN if that is not known.
     """
 
     count: int = 0
@@ -140,7 +140,7 @@ def first_departure(traces: Traces) -> Floats:
 
 
 def longest_departure(traces: Traces) -> Floats:
-    """Return how long it was out of its lane at a time, s, (...); NaN where it never was."""
+    """Return how long it was out of its lane at a time, s, (...); NaN if it never was."""
     longest = _of_runs(traces, [float(one.longest) for one in _departures(traces)])
     return np.where(longest > 0, longest * traces.step, np.nan)
 
@@ -158,12 +158,12 @@ def _crossings(traces: Traces) -> Floats:
 
 
 def least_time_to_crossing(traces: Traces) -> Floats:
-    """Return the least time to lane crossing behind the request, s, (...); NaN where there is none."""
+    """Return the least time to lane crossing behind the request, s, (...); NaN if there is none."""
     return np.asarray(np.fmin.reduce(_crossings(traces), axis=-1, initial=np.nan))
 
 
 def mean_time_to_crossing(traces: Traces) -> Floats:
-    """Return the mean time to lane crossing behind the request, s, (...); NaN where there is none."""
+    """Return the mean time to lane crossing behind the request, s, (...); NaN if there is none."""
     crossings = _crossings(traces)
     there = ~np.isnan(crossings)
     count = there.sum(axis=-1)
@@ -172,7 +172,7 @@ def mean_time_to_crossing(traces: Traces) -> Floats:
 
 
 def heading_error_at_response(traces: Traces) -> Floats:
-    """Return the heading against the lane's direction in the row of the response, rad, (...); NaN without one."""
+    """Return the heading against the lane's direction in the row of the response, rad, (...); NaN if there is none."""
     there = traces.between(traces.times["response"]) & traces.present[..., 0]
     row = np.argmax(there, axis=-1)[..., None]
     heading = np.take_along_axis(traces.lane_heading, row, axis=-1)[..., 0]
@@ -180,7 +180,7 @@ def heading_error_at_response(traces: Traces) -> Floats:
 
 
 def time_off_road(traces: Traces) -> Floats:
-    """Return how long the reference point was off the road, s, (...); NaN where it never was."""
+    """Return how long the reference point was off the road, s, (...); NaN if it never was."""
     count = (~traces.on_road & traces.present[..., 0]).sum(axis=-1)
     return np.where(count > 0, count * traces.step, np.nan)
 

@@ -23,7 +23,7 @@ def left_of_centre(traces: Traces) -> Floats:
 
 
 def left_of_lane_at_request(traces: Traces) -> Floats:
-    """Return the offset from the centre of the lane at the request to the left, m, (..., n); 0 where the ego is absent.
+    """Return the offset from the centre of the lane at the request to the left, m, (..., n); 0 if the ego is absent.
 
     An offset that changes by more than `JUMP` from one row to the next is one from the centre of another lane. The
     distance of the two centres is what is left of that change after the vehicle's own motion, taken to be that of the
@@ -60,7 +60,7 @@ def lateral_offset_at_response(traces: Traces) -> Floats:
 
 
 def time_off_lanes(traces: Traces) -> Floats:
-    """Return how long the reference point was off every lane, s, (...); NaN where it never was."""
+    """Return how long the reference point was off every lane, s, (...); NaN if it never was."""
     off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
     count = (off & traces.present[..., 0]).sum(axis=-1)
     return np.where(count > 0, count * traces.step, np.nan)
@@ -103,7 +103,7 @@ def _total(values: Floats) -> Floats:
 
 
 def stabilisation_time(traces: Traces) -> Floats:
-    """Return the time from the request until the lateral position is stable, s, (...); NaN where it never is."""
+    """Return the time from the request until the lateral position is stable, s, (...); NaN if it never is."""
     shape = traces.t.shape[:-1]
     size = rows_of_window(traces.step)
     offsets = left_of_lane_at_request(traces)

@@ -47,7 +47,7 @@ def _acceleration(where: str) -> float | None:
 class Takeover(BaseModel):
     """A request and its outcome. Missing times and durations are null."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     number: int = Field(description="Number of the request in its run, from 1 on.")
     cause: str = Field(description="Cause of the request.")
@@ -130,7 +130,7 @@ def _driven(traces: Traces, begin: float, end: float) -> tuple[float, ...]:
 
 
 def _described(recording: Recording, begin: float, end: float) -> int:
-    """Return the first row behind a request, and before the next, that has a cause; -1 where there is none."""
+    """Return the first row behind a request, and before the next, that has a cause; -1 if there is none."""
     there = (recording.t > begin + SAME_TIME) & (recording.t < end - SAME_TIME) & (recording.cause != op.CAUSE_NONE)
     return int(np.argmax(there)) if there.any() else -1
 

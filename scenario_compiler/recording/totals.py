@@ -28,7 +28,7 @@ class RunTotals:
     step: float
 
     def column(self, name: str) -> Floats:
-        """Return a total of each run, (runs,), NaN where it still has its start value: what it measures was not."""
+        """Return a total of each run, (runs,), NaN if it still has its start value: what it measures was not."""
         values = self.raw(name)
         return np.where(values == columns_of(Totals)[name].start, np.nan, values)
 
@@ -37,7 +37,7 @@ class RunTotals:
         return np.asarray(self.summaries[:, SUMMARY.index(name)])
 
     def of_takeovers(self, name: str) -> Floats:
-        """Return a total of each takeover of each run, (runs, TAKEOVERS), NaN where it still has its start value."""
+        """Return a total of each takeover of each run, (runs, TAKEOVERS), NaN if it still has its start value."""
         each = self.summaries[:, TAKEOVERS_AT:].reshape(len(self.summaries), TAKEOVERS, len(TAKEOVER_FIELDS))
         values = each[:, :, TAKEOVER_FIELDS.index(name)]
         return np.where(values == columns_of(Totals)[name].start, np.nan, values)
@@ -48,7 +48,7 @@ class RunTotals:
 
     @cached_property
     def times(self) -> Mapping[EventKind, Floats]:
-        """First time of each kind of event that counts in a measure, (runs,), NaN where it never happened."""
+        """First time of each kind of event that counts in a measure, (runs,), NaN if it never happened."""
         return {kind: self.column(f"time_{kind}") for kind in TIMED_EVENTS}
 
     @property

@@ -69,7 +69,7 @@ def input_limits(plan: Plan, parameters: Mapping[str, Value]) -> InputLimits:
 
 @dataclass(frozen=True)
 class Seen:
-    """Boxes in the frame of the ego vehicle, each array (m - 1, ..., n) and NaN where one of both is absent.
+    """Boxes in the frame of the ego vehicle, each array (m - 1, ..., n) and NaN if one of both is absent.
 
     They serve for bounds, which say where it pays to look closely, and are of single precision: sines and all else are
     several times faster.
@@ -119,12 +119,12 @@ class Traces:
         cause: (..., n), code.
         confidence_left: (..., n); confidence_right likewise.
         confidence_right: See confidence_left.
-        blocked_distance: (..., n), m, NaN where the path is free.
+        blocked_distance: (..., n), m, NaN if the path is free.
         blocked_speed: (..., n), m/s, at which what blocks the path comes towards the ego.
-        lane_end_distance: (..., n), m, NaN where the lane goes on.
+        lane_end_distance: (..., n), m, NaN if the lane goes on.
         traffic_density: (..., n), 1/km, at the last request; 0 before.
-        lane_time_to_collision: (..., n), s, along the lane at the vehicle's place in it; NaN without one.
-        limit_time: (..., n), s, that the last request left which was not about an obstacle; NaN without one.
+        lane_time_to_collision: (..., n), s, along the lane at the vehicle's place in it; NaN if there is none.
+        limit_time: (..., n), s, that the last request left which was not about an obstacle; NaN if there is none.
         lane_width: (..., n), m, of the ego vehicle's lane; 0 off the lanes.
         lane_heading: (..., n), rad, of the ego vehicle against its lane's direction, positive to the left.
         on_road: (..., n), on a lane for motor traffic, a shoulder or a parking lane.
@@ -196,7 +196,7 @@ class Traces:
 
     @cached_property
     def turned_in_lane(self) -> tuple[Floats, Floats]:
-        """Sine and cosine of the ego vehicle's heading against its lane's direction, 0 where that is not known.
+        """Sine and cosine of the ego vehicle's heading against its lane's direction, 0 if that is not known.
 
         They are the C library's, as the engine's are: numpy's own differ in the last place. Each is (..., n).
         """
@@ -249,7 +249,7 @@ class Traces:
 
     @property
     def last_time(self) -> Floats:
-        """Time of each run's last row, s, (...); 0 without one."""
+        """Time of each run's last row, s, (...); 0 if there is none."""
         return np.asarray(np.fmax.reduce(self.t, axis=-1, initial=0.0))
 
     @property

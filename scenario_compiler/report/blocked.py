@@ -18,7 +18,7 @@ NEAR = 6.0
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Where the path is blocked in each row, NaN where it is free.
+    """Where the path is blocked in each row, NaN if it is free.
 
     Attributes:
         x: (n,) m; y likewise.
@@ -76,7 +76,7 @@ def _ahead(run: Run, row: int, distance: float) -> LanePosition | None:
 
 
 def _holds(leg: RouteLeg, s: float) -> bool:
-    """Tell whether a place along a leg's road is one of the leg's."""
+    """Return whether a place along a leg's road is one of the leg's."""
     return min(leg.s_from, leg.s_to) <= s <= max(leg.s_from, leg.s_to)
 
 

@@ -68,7 +68,7 @@ def happenings_of(plan: Plan) -> Iterator[Happening]:
 
 
 def last_known_time(plan: Plan) -> float | None:
-    """Return the last time that an event's trigger names or that the run ends at, s; None where neither is known.
+    """Return the last time that an event's trigger names or that the run ends at, s; None if neither is known.
 
     A time beside other conditions that end the run is a bound that they are to come before, and says nothing.
     """

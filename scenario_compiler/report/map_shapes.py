@@ -74,7 +74,7 @@ def turning_paths(network: Network, shapes: list[LaneShape]) -> list[Points]:
 
 
 def holds(window: Window, x: float, y: float) -> bool:
-    """Tell whether a point lies in a window."""
+    """Return whether a point lies in a window."""
     return window.x_min <= x <= window.x_max and window.y_min <= y <= window.y_max
 
 

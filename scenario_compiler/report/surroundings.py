@@ -102,10 +102,11 @@ def _borders(network: Network, road: str, stations: list[float]) -> dict[int, tu
         lanes = network.lanes_at(road, s)
         centre = next((lane.t_left for lane in lanes if lane.lane < 0), lanes[-1].t_right if lanes else 0.0)
         sides = [(lane.lane, lane.t_left, lane.t_right) for lane in lanes] + [(0, centre, centre)]
+        points = {t: network.road_pose(road, s, t)[:2] for _, *borders in sides for t in borders}
         for lane, t_left, t_right in sides:
             left, right = found.setdefault(lane, ([], []))
-            left.append(network.road_pose(road, s, t_left)[:2])
-            right.append(network.road_pose(road, s, t_right)[:2])
+            left.append(points[t_left])
+            right.append(points[t_right])
     return {lane: (np.array(left), np.array(right)) for lane, (left, right) in found.items()}
 
 

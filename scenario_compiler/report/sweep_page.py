@@ -348,5 +348,5 @@ def _errors(rows: Rows) -> list[tuple[str, int, int]]:
 
 
 def _numbers(values: Sequence[float | None]) -> Floats:
-    """Return numbers, NaN where there is none; those that differ by rounding alone are equal."""
+    """Return numbers, NaN if there is none; those that differ by rounding alone are equal."""
     return sweep_plots.levelled(np.array([np.nan if value is None else value for value in values], dtype=np.float64))

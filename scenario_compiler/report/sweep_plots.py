@@ -29,7 +29,7 @@ ROUNDING = 1e-9
 """Share of a value by which another may differ and still count as the same: sums in another order differ by less."""
 
 Panel = tuple[str, str, Floats]
-"""A measure of a picture: its name, its unit, and its values, NaN where it has none."""
+"""A measure of a picture: its name, its unit, and its values, NaN if it has none."""
 
 
 def levelled(values: Floats) -> Floats:
@@ -62,7 +62,7 @@ def boxes_plot(measures: Sequence[Panel], names: Sequence[str], taken: Sequence[
     Whiskers reach to the farthest value within 1.5 times the distance of the quartiles (Tukey 1977).
 
     Args:
-        measures: The measures, NaN where a run has no value.
+        measures: The measures, NaN if a run has no value.
         names: The conditions, in order.
         taken: Each run's condition.
         prefix: What the ids in the SVG begin with.

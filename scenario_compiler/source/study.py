@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import re
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Literal
 
@@ -443,6 +444,11 @@ def located(target: str, folder: Path) -> str:
     path, mark, name = target.partition("#")
     if not re.fullmatch(IDENTIFIER, target):
         return f"{folder / path}{mark}{name}"
+    return f"{library_conflicts().get(target, folder / target)}#{target}"
+
+
+@cache
+def library_conflicts() -> dict[str, Path]:
+    """Return the files of the library's conflicts, by name, without reading more of them than the names."""
     files = sorted((library_folder() / "conflicts").glob("*.xml"))
-    written = (file for file in files if f'<scenario name="{target}"'.encode() in file.read_bytes())
-    return f"{next(written, folder / target)}#{target}"
+    return {name: file for file in files for name in re.findall(r'<scenario name="(\w+)"', file.read_text("utf-8"))}

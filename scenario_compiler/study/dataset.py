@@ -69,6 +69,9 @@ TRIAL_COLUMNS = (
     Column("result", "text", "", "pass, fail (a criterion of the scenario does not hold) or error."),
     Column("resolution", "text", "", "How the first request ended."),
     Column("cause", "text", "", "Cause of the first request.", "without a request"),
+    Column("override_time", "number", "s", "Time of the first takeover without a request, at a warning for example, "
+           "from the begin of the run. If no request came afterwards, resolution is no_request, and the times from a "
+           "request are missing.", "when nobody took over without a request"),
     Column("recording", "text", "", "Folder of the run, from the folder of the study."),
     *(Column(one.name, "number", one.unit, one.definition, one.undefined, one.source) for one in MEASURES),
     Column("probe_right", "integer", "", "Number of right answers to the queries of the freeze probe.", "without one"),
@@ -238,6 +241,7 @@ def write_run_tables(compilation: StudyCompilation, seat: Seat) -> None:
                 "result": outcome.result,
                 "resolution": outcome.resolution,
                 "cause": outcome.cause or None,
+                "override_time": next((one.t for one in recording.events if one.kind == "override"), None),
                 "recording": str(folder.relative_to(seat.root)),
                 **measured,
                 **sums,

@@ -82,7 +82,7 @@ class Difference:
         factor: The factor.
         levels: The two levels; the second less the first is meant.
         mean: The mean difference, with its interval of 95 %.
-        effect: Effect size d_z; NaN where the differences do not vary.
+        effect: Effect size d_z; NaN if the differences do not vary.
         power: Power of the test with as many participants as there are.
         needed: Number of participants for a power of 80 %; None above `MOST`.
     """

@@ -32,7 +32,7 @@ class Trial:
         role: Whether it is a trial, a practice or a foil.
         what: Name of the condition; the target of a practice or foil.
         seed: Seed of the run.
-        probe_at: Time at which it is frozen for questions, s; None where it is not.
+        probe_at: Time at which it is frozen for questions, s; None if it is not.
     """
 
     number: int

@@ -29,7 +29,8 @@ def main(folder: Path) -> int:
     from scenario_compiler.engine.simulation import Simulation
     from scenario_compiler.forms.language import entries, marked_functions
     from scenario_compiler.forms.machine_code import MachineCode
-    from scenario_compiler.forms.making import Note, build
+    from scenario_compiler.forms.making import build
+    from scenario_compiler.forms.note import Note
     from scenario_compiler.forms.translation import translated
     from tests.engine.test_two_forms import STEPS, VARIANTS, random_draft, variants_of
 

@@ -1,4 +1,4 @@
-"""The state at t = 0: every column at its declared start, then what the plan's initial words say."""
+"""The state at t = 0: every column at its declared start value, then the start values of the plan."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def reset_entities(p: Program, st: State) -> None:
-    """Set who is there, how fast, and the way that each takes."""
+    """Set which entities are present, their speeds and their guides."""
     for i in range(p.entity_count[0]):
         st.present[i] = p.entity_present[i]
         st.v[i] = p.const[p.entity_const[i] + slot.E_SPEED]
@@ -34,7 +34,7 @@ def reset_entities(p: Program, st: State) -> None:
 
 @compiled
 def reset_columns(n: RoadTables, p: Program, st: State) -> None:
-    """Put every column to t = 0, before the init actions."""
+    """Set every column to its value at t = 0, before the init actions."""
     put_to_start(st)
     reset_camera(p, st)
     reset_weather(p, st)

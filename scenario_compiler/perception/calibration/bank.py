@@ -47,7 +47,7 @@ class Situation:
         weather: Name of the weather.
         sigma: Noise, grey levels.
         pitch: Pitch of the body, degrees, positive with the nose down.
-        grade: 1 where the road bends up ahead or below the car, -1 where it bends down, 0 none.
+        grade: 1 if the road bends up ahead or below the car, -1 if it bends down, 0 none.
         paint: Quality of the paint.
     """
 

@@ -20,7 +20,7 @@ COUNTED = 100
 """Looks from which a bin counts."""
 
 HIDDEN, OUTPUTS = 32, 3
-"""Hidden units and outputs."""
+"""Hidden units of one fit, and outputs."""
 
 PENALTY = 2e-4
 """On the mean of the squared weights' sum: keeps them small."""
@@ -28,16 +28,27 @@ PENALTY = 2e-4
 STEPS = 400
 """Most steps of the fit."""
 
+SEEDS = (1, 2)
+"""Of the first weights: the logits of several fits are averaged, which is less wrong than one fit on other roads."""
 
-def fit_confidence(rows: Floats, labels: Floats, weight: Floats | None = None, seed: int = 1) -> Confidence:
-    """Return the confidence with the least cross-entropy over looks (L-BFGS from weights drawn with `seed`).
+
+def fit_confidence(rows: Floats, labels: Floats, weight: Floats | None = None) -> Confidence:
+    """Return the mean of the confidences with the least cross-entropy over looks, one for each of `SEEDS`.
 
     Args:
         rows: (N, F) features.
         labels: (N, 3) whether the geometry was right, paint was there, and both, 0 or 1.
         weight: (N,) how much each look counts; alike when None.
-        seed: Of the first weights.
     """
+    fits = [_fit(rows, labels, weight, seed) for seed in SEEDS]
+    hidden = np.concatenate([one.hidden for one in fits])
+    of_hidden = np.concatenate([one.out[:, :HIDDEN] for one in fits], axis=1) / len(fits)
+    of_features = sum((one.out[:, HIDDEN:] for one in fits), np.zeros_like(fits[0].out[:, HIDDEN:])) / len(fits)
+    return Confidence(fits[0].middle, fits[0].scale, hidden, np.concatenate([of_hidden, of_features], axis=1))
+
+
+def _fit(rows: Floats, labels: Floats, weight: Floats | None, seed: int) -> Confidence:
+    """Return the confidence with the least cross-entropy (L-BFGS from weights drawn with `seed`)."""
     count, size = rows.shape
     middle, scale = rows.mean(axis=0), np.maximum(rows.std(axis=0), 1e-3)
     known = np.clip((rows - middle) / scale, -FARTHEST, FARTHEST).astype(np.float32)
@@ -78,7 +89,7 @@ class Reliability:
     Attributes:
         count: Number of looks.
         accuracy: Share in which p > 0.5 said the right thing.
-        area: Area under the receiver operating characteristic; NaN where there was one outcome alone.
+        area: Area under the receiver operating characteristic; NaN if there was one outcome alone.
         brier: Mean squared difference of probability and outcome.
         expected_error: Mean over the looks of the difference of a bin's probability and frequency.
         largest_error: Largest such difference over the bins with at least `COUNTED` looks.

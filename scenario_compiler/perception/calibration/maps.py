@@ -201,7 +201,7 @@ class MapRoads:
             yield View(image, truth, meant, number)
 
     def _way(self, here: LanePosition) -> _Way | None:
-        """Return the way from behind a place on, None where it is too short."""
+        """Return the way from behind a place on, None if it is too short."""
         network = self.network
         back = network.previous(here, BEHIND)
         if back is None:
@@ -231,7 +231,7 @@ class _Lines:
         self._rows = {(int(self._road[a]), int(self._lane[a])): (a, b) for a, b in pairwise(bounds.tolist()) if b > a}
 
     def paint(self, road: int, lane: int, s: float) -> float:
-        """Return the quality of the line on the outer border of a lane at s; 0 where there is none."""
+        """Return the quality of the line on the outer border of a lane at s; 0 if there is none."""
         found = self._rows.get((road, lane))
         if found is None:
             return 0.0
