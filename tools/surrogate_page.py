@@ -214,7 +214,7 @@ and gives the confidence that the camera with the classical detector would give:
 
 For each side of the lane, a network with {hidden} hidden units takes {features} features that the engine knows. Paint
 is looked at in 13 pieces of 2 m ahead: its quality, its dashes where they lie, whether it is in the field of view and
-not hidden by a vehicle, and how much it stands out of the ground in the light, the air, the camera's noise and the rain.
+not hidden by a vehicle, and how much it stands out of the ground in the light, the air, the camera's noise and rain.
 The other features are the kinds of the lines, rival lines and the pavement beside the lane, the bend, the tilt and the
 width of the lane, junctions, the sun, the camera's failures, the speed, the position in the lane, and the vehicles in
 the picture. The network gives the confidence in that side, and the offset by which the side moves the followed path
@@ -240,16 +240,16 @@ same runs driven {faster} faster: it too comes to slightly other pictures, and a
 
 There is no request in {asked} with the surrogate. Aims that are missed: {missed}.
 
-What is left was looked for in runs of the fit alone, in a cross-validation over maps and drawn roads: 3429 runs with an
-earlier state of the detector, of which each third was answered by a fit to the other two. With boosted trees in place of
-the network, so that its size does not count, 77 % of the answers were the camera's with the paint's mean quality in five
-stretches; 81 % with dashes where they lie, the field of view, what vehicles hide, rival lines and the pavement; and 82 %
-with the contrast of paint over the roughness of the ground. Of 622 wrong answers then, 247 were in runs where only broken
-lines were in sight (29 % of such runs), 238 in runs with a vehicle in the picture (24 %), and 203 on worn paint (23 %); a
-run can be in several groups. If the mean error of each run were known, 85 % would be the camera's answers; if its mean
-over each 4 s, 87 %; 2 s, 91 %. So 90 % would need what belongs to some 30 m of road: the wear and the texture of the
-ground, shadows and objects beside the road, which only the picture has. The network loses another 2 to 3 points to the
-trees, which are too slow for a sweep.
+What is left was looked for in runs of the fit alone, in a cross-validation over maps and drawn roads: 3429 runs with
+an earlier state of the detector, of which each third was answered by a fit to the other two. With boosted trees in
+place of the network, so that its size does not count, 77 % of the answers were the camera's with the paint's mean
+quality in five stretches; 81 % with dashes where they lie, the field of view, what vehicles hide, rival lines and the
+pavement; and 82 % with the contrast of paint over the roughness of the ground. Of 622 wrong answers then, 247 were in
+runs where only broken lines were in sight (29 % of such runs), 238 in runs with a vehicle in the picture (24 %), and
+203 on worn paint (23 %); a run can be in several groups. If the mean error of each run were known, 85 % would be the
+camera's answers; if its mean over each 4 s, 87 %; 2 s, 91 %. So 90 % would need what belongs to some 30 m of road:
+the wear and the texture of the ground, shadows and objects beside the road, which only the picture has. The network
+loses another 2 to 3 points to the trees, which are too slow for a sweep.
 
 ![Camera, surrogate and ideal perception](images/perception_surrogate.png)
 
