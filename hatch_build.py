@@ -16,7 +16,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 ROOT = Path(__file__).resolve().parent
 sys.path.insert(0, str(ROOT))
 
-from scenario_compiler.forms.making import LIBRARY, NOTE, NoCompilerError, compiler, make  # noqa: E402
+from scenario_compiler.forms.making import NoCompilerError, compiler, make  # noqa: E402
+from scenario_compiler.forms.note import LIBRARY, NOTE  # noqa: E402
 
 COMPILER = "ziglang>=0.13"
 """A C compiler as a Python package, 411 MB: needed only while a wheel is built where there is no other."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 from lxml import etree
 
 from scenario_compiler.controllers import check_controller
-from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, Place
+from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, Place, did_you_mean
 from scenario_compiler.document import Document
 from scenario_compiler.files import split_target
 from scenario_compiler.languages import (
@@ -224,6 +225,7 @@ def compile_study(
         Foil,
         Practice,
         conditions_of,
+        library_conflicts,
         located,
     )
 
@@ -241,7 +243,11 @@ def compile_study(
         hmi = None if condition is None else condition.hmi
         changed = settings if hmi is None else replace(settings, messages=hmi.messages or SILENT)
         if not Path(split_target(target)[0]).is_file():
-            sink.add(UNREADABLE_PART, f"there is no file '{split_target(target)[0]}'", place)
+            if word.target == target.rpartition("#")[2]:
+                message = f"there is no file and no conflict of the library called '{word.target}'"
+                sink.add(UNREADABLE_PART, message, place, hint=did_you_mean(word.target, library_conflicts()))
+            else:
+                sink.add(UNREADABLE_PART, f"there is no file '{split_target(target)[0]}'", place)
             return None
         try:
             given = {one.parameter: one.to for one in values}
@@ -250,9 +256,9 @@ def compile_study(
             message = f"'{word.target}' has several scenarios"
             sink.add(UNREADABLE_PART, message, place, hint=f"name one as FILE#name: {', '.join(needed.names)}")
             return None
-        known = set(map(_told, sink.found))
+        known = {one.identity for one in sink.found}
         found = [_in_study(one, place, values) for one in inner.found]
-        sink.take(one for one in found if _told(one) not in known)
+        sink.take(one for one in found if one.identity not in known)
         if done is not None and done.plan.controller is None:
             sink.add(NOBODY_TAKES_OVER, f"nobody can take over in '{word.target}'", place)
         return done
@@ -283,14 +289,11 @@ def _in_study(one: Diagnostic, target: Place, values: Iterable[SetParameter]) ->
         return replace(one, place=target)
     if one.place.file != "--set":
         return one
-    meant = next((value for value in values if f"'{value.parameter}'" in one.message), None)
+    named = set(re.findall(r"\w+", one.message))
+    meant = next((value for value in values if value.parameter in named), None)
     if meant is None:
         return replace(one, place=target)
     return replace(one, place=meant.place_of("parameter" if one.code is UNKNOWN_ARGUMENT else "to"))
-
-
-def _told(one: Diagnostic) -> tuple[str, str, int, int, str]:
-    return one.code.id, one.place.file, one.place.line, one.place.column, one.message
 
 
 def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnostics) -> Vary | None:

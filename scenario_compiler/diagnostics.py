@@ -6,7 +6,6 @@ only `compile_scenario` raises `CompileError` at its end. Codes are declared bes
 
 from __future__ import annotations
 
-import difflib
 import enum
 import importlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -150,6 +149,12 @@ class Diagnostic:
     severity: Severity = Severity.ERROR
     related: tuple[Related, ...] = ()
 
+    @property
+    def identity(self) -> tuple[str, int, int, str, str]:
+        """Place, code and message; two findings with the same identity are one, even if two files led to it."""
+        place = self.place
+        return place.file, place.line, place.column, self.code.id, self.message
+
     def chain(self) -> Iterator[Place]:
         """Yield the uses through which the place became part of the scenario, innermost first."""
         place = self.place.within
@@ -262,7 +267,7 @@ class Diagnostics:
 
     def __iter__(self) -> Iterator[Diagnostic]:
         """Yield the findings by file, line and column, each once, and how many of a kind are not kept."""
-        unique = {(d.place.file, d.place.line, d.place.column, d.code.id, d.message): d for d in self.found}
+        unique = {one.identity: one for one in self.found}
         for key in sorted(unique):
             yield unique[key]
         for (file, code, _), beyond in self._beyond.items():
@@ -331,6 +336,8 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
     Empty names, which an author has left out, are not suggested.
     """
+    import difflib  # only a mistake needs it
+
     offered = list(known)
     if len(offered) > MOST_KNOWN:
         return ""

@@ -157,6 +157,18 @@ def test_warnings_are_allowed_in_the_file(tmp_path: Path) -> None:
     assert done.returncode == 1
 
 
+def test_a_fault_in_a_file_that_another_names_is_told_once(tmp_path: Path) -> None:
+    study, asked = tmp_path / "study.xml", tmp_path / "effort.xml"
+    study.write_text(
+        '<study version="1" name="one" participants="1"><scenario name="a" target="obstacle_ahead"/>'
+        '<after_each><ask file="effort.xml"/></after_each></study>'
+    )
+    asked.write_text('<questionnaire version="1" name="effort"><text_item name="more"/></questionnaire>')
+    done = _run("-m", "scenario_compiler", "validate", str(study), str(asked))
+    assert done.stderr.count("SC107") == 1
+    assert done.stdout == "2 files checked, 1 error, 1 file at fault\n"
+
+
 def test_the_summary_counts() -> None:
     assert summary(1, []) == "1 file checked, 0 errors"
     sink = Diagnostics()

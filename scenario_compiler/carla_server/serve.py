@@ -57,7 +57,7 @@ async def serve(service: Service, ready: Callable[[str], None], log: Callable[[s
 
     Args:
         service: What and where.
-        ready: Called with the address and port when connections are accepted.
+        ready: Called with the address and port when connections are accepted and the first camera need not wait.
         log: Takes lines about what is wrong with clients.
 
     Raises:
@@ -79,7 +79,7 @@ async def serve(service: Service, ready: Callable[[str], None], log: Callable[[s
         calls = await loop.create_server(lambda: Calls(protocol.answer, connections, log), service.host, service.port)
     except OSError as fault:
         raise CannotServeError(f"cannot listen on {service.host}:{service.port}: {fault.strerror}") from None
-    loop.run_in_executor(None, town.prepare)
+    await asyncio.to_thread(town.prepare)
     clock = asyncio.ensure_future(host.run_freely())
     clock.add_done_callback(lambda one: ended.set())
     ready(f"{service.host}:{calls.sockets[0].getsockname()[1]}")

@@ -73,7 +73,7 @@ and for how long it falls at most, s.
 NO_FAILURE = 0
 GRAVITY = 9.81
 
-REMEMBERED = 1.0
+REMEMBERED = 10.0
 """For how long box and physics control of a destroyed actor are known, s: clients ask for those of the actors that they
 see in the last snapshot, and a Traffic Manager does so in a thread, where an error ends the client.
 """

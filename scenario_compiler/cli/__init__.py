@@ -11,6 +11,7 @@ import argparse
 import gc
 import os
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, NoReturn
 
 from scenario_compiler.cli import (
@@ -145,8 +146,9 @@ class ShowVersion(argparse.Action):
         parser.exit()
 
 
+@cache
 def make_parser() -> argparse.ArgumentParser:
-    """Return the parser of all commands."""
+    """Return the parser of all commands, which is made once."""
     parser = Parser(
         prog="scenario-compiler",
         description="Compile, check and run conflicts for automated driving.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, suggestion
+from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, stay_small, suggestion
 from scenario_compiler.cli.terminal import complain, flush_streams, put
 
 PORT = 2000
@@ -67,6 +67,7 @@ def serve_command(options: argparse.Namespace) -> int:
         put(f"CARLA {options.carla_version} is served on {place} (map {options.map}); press Ctrl-C to end it")
         flush_streams()
 
+    stay_small()
     try:
         asyncio.run(serve(service, ready, complain))
     except CannotServeError as fault:

@@ -6,7 +6,7 @@ import argparse
 import os
 import sys
 
-from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, add_templates, keep_loaded
+from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, add_templates, stay_small
 from scenario_compiler.cli.terminal import put_raw
 
 
@@ -46,7 +46,7 @@ def lsp_command(options: argparse.Namespace) -> int:
         if (missing.name or "").partition(".")[0] not in ("pygls", "lsprotocol"):
             raise
         raise WrongUse("the language server needs pygls: pip install 'scenario-compiler[editor]'") from None
-    keep_loaded()
+    stay_small()
     with os.fdopen(os.dup(sys.stdin.fileno()), "rb") as asked, os.fdopen(os.dup(sys.stdout.fileno()), "wb") as told:
         make_server(options.maps).start_io(asked, told)
     return FINE

@@ -23,6 +23,7 @@ from scenario_compiler.cli.options import (
     is_filled,
     new_sink,
     show,
+    stay_small,
     text_stream,
     trust_of,
 )
@@ -145,6 +146,7 @@ def serve_plan(
     findings: list[WorldFinding] = []
     found = findings.extend
     drive = Drive(plan, network, options.world, options.seed, trust_of(options), folder, options=of_world, found=found)
+    stay_small()
     ended = serve(
         drive,
         host=options.host,

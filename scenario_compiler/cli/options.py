@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 PERCEPTIONS = ("camera", "ideal", "surrogate")
 """Sources of the lane confidence, as in `vocabulary.sensors.Perception`, which takes too long to load for help."""
 
+PYTHONS_THRESHOLDS = gc.get_threshold()
+"""When the garbage collector looks, before the command line lets it look seldom."""
+
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
 
@@ -253,13 +256,22 @@ def keep_loaded() -> None:
     gc.freeze()
 
 
+def stay_small() -> None:
+    """Let the collector look as often as Python does by itself: for a command that runs until it is interrupted.
+
+    What is loaded by now is exempt, so that a round looks only at what runs, requests and edits have made since.
+    """
+    keep_loaded()
+    gc.set_threshold(*PYTHONS_THRESHOLDS)
+
+
 def library_target(text: str) -> str:
     """Return FILE#name for the bare name of a conflict of the library; any other text is returned unchanged.
 
     Raises:
         WrongUse: There is neither a file nor a conflict of that name.
     """
-    if Path(text).exists() or not re.fullmatch(IDENTIFIER, text):
+    if Path(text).is_file() or not re.fullmatch(IDENTIFIER, text):
         return text
     from scenario_compiler.listing import find_conflict, list_library
     from scenario_compiler.resources import library_folder

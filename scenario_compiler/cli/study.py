@@ -21,6 +21,7 @@ from scenario_compiler.cli.options import (
     keep_loaded,
     new_sink,
     show,
+    stay_small,
     step_length,
     text_stream,
 )
@@ -145,6 +146,7 @@ def _pilot(compilation: StudyCompilation, options: argparse.Namespace) -> int:
     from scenario_compiler.study.keeping import study_folder
     from scenario_compiler.study.pilot import run_pilot
 
+    stay_small()
     with study_folder(options.output, compilation, pilot=True):
         with shown_progress("sessions") as progress:
             run_pilot(compilation, options.output, trust=_trust(options), progress=progress)
@@ -170,6 +172,7 @@ def _serve(compilation: StudyCompilation, options: argparse.Namespace, of_world:
         with needing("pylsl"):
             from scenario_compiler.study.outlet import MarkerOutlet
         mark = MarkerOutlet(compilation.study.name).mark
+    stay_small()
     with study_folder(options.output, compilation, pilot=False):
         serve_study(
             compilation,

@@ -71,7 +71,7 @@ def validate_command(options: argparse.Namespace) -> int:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")
     insisted = frozenset(options.error)
     checked = validate_files(files, options.maps, options.jobs, options.xsd, insisted, Trust(tuple(options.trust)))
-    found = [one for some in checked for one in some]
+    found = list({one.identity: one for some in checked for one in some}.values())
     failed = show(found, options)
     if options.format == "text":
         put(summary(len(files), judged(found, options)))

@@ -40,12 +40,17 @@ class Occurrence:
 def uses_of(symbol: Symbol, files: Iterable[Analysis]) -> Iterator[Occurrence]:
     """Yield every mention of a symbol in some files, its declaration among them."""
     for analysis in files:
-        if symbol.name in analysis.draft.text:
+        if _may_name(analysis.draft.text, symbol.name):
             seen = set()
             for mention in analysis.mentions:
                 if mention.symbol == symbol and (mention.start, mention.end) not in seen:
                     seen.add((mention.start, mention.end))
                     yield Occurrence(analysis, mention)
+
+
+def _may_name(text: str, name: str) -> bool:
+    """Return whether a name can be in a text: as it is, with other white space, or with character references."""
+    return name in text or name.split() != [name] or "&" in text
 
 
 def renaming(symbol: Symbol, name: str, files: Iterable[Analysis]) -> list[Occurrence]:

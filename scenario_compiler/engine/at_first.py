@@ -1,9 +1,9 @@
 """Checks whether the weather or the sensors' noise alone causes a request at the start of a run.
 
-A scenario in HardRainSunset asks as soon as it begins, because the camera does not see the paint, and whatever comes
-200 m on is never met. That is found by the engine itself: the same plan is run in clear weather, with a camera without
-fault, and both first requests are compared. Both runs are of ideal perception, whose camera has the curves that the
-rendered one was measured to have.
+A scenario in HardRainSunset requests as soon as it begins, because the camera does not see the paint, and the conflict
+200 m ahead is never reached. The engine itself finds this out: the same plan is run in clear weather, with a camera
+without faults, and the first requests of both runs are compared. Both runs use ideal perception, whose curves were
+measured with the rendered camera.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ SHORT_SIGHT = Code(
 
 @dataclass(frozen=True, slots=True)
 class FirstRequest:
-    """The first request of a run: when, for which cause (CAUSE_...), and how far from the start its limit lies, m."""
+    """The first request of a run: its time, s, cause (CAUSE_...), and distance of its limit from the start, m."""
 
     time: float
     cause: int
@@ -61,7 +61,7 @@ class FirstRequest:
 
 
 def check_at_first(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report what weather and noise alone do from the start: a sensor that sees too little, a cause that holds."""
+    """Report what weather and noise alone cause from the start: a short sensor range, or a cause that holds."""
     ideal = plan.model_copy(update={"perception": "ideal"})
     program = build_program(ideal, network)
     state = new_state(program)
@@ -79,7 +79,7 @@ def check_at_first(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def _check_sight(plan: Plan, reach: float, sink: Diagnostics) -> None:
-    """Warn where the sensor sees as far as the budget in clear air alone."""
+    """Warn if the sensor's range covers the time budget only in clear air."""
     asked = obstacle_budget(plan)
     if asked is None:
         return
@@ -113,7 +113,7 @@ def _check_request(plan: Plan, ideal: Plan, network: Network, state: State, enou
 
 
 def first_request(plan: Plan, network: Network, until: float) -> FirstRequest | None:
-    """Return the first request of a plan that the engine drives, None where there is none until a time, s."""
+    """Return the first request of a plan that the engine drives; None if there is none until the time `until`, s."""
     simulation = Simulation(network.tables, build_program(plan, network))
     simulation.reset(make_draws(1))
     st, ego = simulation.state, simulation.program.ego[0]
@@ -127,6 +127,6 @@ def first_request(plan: Plan, network: Network, until: float) -> FirstRequest | 
 
 
 def _in_clear_weather(plan: Plan) -> Plan:
-    """Return a plan as it would be in clear weather, with a camera that has no noise and no fault of its own."""
+    """Return the plan in clear weather, with a camera without noise and faults."""
     camera = plan.camera.model_copy(update={"sensor_noise": 0.0, "failures": ()})
     return plan.model_copy(update={"weather": weather_preset("ClearNoon"), "camera": camera})

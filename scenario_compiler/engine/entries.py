@@ -1,4 +1,4 @@
-"""The functions of the engine that are called from outside: each is a symbol of the library."""
+"""The functions of the engine that are called from outside; each is a symbol of the library."""
 
 from __future__ import annotations
 
@@ -14,4 +14,4 @@ ENTRIES: tuple[Marked, ...] = (
     *(reset, begin_step, move_step, end_step, step, look_out, look_at_view, sweep),
     *(spawn_entity, delete_entity, find_contacts, find_touched),
 )
-"""Entries by which a form is called, in both forms."""
+"""The entries of both forms."""

@@ -1,4 +1,4 @@
-"""Whether a reference driver would have avoided a collision: the same run, driven by him from the start."""
+"""Whether a reference driver would have avoided a collision: the same run with that driver from the start."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ def avoided_by(
     *,
     interpreted: bool = False,
 ) -> list[bool]:
-    """Return for each variant whether the reference driver has no collision where he drives from the start.
+    """Return for each variant whether there is no collision if the reference driver drives from the start.
 
     Args:
-        name: Which one.
+        name: The reference driver.
         tables: The roads.
-        program: The program, in which the engine moves the ego vehicle.
+        program: The program, in which the engine moves the ego.
         rows: The numbers of each variant.
-        draws: The draws of each.
-        limit: Steps that a run has at most.
+        draws: The draws of each variant.
+        limit: Greatest number of steps of a run.
         interpreted: Whether the engine runs interpreted.
     """
     replaced = Program(**{name: list(getattr(program, name)) for name in columns_of(Program)})

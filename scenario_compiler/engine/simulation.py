@@ -1,4 +1,4 @@
-"""`Simulation`: the one way to run a program, in whichever form of the engine there is."""
+"""`Simulation`: the one way to run a program, in either form of the engine."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CONTACTS = 1024
-"""Pairs of entities in contact that are found at most."""
+"""Greatest number of pairs of entities in contact that are found."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +36,10 @@ class Outlook:
     """The road ahead of the ego.
 
     Attributes:
-        gap: Distance from the front bumper to the leader that the forward sensor sees, m; FAR without one.
-        lead_speed: Its speed along the way, m/s.
-        junction: Distance along the way to the next junction, m; FAR where there is none in reach.
-        way: Points of the planned way 1 m apart, (x ahead, y left) of the reference point, m.
+        gap: Distance from the front bumper to the leader that the forward sensor sees, m; FAR if there is none.
+        lead_speed: Its speed along the route, m/s.
+        junction: Distance along the route to the next junction, m; FAR if there is none in reach.
+        way: Points of the planned route, 1 m apart, as (x ahead, y left) of the reference point, m.
     """
 
     gap: float
@@ -49,12 +49,12 @@ class Outlook:
 
 
 class Simulation:
-    """A program that is run, once or many times.
+    """A program that is run once or many times.
 
     Attributes:
         form: The form of the engine that runs it.
-        program: The program as that form has it, lists or arrays; a sweep writes its numbers.
-        state: The state now.
+        program: The program in that form, with lists or arrays; a sweep overwrites its numbers.
+        state: The present state.
     """
 
     def __init__(
@@ -65,13 +65,13 @@ class Simulation:
         interpreted: bool = False,
         machine_code: MachineCode | None = None,
     ) -> None:
-        """Prepare a program, for the compiled form or, where there is no machine code, for the interpreted one.
+        """Prepare a program for the compiled form, or for the interpreted one if there is no machine code.
 
         Args:
             tables: The roads.
             program: The program.
-            interpreted: Whether the interpreted form is asked for.
-            machine_code: The library to use in place of the package's own.
+            interpreted: Whether to use the interpreted form in any case.
+            machine_code: A library to use instead of the packaged one.
         """
         self.form = form_of(
             "scenario_compiler.engine.entries",
@@ -88,7 +88,7 @@ class Simulation:
         self._trace: Any = None
 
     def reset(self, draws: Sequence[float]) -> None:
-        """Put the state to the row of t = 0; `draws` are DRAWS_PER_RUN numbers (see `make_draws`)."""
+        """Set the state to the row of t = 0; `draws` are DRAWS_PER_RUN numbers (see `make_draws`)."""
         for k, value in enumerate(draws):
             self.state.draw[k] = value
         self.form.enter("reset")
@@ -99,22 +99,22 @@ class Simulation:
         return self.state.stop[0] != op.STOP_NONE
 
     def begin(self) -> bool:
-        """Begin a step: the storyboard, and at control steps the ego's commands; return False where the run is over.
+        """Begin a step: the storyboard, and at control steps the ego's commands; return False if the run is over.
 
-        After it, `move` and `end` make the step's row.
+        `move` and `end` then complete the step's row.
         """
         return bool(self.form.enter("begin_step"))
 
     def move(self) -> None:
-        """Move time and all that the engine moves; a vehicle that is posed from outside is posed after this."""
+        """Advance time and all that the engine moves; a vehicle that is posed from outside is posed after this."""
         self.form.enter("move_step")
 
     def end(self) -> None:
-        """Take stock of where all are now: places on the road, collisions, and whether this row is the last."""
+        """Take stock after all have moved: road positions, collisions, and whether this row is the last."""
         self.form.enter("end_step")
 
     def step(self) -> bool:
-        """Do a whole step; return False where the run was over before it."""
+        """Do a whole step; return False if the run was over before it."""
         return bool(self.form.enter("step"))
 
     def set_step(self, step: float) -> None:
@@ -131,14 +131,14 @@ class Simulation:
         posed: bool = False,
         steer_rate: float = STEER_RATE,
     ) -> None:
-        """Let an entity appear as a vehicle, at the height and the slope of the road where it stands on one.
+        """Let an entity appear as a vehicle, at the height and slope of the road if it stands on one.
 
         Args:
-            entity: Its number; what was there in its place is gone.
-            vehicle: What it is from now on.
+            entity: Its index; an entity that was there before is replaced.
+            vehicle: The vehicle that it becomes.
             pose: Pose of its reference point, OpenDRIVE axes.
             speed: Its speed, m/s.
-            posed: Whether it is moved by `pose`, not by commands.
+            posed: Whether it is moved by `pose` instead of commands.
             steer_rate: Greatest rate of its front wheels' angle, rad/s.
         """
         program = self.program
@@ -150,18 +150,18 @@ class Simulation:
         self.form.enter("spawn_entity", entity, pose.x, pose.y, pose.z, pose.heading, speed)
 
     def let_pose(self, entity: int, *, posed: bool) -> None:
-        """Say whether a spawned entity is moved by `pose` or by commands."""
+        """Set whether a spawned entity is moved by `pose` or by commands."""
         self.program.entity_motion[entity] = op.MOTION_POSED if posed else op.MOTION_BICYCLE
 
     def remove(self, entity: int) -> None:
-        """Let an entity disappear; one that is not there stays so."""
+        """Let an entity disappear; an absent one stays absent."""
         self.form.enter("delete_entity", entity)
 
     def command(self, entity: int, throttle: float, steer: float, brake: float, *, reverse: bool = False) -> None:
-        """Drive a vehicle, until the next command.
+        """Set the commands of a vehicle, which hold until the next call.
 
         Args:
-            entity: Its number.
+            entity: Its index.
             throttle: 0 to 1.
             steer: -1 to 1 of its greatest steering angle, positive to the left.
             brake: 0 to 1.
@@ -172,16 +172,16 @@ class Simulation:
         st.command_brake[entity], st.command_reverse[entity] = brake, int(reverse)
 
     def pose(self, entity: int, pose: Pose, speed: float) -> None:
-        """Put an entity to a pose of its reference point, between `move` and `end`; `end` finds the road below it."""
+        """Set the pose and speed (m/s) of an entity between `move` and `end`; `end` finds its road and lane."""
         st = self.state
         st.x[entity], st.y[entity], st.z[entity] = pose.x, pose.y, pose.z
         st.h[entity], st.pitch[entity], st.roll[entity] = pose.heading % math.tau, pose.pitch, pose.roll
         st.v[entity] = speed
 
     def column(self, name: str) -> NDArray[Any]:
-        """Return a column of the state as an array that cannot be written: float64 or int64.
+        """Return a column of the state as a read-only array of float64 or int64.
 
-        What it holds is of this moment in the interpreted form; in the compiled form it goes with the run.
+        In the compiled form it is a view that changes with the run; in the interpreted form it is a copy.
         """
         import numpy as np
 
@@ -191,27 +191,27 @@ class Simulation:
         return made
 
     def touched(self, entity: int) -> int | None:
-        """Return an entity whose box overlaps that of another at their present poses, or None."""
+        """Return an entity whose box overlaps that of the given one at the present poses, or None."""
         found: int = self.form.enter("find_touched", entity)
         return None if found == op.NONE else found
 
     def contacts(self) -> list[tuple[int, int]]:
-        """Return the pairs of entities whose boxes overlap, lower number first, each pair once."""
+        """Return the pairs of entities whose boxes overlap, lower index first, each pair once."""
         pairs = array("q", bytes(16 * CONTACTS))
         count = self.form.enter("find_contacts", pairs)
         return sorted(zip(pairs[0 : 2 * count : 2], pairs[1 : 2 * count : 2], strict=True))
 
     def look_out(self) -> Outlook:
-        """Return what lies ahead of the ego, as its controller gets it."""
+        """Return the road ahead of the ego, as its controller receives it."""
         out = array("d", bytes(8 * op.OUTLOOK_SIZE))
         count = self.form.enter("look_out", out)
         points = tuple(zip(out[op.OUTLOOK_HEAD :: 2][:count], out[op.OUTLOOK_HEAD + 1 :: 2][:count], strict=True))
         return Outlook(out[0], out[1], out[2], points)
 
     def look_at_view(self) -> NDArray[np.float64] | None:
-        """Return what surrogate perception would go by, (2, VIEW_SIZE), as the network takes it for the left and right.
+        """Return the features of surrogate perception, (2, VIEW_SIZE): the network's input for the left and the right side.
 
-        None where the ego is on no lane.
+        None if the ego is on no lane.
         """
         import numpy as np
 
@@ -232,17 +232,17 @@ class Simulation:
 
         Args:
             rows: The numbers of each variant, (variants, len(Program.const)).
-            draws: The draws of each, (variants, DRAWS_PER_RUN).
-            limit: Steps that a run has at most.
-            trace_rows: Rows that a trace has room for; 0 for no traces.
-            every: Steps from one row of a trace to the next.
+            draws: The draws of each variant, (variants, DRAWS_PER_RUN).
+            limit: Greatest number of steps of a run.
+            trace_rows: Greatest number of rows of a trace; 0 for no traces.
+            every: Number of steps from one row of a trace to the next.
 
         Returns:
-            The summaries, (variants, SUMMARY_SIZE), and the traces, (variants, trace_rows * trace_width). The traces'
-            memory is used again by the next call and is not cleared: only a run's own rows count.
+            The summaries, (variants, SUMMARY_SIZE), and the traces, (variants, trace_rows * trace_width). The memory of
+            the traces is used again by the next call and is not cleared; rows beyond the end of a run are invalid.
 
         Raises:
-            EngineError: The engine's arithmetic had no result.
+            EngineError: An arithmetic operation of the engine had no result.
         """
         import numpy as np
 

@@ -1,123 +1,50 @@
-"""Makes the machine code: writes one C file and builds it with the machine's compiler.
+"""Makes the machine code: writes one C file and compiles it with the machine's compiler.
 
-The code is made with the package: by the build hook for a wheel, by `make setup` in a checkout, and by
-`python -m scenario_compiler.forms.making` at any time. Beside the library lies a note of what it was made of,
-so that code which is older than its sources is noticed.
+This is done by the build hook for a wheel, by `make setup` in a checkout, and by `python -m
+scenario_compiler.forms.making` at any time. A note beside the library lists its sources, so that a library that is
+older than they are is detected.
 """
 
 from __future__ import annotations
 
-import hashlib
 import importlib.util
-import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-FORMS = Path(__file__).resolve().parent
-PACKAGE = FORMS.parent
-
-LIBRARY = FORMS / "engine.library"
-"""The engine's machine code: a shared library without Python; its suffix is not that of a Python module."""
-
-NOTE = FORMS / "engine.json"
-"""Notes on the library: how it was made, from which sources, and its entries."""
+from scenario_compiler.forms.note import LIBRARY, PACKAGE, Note, digest_of, source_files
 
 FLAGS = (
     *("-std=gnu11", "-O3", "-fwrapv", "-ffp-contract=off", "-fno-math-errno"),
     *("-fvisibility=hidden", "-shared", "-fPIC"),
 )
-"""Flags with which C gives the same results as Python: no contraction, no fast arithmetic, and integers that wrap, as
-those in Python are masked. A missing result is detected from its value, so mathematical functions need not set `errno`.
+"""Flags for which C gives Python's results: no contraction, no fast arithmetic, and wrapping integers, because those in
+Python are masked. A missing result is detected from its value, so mathematical functions need not set `errno`.
 """
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")
-
-SOURCE_FOLDERS = ("forms", "roads", "engine")
-SOURCE_MODULES = ("marker.py", "randomness.py")
-"""Folders and modules with the marked functions, their dependencies and the translator."""
 
 
 class NoCompilerError(Exception):
     """There is no C compiler on this machine."""
 
     def __init__(self) -> None:
-        """Say what to do."""
+        """Set the message, which tells the user what to install."""
         super().__init__("there is no C compiler: install gcc or clang, or `pip install ziglang`")
 
 
 class BuildError(Exception):
-    """A C compiler rejected the translated engine; the text is its output."""
-
-
-@dataclass(frozen=True)
-class Note:
-    """What is known of a built library.
-
-    Attributes:
-        made_by: The compiler and its version.
-        entries: The kinds of the arguments of each entry by its name, and last that of its result.
-        sources: Size, time of change (ns) and SHA-256 of each source; empty for a library that is part of a wheel.
-    """
-
-    made_by: str
-    entries: dict[str, list[str]]
-    sources: dict[str, tuple[int, int, str]]
-
-    @classmethod
-    def read(cls) -> Note | None:
-        """Return the note beside the library; None where there is no library."""
-        if not LIBRARY.is_file() or not NOTE.is_file():
-            return None
-        known: dict[str, Any] = json.loads(NOTE.read_text(encoding="utf-8"))
-        sources = {name: (size, time, digest) for name, (size, time, digest) in known["sources"].items()}
-        return cls(known["made_by"], known["entries"], sources)
-
-    def write(self, path: Path = NOTE) -> None:
-        """Keep the note."""
-        path.write_text(json.dumps(vars(self), indent=1) + "\n", encoding="utf-8")
-
-    @property
-    def is_fresh(self) -> bool:
-        """Whether the sources are those that the library was made of."""
-        if not self.sources:
-            return True
-        now = {path.relative_to(PACKAGE).as_posix(): path for path in source_files()}
-        return now.keys() == self.sources.keys() and all(
-            _is_the_same(now[name], *known) for name, known in self.sources.items()
-        )
-
-
-def _is_the_same(path: Path, size: int, time: int, digest: str) -> bool:
-    stated = path.stat()
-    if stated.st_size != size:
-        return False
-    return stated.st_mtime_ns == time or _digest(path) == digest
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def source_files() -> Iterator[Path]:
-    """Yield the files that the library is made of."""
-    yield from (PACKAGE / name for name in SOURCE_MODULES)
-    for folder in SOURCE_FOLDERS:
-        yield from sorted((PACKAGE / folder).rglob("*.py"))
-    yield FORMS / "engine.h"
+    """The C compiler rejected the translated engine; the message has its output."""
 
 
 def compiler() -> list[str]:
-    """Return the command of a C compiler: $CC, gcc, clang, or that of the Python package ziglang.
+    """Return the command of the first of these C compilers that is found: $CC, gcc, clang, the Python package ziglang.
 
     Raises:
-        NoCompilerError: There is none.
+        NoCompilerError: None is found.
     """
     for name in (os.environ.get("CC", ""), "gcc", "clang"):
         if name and shutil.which(name):
@@ -132,7 +59,7 @@ def build(text: str, library: Path, *more: str) -> str:
 
     Args:
         text: The C.
-        library: The file to write; it is there as a whole or not at all.
+        library: The file to write; it is replaced in one step, and only if the compiler succeeds.
         *more: Further arguments of the compiler.
 
     Raises:
@@ -156,10 +83,10 @@ def make(*, noting_sources: bool = True) -> Note:
     """Translate the marked functions, build the library and write its note.
 
     Args:
-        noting_sources: Whether the library is held to the sources that it was made of, as in a checkout.
+        noting_sources: Whether the note lists the sources, so that changes of them are detected, as in a checkout.
 
     Raises:
-        NotTranslatableError: A marked function uses what the language of the engine lacks.
+        NotTranslatableError: A marked function uses what the engine's language does not have.
         NoCompilerError: There is no compiler.
         BuildError: The compiler failed.
     """
@@ -173,7 +100,7 @@ def make(*, noting_sources: bool = True) -> Note:
         signature = FunctionSource.of(function).signature
         kinds[function.__name__] = [str(kind) for kind in (*signature.arguments.values(), signature.result)]
     sources = {
-        path.relative_to(PACKAGE).as_posix(): (path.stat().st_size, path.stat().st_mtime_ns, _digest(path))
+        path.relative_to(PACKAGE).as_posix(): (path.stat().st_size, path.stat().st_mtime_ns, digest_of(path))
         for path in (source_files() if noting_sources else ())
     }
     note = Note(made_by, kinds, sources)
@@ -182,7 +109,7 @@ def make(*, noting_sources: bool = True) -> Note:
 
 
 def main() -> int:
-    """Make the library unless it is fresh, and say which form of the engine there is."""
+    """Make the library unless it is up to date, and write to stderr which form of the engine there is."""
     note = Note.read()
     try:
         if note is None or not note.is_fresh:

@@ -54,8 +54,9 @@ DUPLICATE_NAME = Code(
     "SC216",
     "duplicate-name",
     "Two things of one kind have the same name, so a reference to that name is ambiguous. This concerns entities, "
-    "scenarios or templates of a file, parameters of one scenario or template, uses, and entries of a catalog. Rename "
-    "one of them.\n\n"
+    "scenarios or templates of a file, parameters of one scenario or template, uses, entries of a catalog, levels of a "
+    "study's factors, items of a questionnaire, parameters that a <setting> sets, and questionnaires that a study asks "
+    "at one place. Rename or remove one of them.\n\n"
     '    <static id="van">...</static>\n'
     '    <static id="van">...</static>     which one would `ahead_of entity="van"` mean?',
 )

@@ -5,8 +5,8 @@ Every fault of an element and of all below it is reported in one pass, each at i
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from lxml import etree
@@ -23,6 +23,13 @@ _SCHEMA_HINTS = (
     "{http://www.w3.org/2001/XMLSchema-instance}schemaLocation",
     "{http://www.w3.org/2001/XMLSchema-instance}noNamespaceSchemaLocation",
 )
+
+
+MOST_LISTED = 40
+"""Greatest number of children that a hint lists."""
+
+STANDARD_SUFFIXES = ("condition", "action", "position")
+"""What ASAM OpenSCENARIO appends to a term to name its elements, as in `SimulationTimeCondition`."""
 
 
 def read_word(element: etree._Element, word: type[AnyWord], reading: ReadingContext) -> AnyWord | None:
@@ -107,7 +114,7 @@ def place_children(
     for child in element.iterchildren(etree.Element):
         index = owner.get(str(child.tag))
         if index is None:
-            _report_unknown_child(element, child, list(owner), reading)
+            _report_unknown_child(element, child, rules, reading)
             continue
         if index < furthest:
             before = next(
@@ -132,6 +139,8 @@ def place_children(
 
 def misspelt(parent: etree._Element, tags: Iterable[str]) -> bool:
     """Return whether a child's tag is almost, but not quite, one of some: the fault is its spelling alone."""
+    import difflib  # only a mistake needs it
+
     meant = tuple(tags)
     found = {str(child.tag) for child in parent.iterchildren(etree.Element)}.difference(meant)
     return any(difflib.get_close_matches(tag, meant, n=1, cutoff=0.8) for tag in found)
@@ -148,7 +157,7 @@ def _unwrapped(
 ) -> list[etree._Element]:
     """Return the elements that spell words, out of their wrapper; report what is missing or too much."""
     if not elements:
-        if rule.required and not misspelt(parent, rule.tags):
+        if rule.required and not misspelt(parent, rule.tags) and not _meant_by_a_child(parent, rule):
             _report_missing(parent, rule.tags, rule.description, reading)
         return []
     if not rule.wrapper:
@@ -165,7 +174,7 @@ def _unwrapped(
     inner: list[etree._Element] = []
     for child in wrapper.iterchildren(etree.Element):
         if str(child.tag) not in rule.words:
-            _report_unknown_child(wrapper, child, list(rule.words), reading)
+            _report_unknown_child(wrapper, child, (replace(rule, wrapper=""),), reading)
         elif inner and not rule.many:
             reading.sink.add(codes.REPEATED_ELEMENT, _repeated(wrapper, inner[0], child), reading.origin(child))
         else:
@@ -185,15 +194,50 @@ def _report_missing(parent: etree._Element, tags: tuple[str, ...], description: 
 
 
 def _report_unknown_child(
-    parent: etree._Element, child: etree._Element, known: list[str], reading: ReadingContext
+    parent: etree._Element, child: etree._Element, rules: tuple[ChildRule, ...], reading: ReadingContext
 ) -> None:
-    hint = did_you_mean(str(child.tag), known) if known else f"<{parent.tag}> holds no elements"
+    name = _short_name(str(child.tag))
     reading.sink.add(
         codes.UNKNOWN_ELEMENT,
-        f"<{_short_name(str(child.tag))}> is not known in <{parent.tag}>",
+        f"<{name}> is not known in <{parent.tag}>",
         reading.origin(child),
-        hint=hint,
+        hint=_hint_for_unknown(name, parent, rules),
     )
+
+
+def _hint_for_unknown(name: str, parent: etree._Element, rules: tuple[ChildRule, ...]) -> str:
+    known = [tag for rule in rules for tag in rule.tags]
+    if not known:
+        return f"<{parent.tag}> holds no elements"
+    for rule in rules:
+        if rule.wrapper and name in rule.words:
+            return f"<{name}> stands in <{rule.wrapper}>, which stands in <{parent.tag}>"
+        meant = {} if rule.wrapper else dict(_standard_terms(rule.words))
+        if _term(name) in meant:
+            return f"did you mean '{meant[_term(name)]}'?"
+    hint = did_you_mean(name, known)
+    return hint if hint or len(known) > MOST_LISTED else "known: " + ", ".join(known)
+
+
+def _term(name: str) -> str:
+    return name.replace("_", "").replace("-", "").lower()
+
+
+def _standard_terms(words: Mapping[str, type[Word]]) -> Iterator[tuple[str, str]]:
+    """Yield the terms of ASAM OpenSCENARIO for some words, with and without their suffix, and the words' tags."""
+    for tag, word in words.items():
+        term = word.__name__.lower()
+        yield term, tag
+        for suffix in STANDARD_SUFFIXES:
+            if term.endswith(suffix):
+                yield term.removesuffix(suffix), tag
+
+
+def _meant_by_a_child(parent: etree._Element, rule: ChildRule) -> bool:
+    """Return whether a child that is not known was meant for `rule`: it is reported as such, and nothing is missing."""
+    meant = rule.words if rule.wrapper else dict(_standard_terms(rule.words))
+    names = (_short_name(str(child.tag)) for child in parent.iterchildren(etree.Element))
+    return any((name if rule.wrapper else _term(name)) in meant for name in names)
 
 
 def _report_text(element: etree._Element, reading: ReadingContext) -> None:

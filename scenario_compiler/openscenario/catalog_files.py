@@ -1,4 +1,4 @@
-"""The catalogs in the folders that a scenario lists: their files, read when the first reference needs them."""
+"""The catalogs in the folders that a scenario lists; their files are read at the first reference."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from scenario_compiler.structure.walk import local_name
 
 @dataclass(frozen=True)
 class CatalogFile:
-    """A catalog: its file, the names that it is known by, and its entries by name."""
+    """A catalog: its file, the names under which it is known, and its entries by name."""
 
     document: Document
     version: tuple[int, int]
@@ -25,7 +25,7 @@ class CatalogFile:
 
 @dataclass
 class CatalogFolders:
-    """The catalogs in the folders of a scenario; files are read when the first reference needs them.
+    """The catalogs in the folders of a scenario; their files are read at the first reference.
 
     Attributes:
         folders: The folders, in the order in which the scenario lists them.
@@ -36,7 +36,7 @@ class CatalogFolders:
     read: list[CatalogFile] | None = None
 
     def named(self, name: str, sink: Diagnostics) -> list[CatalogFile]:
-        """Return the catalogs of a name: those whose file has it, then those that say so themselves."""
+        """Return the catalogs of a name: first those whose file has it, then those whose <Catalog> element has it."""
         catalogs = self.all(sink)
         by_file = [one for one in catalogs if one.names[0] == name]
         return by_file + [one for one in catalogs if one.names[1] == name and one.names[0] != name]

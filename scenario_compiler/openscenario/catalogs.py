@@ -1,4 +1,4 @@
-"""Catalogs: the folders that a scenario lists, and the entry that a <CatalogReference> names."""
+"""Catalogs: the folders that a scenario lists, and the entry to which a <CatalogReference> refers."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from scenario_compiler.openscenario.node import FileContext, Node
 from scenario_compiler.openscenario.parameters import assigned_parameters, with_parameters
 
 MOST_NESTED = 8
-"""Most catalog references that lead to one another."""
+"""Greatest depth of nested catalog references."""
 
 
 def read_catalog_locations(root: Node) -> CatalogFolders:
-    """Return the folders that <CatalogLocations> lists; those that are not there are reported."""
+    """Return the folders that <CatalogLocations> lists; those that do not exist are reported."""
     folders = CatalogFolders()
     for locations in root.children("CatalogLocations"):
         for kind in locations.elements():
@@ -32,9 +32,9 @@ def read_catalog_locations(root: Node) -> CatalogFolders:
 
 
 def referred(reference: Node, severity: Severity | None = None) -> Node | None:
-    """Return the entry that a <CatalogReference> names, with its parameters in scope.
+    """Return the entry to which a <CatalogReference> refers, with its parameters in scope.
 
-    When there is none that is reported, with another severity than an error's where one is given.
+    A reference without an entry is reported as an error, or with `severity` if given.
     """
     catalog_name, entry_name = reference.text("catalogName"), reference.text("entryName")
     reading = reference.reading
@@ -60,9 +60,9 @@ def referred(reference: Node, severity: Severity | None = None) -> Node | None:
 
 
 def given(node: Node, *tags: str, severity: Severity | None = None) -> Node | None:
-    """Return the child of one of these names, or the entry of that kind that a child <CatalogReference> names.
+    """Return the child with one of these names, or the entry to which a child <CatalogReference> refers.
 
-    Either has the parameters in scope that it declares. A reference that leads nowhere is reported as `referred` does.
+    In both cases the element's own parameters are in scope. A reference without an entry is reported as by `referred`.
     """
     found = node.child(*tags)
     if found is not None:
@@ -72,7 +72,7 @@ def given(node: Node, *tags: str, severity: Severity | None = None) -> Node | No
 
 
 def entry_of(reference: Node, *tags: str, severity: Severity | None = None) -> Node | None:
-    """Return the entry that a <CatalogReference> names, as `referred` does; an entry of another kind is reported."""
+    """Return the entry to which a <CatalogReference> refers, as `referred` does; report an entry with another tag."""
     entry = referred(reference, severity)
     if entry is None or entry.tag in tags:
         return entry

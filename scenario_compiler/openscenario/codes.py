@@ -1,4 +1,4 @@
-"""The codes special to OpenSCENARIO files: parameters, catalogs, the road, names of storyboard elements."""
+"""The codes that only OpenSCENARIO files have: parameters, catalogs, the road, names of storyboard elements."""
 
 from scenario_compiler.diagnostics import Code, Severity
 

@@ -1,4 +1,4 @@
-"""Converts conditions between OpenSCENARIO's elements and our words, by entity and by value."""
+"""Converts conditions between OpenSCENARIO's elements and words, by entity and by value."""
 
 from __future__ import annotations
 
@@ -63,11 +63,12 @@ from scenario_compiler.vocabulary.word import Word
 
 _RULES: tuple[Rule, ...] = ("lessThan", "lessOrEqual", "greaterThan", "greaterOrEqual", "equalTo", "notEqualTo")
 _STRICT = {"lessOrEqual": ("lessThan", 2.0e-6), "greaterOrEqual": ("greaterThan", -2.0e-6)}
-"""1.0 has no <= and >=: what is written instead, and what is added to the value. Comparisons tolerate 1e-6."""
+"""1.0 has no <= and >=: the rule that is written instead, and the amount added to the value. Comparisons tolerate 1e-6.
+"""
 
 
 class _Compared:
-    """A value and the rule that it is compared by."""
+    """A value and the rule of its comparison."""
 
     def __init__(self, value: str) -> None:
         self.value = value
@@ -85,7 +86,7 @@ class _Compared:
 
 
 class _ComparedText:
-    """A text and the rule that it is compared by."""
+    """A text and the rule of its comparison."""
 
     def __init__(self, value: str) -> None:
         self.value = value
@@ -114,10 +115,10 @@ _DISTANCES = ("euclidianDistance", "longitudinal", "lateral", "cartesianDistance
 
 
 class _Measured:
-    """How a distance is measured: coordinate system and kind of distance, in 1.0 `alongRoute` for both."""
+    """The coordinate system and the kind of a distance; in 1.0 `alongRoute` stands for both."""
 
     def __init__(self, *, kind_needed: bool = False) -> None:
-        """Take note whether the kind of distance must be there and `alongRoute` is not known."""
+        """Set whether the kind of distance is required, in which case there is no `alongRoute`."""
         self.kind_needed = kind_needed
 
     def read(self, node: Node) -> Fields:
@@ -153,7 +154,7 @@ class _Measured:
 
 
 class _Target:
-    """What a time to collision is measured to: an entity or a position."""
+    """The target of a time to collision: an entity or a position."""
 
     def read(self, node: Node) -> Fields | None:
         target = node.required("TimeToCollisionConditionTarget")
@@ -173,7 +174,7 @@ class _Target:
 
 
 class _Other:
-    """What is collided with: an entity, or one of a type."""
+    """The other party of a collision: an entity, or any entity of a type."""
 
     def read(self, node: Node) -> Fields:
         inner = node.child("EntityRef", "ByType")
@@ -194,7 +195,7 @@ class _Other:
 
 
 class _Others:
-    """The entities that a clearance is kept from."""
+    """The other entities of a clearance."""
 
     def read(self, node: Node) -> Fields:
         return {"of": tuple(one.entity("entityRef") for one in node.children("EntityRef"))}
@@ -324,11 +325,11 @@ OWN = {
     TakeoverStateCondition: ("takeover_state", "state"),
     EventCondition: ("event", "state"),
 }
-"""Conditions of ours that are written as a value that another program gives: its name, and the field it is held to."""
+"""Conditions that are written as a user-defined value: the value's name, and the field to which it is compared."""
 
 
 def read_condition(node: Node) -> Condition | None:
-    """Return the condition that a child of <EntityCondition> or <ByValueCondition> is; report another element."""
+    """Return the condition of a child of <EntityCondition> or <ByValueCondition>; report an unknown element."""
     form = BY_ENTITY.by_tag.get(node.tag) or BY_VALUE.by_tag.get(node.tag)
     if form is None:
         node.read_whole()
@@ -340,7 +341,7 @@ def read_condition(node: Node) -> Condition | None:
 
 
 def write_condition(word: Word, output: Output) -> etree._Element | None:
-    """Return the element of a condition for <EntityCondition> or <ByValueCondition>; if there is none, report that."""
+    """Return the element of a condition for <EntityCondition> or <ByValueCondition>; report it if there is none."""
     form = BY_ENTITY.by_word.get(type(word)) or BY_VALUE.by_word.get(type(word))
     if form is not None and output.version >= form.since:
         return form.write(word, output)
@@ -361,5 +362,5 @@ def _write_own(word: Word, output: Output) -> etree._Element:
 
 
 def is_by_entity(word: Word) -> bool:
-    """Return whether a condition is one of <EntityCondition>."""
+    """Return whether a condition belongs into an <EntityCondition>."""
     return type(word) in BY_ENTITY.by_word

@@ -1,9 +1,9 @@
 """<ParameterValueDistribution>: values of a scenario's parameters, listed or drawn.
 
-A <DistributionSet> and a <DistributionRange> are tried value by value, each with every value of the others. A
-<ParameterValueSet> gives several parameters values at once: a parameter of ours counts the sets. What is drawn is drawn
-from the distributions of the standard: the variance is that of the values, also of a lognormal distribution, and a
-range cuts a distribution off.
+All values of a <DistributionSet> and a <DistributionRange> are used, each with every value of the others. A
+<ParameterValueSet> sets several parameters at once; an additional parameter counts the sets. Random values have the
+distributions of the standard: the variance is that of the values, also for a lognormal distribution, and a range
+truncates a distribution.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ SETS = "parameter_set"
 """Name of the parameter that counts the first list of value sets."""
 
 MOST_VALUES = 1_000_000
-"""Most values of a range."""
+"""Greatest number of values of a range."""
 
 AnyAxis: TypeAlias = Uniform | Normal | Lognormal | Poisson | Histogram | Values | Weighted | Grid
 Limits: TypeAlias = tuple[float, float] | None
@@ -51,7 +51,7 @@ class _Found:
 
 
 def read_variation(node: Node) -> Variation:
-    """Return what a <ParameterValueDistribution> says of the values of parameters."""
+    """Return the variation that a <ParameterValueDistribution> describes."""
     found = _Found()
     samples: int | None = None
     seed: int | None = None
@@ -96,7 +96,7 @@ def _add_listed(node: Node, found: _Found) -> None:
 
 
 def _is_plain(value: str) -> bool:
-    """Return whether a value may stand in a list with commas between."""
+    """Return whether a value may stand in a comma-separated list."""
     return value != "" and value == value.strip() and not set(value) & set(",()")
 
 
@@ -128,7 +128,7 @@ def _add_range(node: Node, name: str, found: _Found) -> None:
 
 
 def _limits(node: Node) -> Limits:
-    """Return the limits of a <Range> below a node; None without one, and where they do not rise."""
+    """Return the limits of a <Range> below a node; None without one, and if they are in the wrong order (reported)."""
     inner = node.child("Range")
     if inner is None:
         return None

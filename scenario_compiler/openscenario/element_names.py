@@ -1,4 +1,4 @@
-"""Names of storyboard elements: full paths, and the element that a shorter name in a condition means."""
+"""Names of storyboard elements: full paths, and the element to which a shorter name in a condition refers."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from scenario_compiler.vocabulary.traversal import replaced
 from scenario_compiler.vocabulary.word import Word
 
 BETWEEN = "::"
-"""What stands between the names of a path."""
+"""Separator of the names in a path."""
 
 KINDS = ("story", "act", "maneuverGroup", "maneuver", "event", "action")
 """The kinds of storyboard elements, outermost first."""
 
 MOST_GUESSES = 100
-"""Most unknown names for which the nearest known one is looked for."""
+"""Greatest number of unknown names for which a similar known one is searched."""
 
 Path = tuple[str, ...]
 
 
 @dataclass
 class Siblings:
-    """Names taken by elements of one kind side by side."""
+    """The names of sibling elements of one kind."""
 
     taken: dict[str, Place] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
 
     def name(self, node: Node) -> str:
-        """Return an element's name, with a number behind it, reported, where another has it already."""
+        """Return an element's name; report one that a sibling has already, and append a number to it."""
         written = node.text("name", "") or node.tag
         name, number = written, self.counts.get(written, 1)
         while name in self.taken:
@@ -73,7 +73,7 @@ class ElementNames:
     unknown: int = 0
 
     def add_story(self, story: Story) -> None:
-        """Take note of a story and everything in it."""
+        """Register a story and all elements in it."""
         self._add((story.name,))
         for act in story.acts:
             self._add((story.name, act.name))
@@ -95,7 +95,7 @@ class ElementNames:
         return [path for path in named if _fits(path, wanted)]
 
     def meant(self, word: Word, around: Path, sink: Diagnostics) -> Word:
-        """Return a condition on an element's state with the element's full path; any other word as it is."""
+        """Return a condition on an element's state with the element's full path; return any other word unchanged."""
         if not isinstance(word, ElementStateCondition):
             return word
         wanted = tuple(part for part in word.element.split(BETWEEN) if part)
@@ -124,13 +124,13 @@ def _article(kind: str) -> str:
 
 
 def _fits(path: Path, wanted: Path) -> bool:
-    """Return whether names, of an element and some of those around it in order, lead to a path of that last name."""
+    """Return whether `wanted`, the names of an element and of some of its parents in order, match a path."""
     rest = iter(path[:-1])
     return all(any(name == one for one in rest) for name in wanted[:-1])
 
 
 def _shared(path: Path, around: Path) -> int:
-    """Return how many names two paths have in common from the start."""
+    """Return the number of leading names that two paths have in common."""
     count = 0
     for one, other in zip(path, around, strict=False):
         if one != other:

@@ -1,4 +1,4 @@
-"""<Entities>: scenario objects in document order, their kinds, their controllers, and selections of them."""
+"""<Entities>: scenario objects in document order, their kinds, their controllers, and entity selections."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from scenario_compiler.vocabulary.entities import Dynamic, Vehicle
 from scenario_compiler.vocabulary.storyboard import InitAction
 
 MOST_TRAILERS = 20
-"""Most trailers in a row."""
+"""Greatest number of trailers in a row."""
 
 
 @dataclass
@@ -26,9 +26,9 @@ class Entities:
     """The entities of a scenario.
 
     Attributes:
-        actors: In document order; a trailer stands behind what it is hitched to.
-        vehicles: What they are, by name, each name once.
-        first: What is done to them before the actions of the init.
+        actors: In document order; a trailer comes after its towing vehicle.
+        vehicles: Their vehicles, by unique names.
+        first: Actions that come before those of the init.
     """
 
     actors: list[Dynamic] = field(default_factory=list)
@@ -36,7 +36,7 @@ class Entities:
     first: list[InitAction] = field(default_factory=list)
 
     def add_vehicle(self, vehicle: Vehicle) -> str:
-        """Return the name under which a vehicle is known; a name that means another vehicle gets a number."""
+        """Return the name under which a vehicle is registered; a name of another vehicle gets a number."""
         name, number = vehicle.name, 1
         while name in self.vehicles and self.vehicles[name] != vehicle.model_copy(update={"name": name}):
             number += 1
@@ -46,7 +46,7 @@ class Entities:
 
 
 def read_entities(root: Node) -> Entities:
-    """Return the entities; the names become known to everything that is read afterwards."""
+    """Return the entities, and register their names for everything that is read afterwards."""
     found = Entities()
     known = root.reading.known
     objects = [one for group in root.children("Entities") for one in group.children("ScenarioObject")]
@@ -100,7 +100,7 @@ def _add_object(
 def _add_trailer(
     entity: str, node: Node, found: Entities, known: Known, trailers: list[tuple[str, Node]], depth: int
 ) -> None:
-    """Add a vehicle's trailer: one of a catalog has its vehicle's name and a +, as in esmini: each has its own."""
+    """Add a vehicle's trailer; one from a catalog gets its vehicle's name and a +, as in esmini."""
     reference = node.child("TrailerRef")
     if reference is not None and reference.has("entityRef") and reference.text("entityRef"):
         trailers.append((entity, reference))
@@ -115,7 +115,7 @@ def _add_trailer(
 
 
 def _described(node: Node) -> Node | None:
-    """Return what describes an entity, in the file or in a catalog; None, reported, when nothing usable does."""
+    """Return the element that describes an entity, in the file or in a catalog; report it if there is none."""
     external = node.child("ExternalObjectReference")
     if external is not None:
         name = external.text("name")

@@ -38,14 +38,14 @@ from scenario_compiler.vocabulary.traversal import parameters_in
 from scenario_compiler.vocabulary.weather import Weather, weather_preset
 
 WEATHER = "ClearNoon"
-"""The weather, until an action sets another."""
+"""The weather until an action sets another one."""
 
 LONGEST = 600.0
-"""Length of a run that only a stop trigger ends, s, where it never comes true."""
+"""Duration of a run that only a stop trigger ends, s, if the trigger never fires."""
 
 
 def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | None:
-    """Return what an <OpenSCENARIO> file holds; None, reported, when it is nothing that is known."""
+    """Return the contents of an <OpenSCENARIO> file; report contents of an unknown kind and return None."""
     if is_of_old_format(document):
         report_old_format(document, sink)
         return None
@@ -62,7 +62,7 @@ def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | N
 
 
 def _varied(node: Node, name: str, sink: Diagnostics) -> OpenScenario | None:
-    """Return the scenario whose parameters a <ParameterValueDistribution> gives values; None when it is not there."""
+    """Return the scenario whose parameters a <ParameterValueDistribution> varies; None if it does not exist."""
     variation = read_variation(node)
     file = node.required("ScenarioFile")
     written = "" if file is None else file.text("filepath")
@@ -76,7 +76,7 @@ def _varied(node: Node, name: str, sink: Diagnostics) -> OpenScenario | None:
 
 
 def _chosen(variation: Variation, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, str]:
-    """Return the values of parameters: those given, those of the sets that the given numbers choose, the first ones."""
+    """Return the values of parameters: those given, those of the chosen sets, and the first values."""
     values = dict(variation.first)
     for counter, sets in variation.sets.items():
         number = literal_number(arguments.get(counter, "0"))
@@ -91,8 +91,8 @@ def _chosen(variation: Variation, arguments: Mapping[str, str], sink: Diagnostic
 def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str, str], sink: Diagnostics) -> Scenario:
     """Return the scenario.
 
-    Numeric parameters stay open where numbers use them. One that decides anything else turns out to do so while
-    reading; then the scenario is read again with that parameter's value in its place everywhere.
+    Numeric parameters remain open where numbers use them. If another value turns out to depend on one while reading,
+    the scenario is read again with this parameter's value inserted everywhere.
     """
     variation = source.variation
     if variation is not None:
@@ -109,7 +109,7 @@ def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str,
 
 
 def _with_structure(document: Document, found: Diagnostics) -> list[Diagnostic]:
-    """Return findings and, as warnings, what the structure of the file's version has against it, each place once."""
+    """Return the findings, with those on the structure of the file's version as warnings, once for each place."""
     structure = Diagnostics()
     check_structure(document, structure, forgiving=True)
     wrong = {_where(one) for one in found if one.severity is Severity.ERROR}
@@ -123,7 +123,7 @@ def _where(one: Diagnostic) -> tuple[str, int, int]:
 
 
 def _root(document: Document, sink: Diagnostics) -> Node:
-    """Return the file's first element, read as the version that its header names."""
+    """Return the root element, to be read in the version that its header names."""
     reading = FileContext(document, sink, VERSIONS[-1])
     root = Node(document.root, reading, Scope())
     header = root.child("FileHeader")

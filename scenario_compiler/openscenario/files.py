@@ -56,7 +56,7 @@ def _without_hyphens(comment: bytes) -> bytes:
 
 
 def beside(folder: Path, written: str) -> list[Path]:
-    """Return where a path written in a file of a folder is looked for: whole, then by its bare name."""
+    """Return the paths at which a path in a file is looked for: the whole path first, then its bare name."""
     path = Path(PureWindowsPath(written).as_posix() if "\\" in written else written)
     return list(dict.fromkeys([folder / path, folder / path.name])) if written.strip() else []
 

@@ -19,7 +19,7 @@ KINDS: dict[str, ParameterKind] = {
     "unsignedInt": "integer",
     "unsignedShort": "integer",
 }
-"""What OpenSCENARIO's types are here; the others are texts, also a boolean, which may be written as 0 or 1."""
+"""Kinds of parameters by OpenSCENARIO's types; all others are texts, also a boolean, which may be written as 0 or 1."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Variation:
 
     Attributes:
         vary: How a sweep varies them.
-        first: The first value of each parameter that has a first one.
+        first: The first value of each parameter that has a list or range.
         sets: Values of several parameters at once, by the name of the parameter that counts the sets from 0.
         places: Where each parameter is named.
     """
@@ -41,12 +41,12 @@ class Variation:
 
 @dataclass(frozen=True)
 class OpenScenario:
-    """A file of OpenSCENARIO: a scenario, values for the parameters of one, or a catalog, which holds none.
+    """An OpenSCENARIO file: a scenario, values for the parameters of one, or a catalog, which has no scenario.
 
     Attributes:
-        document: The scenario's file; the catalog's.
-        scenarios: The scenario under the name of the file that was asked for.
-        variation: The values that its parameters take, when the file that was asked for gives some.
+        document: The file of the scenario or of the catalog.
+        scenarios: The scenario, by the name of the requested file.
+        variation: The values of its parameters, if the requested file gives some.
     """
 
     document: Document
@@ -55,7 +55,7 @@ class OpenScenario:
 
 
 def parameter_kinds(held: OpenScenario) -> dict[str, ParameterKind]:
-    """Return what kind each parameter is that a file declares, by its name."""
+    """Return the kind of each parameter that a file declares, by its name."""
     declared = held.document.root.findall("{*}ParameterDeclarations/{*}ParameterDeclaration")
     return {
         one.get("name", "").lstrip("$"): KINDS.get(one.get("parameterType", "").strip(), "text") for one in declared

@@ -1,4 +1,4 @@
-"""Routes and trajectories, and the positions on them, between OpenSCENARIO's elements and our words."""
+"""Converts routes, trajectories and the positions on them between OpenSCENARIO's elements and words."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ ROUTE = regular("Route", RouteWord, text("name"), boolean("closed"), Children("w
 
 
 class _CurvatureRate:
-    """The change of a clothoid's curvature: `curvaturePrime`, before 1.1 `curvatureDot`."""
+    """The change of a clothoid's curvature: `curvaturePrime`, `curvatureDot` in 1.0."""
 
     def read(self, node: Node) -> Fields:
         named = "curvatureDot" if node.has("curvatureDot") and not node.has("curvaturePrime") else "curvaturePrime"
@@ -83,7 +83,7 @@ class _Knots:
 
 
 class _Time:
-    """The time of a vertex, which 1.0 does not leave out."""
+    """The time of a vertex, which is required in 1.0."""
 
     def read(self, node: Node) -> Fields:
         return {"time": node.optional_number("time")}

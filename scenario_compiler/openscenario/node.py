@@ -1,6 +1,6 @@
-"""One element of an OpenSCENARIO file with the parameters in scope, and what the elements of a file are read with.
+"""One element of an OpenSCENARIO file with the parameters in scope, and the context for reading a file.
 
-A fault is reported once, with its place, and a usable default is returned, so that reading goes on.
+A fault is reported once, with its place, and a usable default is returned, so that reading continues.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _Chosen = TypeVar("_Chosen", bound=str)
 _Value = TypeVar("_Value")
 
 Real: TypeAlias = float
-"""A float, named otherwise where `Node.float` hides it."""
+"""Another name of the type float, which `Node.float` hides."""
 
 
 ObjectType = Literal["vehicle", "pedestrian", "miscellaneous", "external"]
@@ -36,13 +36,13 @@ ObjectType = Literal["vehicle", "pedestrian", "miscellaneous", "external"]
 
 @dataclass
 class Known:
-    """What names of one scenario mean; filled as the file is read, top to bottom.
+    """The meanings of names in a scenario, filled while the file is read from top to bottom.
 
     Attributes:
         entities: Type of each entity, in document order.
         selections: Members of each EntitySelection.
         catalogs: The catalogs in the folders that the scenario lists.
-        entries: The entries of catalogs that references led to.
+        entries: The catalog entries to which references refer.
         places: Where each entity and each selection is named.
     """
 
@@ -55,15 +55,15 @@ class Known:
 
 @dataclass(frozen=True)
 class FileContext:
-    """What the elements of one file are read with.
+    """The context for reading the elements of a file.
 
     Attributes:
         document: The file.
-        sink: Where faults go.
+        sink: Receives the faults.
         version: revMajor and revMinor of the file.
-        known: What names mean.
-        used: Attributes that were asked for, by element; an element that is no key was never looked at.
-        within: The catalog reference that brought the file in.
+        known: The meanings of names.
+        used: Attributes that were read, by element; an element that is missing here was never read.
+        within: The catalog reference because of which the file is read.
     """
 
     document: Document
@@ -75,7 +75,7 @@ class FileContext:
 
     @property
     def folder(self) -> Path:
-        """Folder that relative paths in the file start from."""
+        """Folder to which relative paths in the file refer."""
         return self.document.folder
 
     def origin(self, element: etree._Element, attribute: str | None = None) -> Origin:
@@ -83,24 +83,24 @@ class FileContext:
         return self.document.origin(element, attribute, self.within)
 
     def of(self, document: Document, version: tuple[int, int], within: Place | None) -> FileContext:
-        """Return what the elements of another file, brought in by this one, are read with."""
+        """Return the context for another file that this one refers to."""
         return replace(self, document=document, version=version, within=within)
 
 
 class Node:
-    """An element, what it is read with, and the parameters that it may use.
+    """An element, the context for reading it, and the parameters in scope.
 
     Attributes:
         element: The element.
-        reading: What it is read with.
-        scope: The parameters that it may use.
-        opened: The parameters that it declares itself are among them.
+        reading: The context.
+        scope: The parameters in scope.
+        opened: Whether the scope includes the parameters that the element itself declares.
     """
 
     __slots__ = ("element", "opened", "reading", "scope")
 
     def __init__(self, element: etree._Element, reading: FileContext, scope: Scope, *, opened: bool = False) -> None:
-        """Take note that the element is looked at."""
+        """Mark the element as read."""
         self.element = element
         self.opened = opened
         self.reading = reading
@@ -122,7 +122,7 @@ class Node:
         return self.reading.origin(self.element, attribute)
 
     def inner(self, more: Mapping[str, Bound], *, opened: bool = False) -> Node:
-        """Return the node with more parameters in scope; `opened` when they are those that it declares."""
+        """Return the node with more parameters in scope; `opened` if the element itself declares them."""
         return Node(self.element, self.reading, self.scope.inner(more), opened=opened or self.opened)
 
     def elements(self) -> list[Node]:
@@ -151,7 +151,7 @@ class Node:
         return None
 
     def required(self, *tags: str) -> Node | None:
-        """Return the first child with one of these names; report if there is none."""
+        """Return the first child with one of these names; report it if there is none."""
         found = self.child(*tags)
         if found is None:
             expected = " or ".join(f"<{tag}>" for tag in tags)
@@ -159,12 +159,12 @@ class Node:
         return found
 
     def read_whole(self) -> None:
-        """Take note that the element, its attributes and all below it are dealt with."""
+        """Mark the element, its attributes and everything below it as read."""
         for one in self.element.iter(etree.Element):
             self.reading.used.setdefault(one, set()).update(str(name) for name in one.attrib)
 
     def has(self, attribute: str) -> bool:
-        """Return whether the attribute is there and not empty."""
+        """Return whether the attribute exists and is not empty."""
         return self._raw(attribute) is not None
 
     def report(
@@ -181,12 +181,12 @@ class Node:
         self.reading.sink.add(code, message, place, hint=hint, severity=severity, related=related)
 
     def text(self, attribute: str, default: str | None = None) -> str:
-        """Return an attribute's text with parameters resolved; without a default it must be there."""
+        """Return an attribute's text with parameters resolved; it is required if there is no default."""
         found = self._present(attribute, required=default is None, joined=True)
         return (default or "") if found is None else found
 
     def number(self, attribute: str, default: Real | None = None) -> Real | Expression:
-        """Return a number, left open where it depends on the scenario's open parameters; SI unit as the file has it."""
+        """Return a number in the file's SI unit, as an expression if it depends on the scenario's open parameters."""
         raw = self._raw(attribute)
         if raw is None:
             return self._missing(attribute, default)
@@ -202,13 +202,13 @@ class Node:
         return self._wrong(attribute, found, "a number", default or 0.0) if number is None else number
 
     def optional_number(self, attribute: str) -> Real | Expression | None:
-        """Return a number as `number` does, None when the attribute is not there."""
+        """Return a number as `number` does, or None if the attribute is missing."""
         return self.number(attribute) if self.has(attribute) else None
 
     def float(self, attribute: str, default: Real | None = None, *, severity: Severity | None = None) -> Real:
-        """Return a number's present value; the parameters that it depends on decide structure.
+        """Return a number's present value; parameters that it depends on become structural.
 
-        A text that is not a number is an error, unless a severity is given.
+        A text that is not a number is an error, or a finding of `severity` if given.
         """
         found = self._present(attribute, required=default is None)
         if found is None:
@@ -219,7 +219,7 @@ class Node:
         return number
 
     def integer(self, attribute: str, default: int | None = None) -> int:
-        """Return a whole number; the parameters that it depends on decide structure."""
+        """Return an integer; parameters that it depends on become structural."""
         found = self._present(attribute, required=default is None)
         if found is None:
             return default or 0
@@ -229,7 +229,7 @@ class Node:
         return int(number)
 
     def boolean(self, attribute: str, default: bool | None = None) -> bool:
-        """Return true or false, also written 1 or 0."""
+        """Return a boolean, which may also be written as 1 or 0."""
         found = self._present(attribute, required=default is None)
         if found is None:
             return bool(default)
@@ -239,7 +239,7 @@ class Node:
         return self._wrong(attribute, found, "true or false", bool(default))
 
     def choice(self, attribute: str, allowed: Sequence[_Chosen], default: _Chosen | None = None) -> _Chosen:
-        """Return one of the allowed words; report any other and return the default, or the first allowed word."""
+        """Return one of the allowed words; report any other one and return the default, or the first allowed word."""
         otherwise = allowed[0] if default is None else default
         found = self._present(attribute, required=default is None)
         if found is None:
@@ -252,7 +252,7 @@ class Node:
         return self._wrong(attribute, found, f"one of {', '.join(allowed)}", otherwise, hint)
 
     def entity(self, attribute: str, default: str | None = None) -> str:
-        """Return the name of an entity; report one that the scenario does not have, and a selection of several."""
+        """Return the name of an entity; report an unknown one, and a selection of several entities."""
         name = self.text(attribute, default)
         members = self._members(name, attribute)
         if name in self.reading.known.selections and len(members) != 1:
@@ -261,7 +261,7 @@ class Node:
         return members[0] if members else name
 
     def entities(self, attribute: str) -> tuple[str, ...]:
-        """Return the entities of a name, an entity's or a selection's; report one that the scenario does not have."""
+        """Return the entities of a name, which may be a selection's; report an unknown one."""
         return self._members(self.text(attribute), attribute)
 
     def _members(self, name: str, attribute: str) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ Version: TypeAlias = tuple[int, int]
 """revMajor and revMinor."""
 
 VERSIONS: tuple[Version, ...] = ((1, 0), (1, 1), (1, 2), (1, 3))
-"""Versions that are written."""
+"""Versions that can be written."""
 
 LOST = Code(
     "SC783",
@@ -32,10 +32,10 @@ _SAID = re.compile(r"[ A-Za-z0-9_+\-*/%$().,]*\Z")
 _FUNCTION = re.compile(r"([a-z0-9]+)\(")
 _FUNCTIONS = frozenset({"ceil", "floor", "pow", "round", "sqrt", "not"})
 _NEW_FUNCTIONS = frozenset({"max", "min", "sign"})
-"""Functions of the standard's expressions, since 1.1 and since 1.3."""
+"""Functions in the standard's expressions, by the version that introduced them (1.1 and 1.3)."""
 
 _LONGEST = 1000
-"""Most characters of an expression that is written."""
+"""Greatest length of a written expression, characters."""
 
 _PER_DEGREE = "0.017453292519943295"
 
@@ -46,9 +46,9 @@ class Output:
 
     Attributes:
         version: Version of the written file.
-        sink: Where what OpenSCENARIO cannot express is reported.
+        sink: Receives what OpenSCENARIO cannot express.
         values: Values of the scenario's open parameters.
-        actor: Id of the entity that acts, empty where there is none or several do.
+        actor: Id of the acting entity, empty if there is none or several.
     """
 
     version: Version
@@ -57,7 +57,7 @@ class Output:
     actor: str = ""
 
     def by(self, actor: str) -> Output:
-        """Return what the actions of an entity are written with."""
+        """Return the context for the actions of an entity."""
         return replace(self, actor=actor)
 
     def tell_lost(self, word: Word, message: str) -> None:
@@ -65,7 +65,7 @@ class Output:
         self.sink.add(LOST, message, word.origin)
 
     def dotted(self, version: Version | None = None) -> str:
-        """Return a version, or the one that is written, as text."""
+        """Return a version, by default that of the written file, as text."""
         return "{}.{}".format(*(version or self.version))
 
     def text(self, value: Expression | float | int | bool | str, word: Word) -> str:
@@ -91,14 +91,14 @@ class Output:
         return format_value(present)
 
     def _is_said(self, text: str) -> bool:
-        """Return whether the version knows all that an expression uses; the first schema of 1.1 lets no comma stand."""
+        """Return whether the version can express an expression; the first schema of 1.1 allows no comma."""
         known = _FUNCTIONS | _NEW_FUNCTIONS if self.version >= (1, 3) else _FUNCTIONS
         plain = self.version > (1, 0) and _SAID.match(text) is not None and len(text) <= _LONGEST
         return plain and known.issuperset(_FUNCTION.findall(text)) and (self.version > (1, 1) or "," not in text)
 
 
 def _without_abs(text: str) -> str:
-    """Return an expression with sqrt(x * x), which is the same to the last bit, in place of abs(x)."""
+    """Return an expression with sqrt(x * x), which is identical to the last bit, instead of abs(x)."""
     while (match := re.search(r"\babs\(", text)) is not None:
         depth, close = 1, match.end()
         while depth:

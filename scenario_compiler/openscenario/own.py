@@ -1,9 +1,9 @@
 """Parts that OpenSCENARIO cannot express, as properties of a controller named `scenario_compiler`.
 
-Words of the conflict language are kept as the attributes of their elements, each a property whose name is the way to
-it: `takeover/@budget` or `ego/camera/failure[2]/@kind`. An element without attributes and children is a property with
-an empty value. Values are written as in the conflict language, in its units; one that holds a `$`, which other
-programs would take for a parameter of theirs, begins with a `=` and has `%24` in its place.
+Words of the conflict language are kept as the attributes of their elements. Each attribute is a property whose name is
+its path: `takeover/@budget` or `ego/camera/failure[2]/@kind`. An element without attributes and children is a property
+with an empty value. Values are written as in the conflict language, in its units. A value that contains a `$`, which
+other programs would interpret as a parameter, begins with a `=` and has `%24` instead.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from scenario_compiler.vocabulary.actions import ControllerProperty
 from scenario_compiler.vocabulary.word import Word
 
 OWN = "scenario_compiler"
-"""Name of the controller whose properties are ours."""
+"""Name of the controller with these properties."""
 
 UNREADABLE_PROPERTY = Code(
     "SC786",
@@ -36,11 +36,11 @@ _STEP = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(\[[1-9][0-9]{0,5}\])?\Z")
 _ATTRIBUTE = re.compile(r"@[A-Za-z_][A-Za-z0-9_]*\Z")
 
 MOST_STEPS = 12
-"""Most elements around an attribute."""
+"""Greatest depth of an attribute."""
 
 
 def flattened(parent: etree._Element, above: str = "") -> Iterator[tuple[str, str]]:
-    """Yield name and value of the properties that say all that stands in an element."""
+    """Yield name and value of the properties for everything in an element."""
     tags = [str(one.tag) for one in parent]
     met: dict[str, int] = {}
     for one, tag in zip(parent, tags, strict=True):
@@ -54,7 +54,7 @@ def flattened(parent: etree._Element, above: str = "") -> Iterator[tuple[str, st
 
 
 def veiled(value: str) -> str:
-    """Return a text without `$`, in which other programs would look for parameters; `_unveiled` gives it back."""
+    """Return a text without `$`, which other programs would interpret as parameters; `_unveiled` restores it."""
     return "=" + value.replace("%", "%25").replace("$", "%24") if "$" in value or value.startswith("=") else value
 
 
@@ -63,7 +63,7 @@ def _unveiled(value: str) -> str:
 
 
 def gathered(properties: Iterable[ControllerProperty], sink: Diagnostics) -> etree._Element:
-    """Return the element whose content the properties say; report properties that are not ours."""
+    """Return the element that the properties describe; report properties of another origin."""
     root = etree.Element(OWN)
     known = {"": root}
     for one in properties:
@@ -80,7 +80,7 @@ def gathered(properties: Iterable[ControllerProperty], sink: Diagnostics) -> etr
 
 
 def _at(way: list[str], known: dict[str, etree._Element], line: int) -> etree._Element:
-    """Return the element at the end of a way from the root; what is missing of it is made."""
+    """Return the element at the end of a path from the root; missing elements are created."""
     path = ""
     for step in way:
         above, path = path, f"{path}/{step}"
@@ -91,7 +91,7 @@ def _at(way: list[str], known: dict[str, etree._Element], line: int) -> etree._E
 
 
 def of_nobody(word: Word) -> Word:
-    """Return a condition without the entity that triggers it, which stands beside it in the standard."""
+    """Return a condition without its triggering entity, which the standard states separately."""
     return word.model_copy(update={"entity": ""}) if is_by_entity(word) else word
 
 

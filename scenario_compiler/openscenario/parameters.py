@@ -16,21 +16,21 @@ from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.variables import seconds_of
 
 TYPES = ("boolean", "dateTime", "double", "int", "integer", "string", "unsignedInt", "unsignedShort")
-"""ParameterType; `integer` is the spelling of 1.0 to 1.1."""
+"""Values of ParameterType; 1.0 and 1.1 have `integer`."""
 
 Given = Mapping[str, Bound]
-"""Values that come from outside, by the parameter's name."""
+"""Values from outside the file, by the parameter's name."""
 
 
 def declared_parameters(
     node: Node, given: Given | None = None, settled: Collection[str] | None = None
 ) -> dict[str, Bound]:
-    """Return the parameters that a node's <ParameterDeclarations> declares, each at its given value or its own.
+    """Return the parameters that a node's <ParameterDeclarations> declares, with their given or declared values.
 
     Args:
-        node: The element that holds the declarations.
+        node: The element with the declarations.
         given: Values from outside.
-        settled: For the scenario's own: those that do not stay open although they are numbers; None for others'.
+        settled: For the scenario's own parameters: those numeric ones that do not stay open; None for other parameters.
     """
     found: dict[str, Bound] = {}
     places: dict[str, Place] = {}
@@ -47,18 +47,18 @@ def declared_parameters(
 
 
 def declared_name(declaration: Node) -> str:
-    """Return the name that a declaration gives; drafts before 1.0 write it with a $."""
+    """Return the name in a declaration; drafts before 1.0 write it with a $."""
     declaration.has("name")
     return str(declaration.element.get("name", "")).lstrip("$")
 
 
 def with_parameters(node: Node, given: Given | None = None) -> Node:
-    """Return the node with the parameters in scope that it declares, each at its given value or its own; once."""
+    """Return the node with the parameters that it declares in scope, with their given or declared values."""
     return node if node.opened else node.inner(declared_parameters(node, given), opened=True)
 
 
 def assigned_parameters(reference: Node) -> dict[str, Bound]:
-    """Return the values that the <ParameterAssignments> of a catalog reference gives, over the reference's scope."""
+    """Return the values in the <ParameterAssignments> of a catalog reference, evaluated in the reference's scope."""
     found: dict[str, Bound] = {}
     for group in reference.children("ParameterAssignments"):
         for one in group.children("ParameterAssignment"):
@@ -69,7 +69,7 @@ def assigned_parameters(reference: Node) -> dict[str, Bound]:
 
 
 def bound(kind: str, node: Node, attribute: str) -> Bound:
-    """Return what a parameter of a type stands for when an attribute gives its value."""
+    """Return the meaning of a parameter of a type whose value an attribute gives."""
     raw = str(node.element.get(attribute, ""))
     node.has(attribute)
     try:
@@ -102,7 +102,7 @@ def _declared(declaration: Node, name: str, given: Given) -> Bound:
 
 
 def fits(value: Bound, kind: str) -> bool:
-    """Return whether a value is of a ParameterType."""
+    """Return whether a value has a ParameterType."""
     if kind in NUMERIC:
         number = literal_number(value.text)
         whole = kind == "double" or (number is not None and number == int(number))
@@ -125,7 +125,7 @@ def _check_constraints(declaration: Node, name: str, value: Bound, place: Place)
 
 
 RULES = ("equalTo", "greaterThan", "lessThan", "greaterOrEqual", "lessOrEqual", "notEqualTo")
-"""ASAM's Rule."""
+"""Values of ASAM's Rule."""
 
 
 def _holds(constraint: Node, value: Bound) -> bool:
@@ -158,7 +158,7 @@ def _compared(rule: str, sign: int) -> bool:
 
 
 def given_parameters(arguments: Mapping[str, str]) -> dict[str, Bound]:
-    """Return the values that `--set name=value` gives."""
+    """Return the values of `--set name=value`."""
     return {
         name: Bound("string" if literal_number(text) is None else "double", text, place=COMMAND_LINE)
         for name, text in arguments.items()
@@ -178,7 +178,7 @@ def report_unknown(
 
 
 def parameter_word(declaration: Node, value: Bound) -> Parameter:
-    """Return an open parameter as a word, with the limits that a single constraint group gives."""
+    """Return an open parameter as a word, with the limits of its constraint group if there is exactly one."""
     low: float | None = None
     high: float | None = None
     groups = declaration.children("ConstraintGroup")

@@ -1,7 +1,7 @@
-"""Points: the positions that routes and trajectories are made of, between OpenSCENARIO's elements and our words.
+"""Converts points, the positions in routes and trajectories, between OpenSCENARIO's elements and words.
 
-Angles are radians on both sides. An `Orientation` of type absolute is a word's `heading`, a relative one its `turn`;
-our world takes pitch and roll from the road.
+Angles are in radians on both sides. An absolute `Orientation` becomes a word's `heading`, a relative one its `turn`;
+pitch and roll always come from the road.
 """
 
 from __future__ import annotations
@@ -60,18 +60,18 @@ POSITION_NOT_HERE = Code(
 )
 
 ON_CURVES = ("RoutePosition", "TrajectoryPosition")
-"""Positions that are no points."""
+"""Positions that are not points."""
 
 
 class Orientation:
-    """The child `Orientation`: the fields `turn` and, where the word has it, `heading`."""
+    """The child `Orientation`: the fields `turn` and, if the word has it, `heading`."""
 
     def __init__(self, *, heading_only: bool = False) -> None:
-        """Take note whether the word has no `turn`."""
+        """Set whether the word has no `turn`."""
         self.heading_only = heading_only
 
     def read(self, node: Node) -> Fields:
-        """Return the fields; a missing type is absolute, a missing element relative and 0."""
+        """Return the fields; a missing type means absolute, a missing element relative and 0."""
         inner = node.child("Orientation")
         if inner is None:
             return {}
@@ -83,7 +83,7 @@ class Orientation:
         return {"turn": heading}
 
     def write(self, word: Any, element: etree._Element, output: Output) -> None:
-        """Add the element where the word faces another way than the position itself says."""
+        """Add the element if the word's heading differs from that of the position."""
         if word.heading is not None:
             element.append(made("Orientation", type="absolute", h=output.text(word.heading, word)))
         elif not self.heading_only and word.turn != 0.0:
@@ -101,7 +101,7 @@ def check_tilt(node: Node) -> None:
 class _Along:
     """How far ahead a RelativeLanePosition lies: along the road (`ds`) or in the lane (`dsLane`, since 1.1).
 
-    Since 1.1 both may be missing: the position is beside the entity.
+    From 1.1 on both may be missing: then the position is beside the entity.
     """
 
     def read(self, node: Node) -> Fields:
@@ -117,7 +117,7 @@ class _Along:
 
 
 class _Geographic:
-    """Latitude and longitude: in degrees since 1.2, in radians before."""
+    """Latitude and longitude, in degrees from 1.2 on, in radians before."""
 
     def read(self, node: Node) -> Fields | None:
         fields = {}
@@ -206,11 +206,11 @@ POINTS = Forms(
         regular("GeoPosition", GeoPosition, _Geographic(), Orientation(heading_only=True), since=(1, 1)),
     )
 )
-"""The points that OpenSCENARIO can say."""
+"""The points that OpenSCENARIO can express."""
 
 
 def read_point(node: Node) -> Point | None:
-    """Return the point of a <Position> element, or of another that holds one; report another element."""
+    """Return the point of a <Position> element, or of another element with one; report an unknown element."""
     inner = node.first()
     if inner is None:
         node.report(codes.MISSING_ELEMENT, f"<{node.tag}> holds no position")

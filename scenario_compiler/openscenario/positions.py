@@ -1,4 +1,4 @@
-"""Converts positions between OpenSCENARIO's <Position> and our words."""
+"""Converts positions between OpenSCENARIO's <Position> and words."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scenario_compiler.vocabulary.positions import Position
 from scenario_compiler.vocabulary.word import Word
 
 POSITIONS = Forms((*POINTS.forms, *ON_CURVES.forms))
-"""The positions that OpenSCENARIO can say."""
+"""The positions that OpenSCENARIO can express."""
 
 UNSAID = {
     "world": "a plan binds it to a lane; in CARLA's axes it means the middle of the vehicle's box",
@@ -24,7 +24,7 @@ UNSAID = {
     "ahead_of": "it follows the lane over junctions in the entity's direction of travel",
     "beside": "it is measured from where the entity stands in its lane",
 }
-"""Positions of ours that no element of OpenSCENARIO says, by tag, and why."""
+"""Tags of the positions that OpenSCENARIO cannot express, with the reasons."""
 
 
 def read_position(node: Node) -> Position | None:
@@ -45,5 +45,5 @@ def write_position(word: Word, output: Output, tag: str = "Position") -> etree._
 
 
 def anywhere(tag: str = "Position") -> Child:
-    """Return the part for a child element that is a position, and the field `position`."""
+    """Return the part for a child element that is a position, for the field `position`."""
     return Child("position", tag, read_position, lambda word, output: write_position(word, output, tag))

@@ -1,7 +1,6 @@
 """Restores a scenario that this program has exported, with the parts that OpenSCENARIO cannot express.
 
-What an element of the file says counts: a word that was kept because its element does not say it exactly takes that
-element's place only while the element is as it was written.
+The elements of the file take precedence: a kept word replaces its element only if the element has not been changed.
 """
 
 from __future__ import annotations
@@ -49,7 +48,7 @@ _CONDITIONS: Mapping[str, type[Word]] = {
 
 
 def restored(scenario: Scenario, root: Node) -> Scenario:
-    """Return the scenario with what the properties of its own controllers keep; unchanged when it has none."""
+    """Return the scenario with what the properties of its own controllers keep; unchanged if there are none."""
     own = {
         init.entity: gathered(init.action.properties, root.reading.sink)
         for init in scenario.storyboard.init
@@ -60,7 +59,7 @@ def restored(scenario: Scenario, root: Node) -> Scenario:
 
 @dataclass
 class _Kept:
-    """A word that takes an element's place, none to take the element away, where the element is still as it was."""
+    """A word that replaces an element, or None to remove it, if the element has not been changed."""
 
     word: Word | None
     entity: str
@@ -130,7 +129,7 @@ class _Restoration:
         )
 
     def _of_scenario(self) -> dict[str, Any]:
-        """Return the fields of the scenario that are kept."""
+        """Return the kept fields of the scenario."""
         tree = next((one for one in self.own.values() if one.find("scenario") is not None), None)
         element = None if tree is None else tree.find("scenario")
         if tree is None or element is None:
@@ -154,7 +153,7 @@ class _Restoration:
         return {**changes, "stop_groups": int(groups)} if groups.isdecimal() and len(groups) < 6 else changes
 
     def _restore_vehicle(self, vehicles: dict[str, Vehicle], name: str, tree: etree._Element) -> None:
-        """Give a vehicle back what its element does not say."""
+        """Restore the parts of a vehicle that its element cannot express."""
         element = tree.find("vehicle")
         if element is None or name not in vehicles:
             return
@@ -172,7 +171,7 @@ class _Restoration:
         vehicles[name] = vehicles[name].model_copy(update=changes)
 
     def _entity(self, actor: Dynamic, tree: etree._Element, init: list[InitAction]) -> Ego | Dynamic | Static:
-        """Return an entity as what it was, starting where the init's actions put it."""
+        """Return an entity with its original kind, starting where the init's actions put it."""
         element = next((one for one in tree if str(one.tag) in ("ego", "static", "dynamic")), None)
         if element is None:
             return actor
@@ -261,7 +260,7 @@ def _is_own(init: InitAction) -> bool:
 
 
 def _taken_start(entity: str, init: list[InitAction]) -> tuple[Position | None, Number]:
-    """Take an entity's first teleport and first change of speed out of the init; return its start and speed."""
+    """Remove an entity's first teleport and first change of speed from the init; return its start and speed."""
     start: Position | None = None
     speed: Number = 0.0
     for kind in (TeleportAction, SpeedAction):

@@ -1,4 +1,4 @@
-"""<RoadNetwork>: the OpenDRIVE file, and the controllers of traffic signals with their phases."""
+"""<RoadNetwork>: the OpenDRIVE file, and the traffic signal controllers with their phases."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ OPEN_GROUND = "open_ground"
 
 
 def read_map(root: Node) -> str:
-    """Return the road file as the scenario names it; the plane without roads, reported, when it names none."""
+    """Return the road file as the scenario names it; if it names none, report it and return the plane without roads."""
     network = root.child("RoadNetwork")
     logic = None if network is None else network.child("LogicFile", "Logics")
     if network is not None:
@@ -32,7 +32,7 @@ def read_map(root: Node) -> str:
 
 
 def read_signal_controllers(root: Node) -> tuple[SignalController, ...]:
-    """Return the controllers of traffic signals."""
+    """Return the traffic signal controllers."""
     network = root.child("RoadNetwork")
     signals = [] if network is None else network.children("TrafficSignals")
     found: dict[str, SignalController] = {}

@@ -1,7 +1,7 @@
 """Parameters in scope: the meanings of `$name` and `${expression}` at a place of an OpenSCENARIO file.
 
-A numeric parameter of the scenario stays open where a number uses it, so that a sweep varies it in one plan. What
-decides structure takes the parameter's present value, and the name is remembered as structural.
+A numeric parameter of the scenario remains open where a number uses it, so that a sweep varies it in one plan. Anything
+else uses the parameter's present value, and the parameter is recorded as structural.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from scenario_compiler.expressions import Expression, ExpressionError, Value, fo
 from scenario_compiler.markup.environment import UnknownNameError
 
 NUMERIC = ("double", "integer", "int", "unsignedInt", "unsignedShort")
-"""Types whose parameters are numbers; `integer` is the spelling of 1.0."""
+"""Types of numeric parameters; 1.0 has `integer`."""
 
 _NAME = re.compile(r"\$([^\s${}]+)\Z")
 _EXPRESSION = re.compile(r"\$\{(.*)\}\Z", re.DOTALL)
@@ -24,13 +24,13 @@ _OPEN_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 
 @dataclass(frozen=True)
 class Bound:
-    """What a parameter stands for.
+    """The meaning of a parameter.
 
     Attributes:
         type: Its ParameterType.
-        text: Its present value as an attribute would write it.
-        expression: Its value over the scenario's open parameters, for a number that depends on some; else None.
-        place: Where its value stands, when that is not at its declaration.
+        text: Its present value, as it would be written in an attribute.
+        expression: Its value as an expression of the scenario's open parameters, for a number that depends on some.
+        place: The place of its value, if that is not the declaration.
     """
 
     type: str
@@ -40,7 +40,7 @@ class Bound:
 
     @property
     def value(self) -> Value:
-        """The present value: true or false, a number, also where a text writes one, or a text."""
+        """The present value: a boolean, a number (also if a text contains one), or a text."""
         if self.type == "boolean":
             return self.text in ("true", "1")
         number = literal_number(self.text)
@@ -54,7 +54,7 @@ class Scope:
     Attributes:
         bound: By name.
         values: Present values of the scenario's open parameters; filled as they are declared.
-        structural: Open parameters that something other than a number turned out to depend on; filled while reading.
+        structural: Open parameters on which something other than a number depends; filled while reading.
     """
 
     bound: Mapping[str, Bound] = field(default_factory=dict)
@@ -62,16 +62,16 @@ class Scope:
     structural: set[str] = field(default_factory=set)
 
     def inner(self, more: Mapping[str, Bound]) -> Scope:
-        """Return the scope in which more parameters are known; they hide others of the same names."""
+        """Return the scope with more parameters, which hide others of the same names."""
         return Scope({**self.bound, **more}, self.values, self.structural) if more else self
 
     def symbolic(self, text: str) -> Expression | str:
-        """Return what a text stands for: itself, a parameter's text, or an expression over open parameters.
+        """Return the meaning of a text: itself, a parameter's text, or an expression of open parameters.
 
-        One that has grown longer or deeper than expressions are read stands for its present value.
+        An expression that exceeds the limits of length or depth is replaced by its present value.
 
         Raises:
-            ExpressionError: An expression is malformed, or a name is not known; the offset is into `text`.
+            ExpressionError: An expression is malformed, or a name is unknown; the offset is into `text`.
         """
         stripped = text.strip()
         lead = text.find(stripped)
@@ -106,9 +106,9 @@ class Scope:
         return format_value(found.evaluate(self.values))
 
     def joined(self, text: str) -> str | None:
-        """Return the texts and parameters of `${a + b}` one after the other, as names are put together in real files.
+        """Return the concatenated texts and parameters of `${a + b}`, because real files combine names in this way.
 
-        None for other texts, and where a parameter is not known.
+        None for other texts, and if a parameter is unknown.
         """
         inner = _EXPRESSION.match(text.strip())
         parts = [part.strip() for part in inner.group(1).split("+")] if inner else []
@@ -117,7 +117,7 @@ class Scope:
         return "".join(self.bound[part[1:]].text if part.startswith("$") else part for part in parts)
 
     def opened(self, name: str, one: Bound) -> Bound:
-        """Return the scenario's parameter left open, if it is a number of its own and expressions know its name."""
+        """Return the scenario's parameter as an open one, if it is a number and its name is possible in expressions."""
         value = one.value
         if one.expression is not None or one.type not in NUMERIC or not _OPEN_NAME.match(name):
             return one
@@ -133,7 +133,7 @@ class Scope:
 
 
 def literal_number(text: str) -> float | None:
-    """Return the finite number that a text writes, XML Schema's INF as 1e10; None when it writes none."""
+    """Return the finite number in a text, 1e10 for XML Schema's INF; None if there is none."""
     stripped = text.strip()
     if stripped in ("INF", "+INF", "-INF", "inf", "-inf"):
         return -LARGE if stripped.startswith("-") else LARGE
@@ -144,9 +144,9 @@ def literal_number(text: str) -> float | None:
 
 
 LARGE = 1.0e10
-"""What stands for an infinite limit."""
+"""Value for an infinite limit."""
 
 MOST = 1.0e300
-"""Largest number that is read: sums and products of a few of them stay finite where it matters."""
+"""Largest number that is accepted: sums and products of a few of them stay finite where it matters."""
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?\Z")

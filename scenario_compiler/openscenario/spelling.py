@@ -1,7 +1,7 @@
-"""The OpenSCENARIO spelling of our words, declared once for reading and writing.
+"""The OpenSCENARIO spelling of words, declared once for reading and writing.
 
-A `Form` pairs a word with an element: one function reads, one writes. `regular` makes both from the parts that the
-element consists of, each of which reads and writes some of the word's fields.
+A `Form` pairs a word with an element: one function reads, one writes. `regular` makes both from the parts of the
+element, each of which reads and writes some of the word's fields.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ AnyWord = TypeVar("AnyWord", bound=Word)
 Fields = dict[str, Any]
 
 REQUIRED: Any = ...
-"""In place of a default: the attribute must be there."""
+"""Stands in place of a default if the attribute is required."""
 
 _EVER: Version = (1, 0)
 
 
 class Part(Protocol):
-    """A part of an element: an attribute, a child, or some of them that belong together."""
+    """A part of an element: an attribute, a child, or several of them that belong together."""
 
     def read(self, node: Node) -> Fields | None:
-        """Return the fields that the part spells; None when the word cannot do without what is missing."""
+        """Return the fields of the part; None if a required one is missing."""
         ...
 
     def write(self, word: Any, element: etree._Element, output: Output) -> None:
@@ -41,14 +41,14 @@ class Part(Protocol):
 
 @dataclass(frozen=True)
 class Form(Generic[AnyWord]):
-    """An element and the word that it is.
+    """An element and its word.
 
     Attributes:
         tag: Name of the element.
         word: Type of the word.
-        read: Element to word; None when too much of it is missing.
+        read: Element to word; None if required parts are missing.
         write: Word to element.
-        around: Names of the elements around it, outermost first.
+        around: Names of the enclosing elements, outermost first.
         since: First version that has the element.
     """
 
@@ -69,7 +69,7 @@ class Forms:
     by_word: Mapping[type[Word], Form[Any]] = dataclasses.field(init=False)
 
     def __post_init__(self) -> None:
-        """Sort the forms; of two for one word the first is written, of two for one element the first is read."""
+        """Index the forms; of two for one word the first is written, of two for one element the first is read."""
         object.__setattr__(self, "by_tag", {one.tag: one for one in reversed(self.forms)})
         object.__setattr__(self, "by_word", {one.word: one for one in reversed(self.forms)})
 
@@ -79,8 +79,8 @@ def regular(
 ) -> Form[AnyWord]:
     """Return the form of a word whose element is the sum of its parts.
 
-    Here and wherever a file is read, words are constructed without being validated again: the parts have read what
-    the fields take, and the validators of all words take longer to make than most files to read.
+    Here and wherever a file is read, words are constructed without further validation: the parts have checked the
+    values of the fields, and building the validators of all words takes longer than reading most files.
     """
 
     def read(node: Node) -> AnyWord | None:
@@ -109,10 +109,10 @@ class Attribute:
         field: The word's field.
         name: The attribute.
         convert: Reads the attribute of a node, given its name and default.
-        default: What a missing attribute means; REQUIRED when it must be there.
+        default: Value of a missing attribute; REQUIRED if it must not be missing.
         since: First version that has the attribute.
-        names: Field value to the standard's, where they differ.
-        always: It is written even where it says what a missing one is taken for: the standard wants it there.
+        names: Names of values in the standard, where they differ from the field's.
+        always: Whether to write it even with its default value, because the standard requires it.
     """
 
     field: str
@@ -132,7 +132,7 @@ class Attribute:
         return {self.field: back.get(found, found) if isinstance(found, str) else found}
 
     def write(self, word: Word, element: etree._Element, output: Output) -> None:
-        """Add the attribute, unless it says what a missing one means."""
+        """Add the attribute, unless it has its default value."""
         value = getattr(word, self.field)
         if not self.always and self.default is not REQUIRED and value == self.default:
             return
@@ -143,22 +143,22 @@ class Attribute:
 
 
 def number(field: str, name: str = "", default: Any = REQUIRED, since: Version = _EVER) -> Attribute:
-    """Return the part for a number that may stay open."""
+    """Return the part for a number that may be an expression."""
     return Attribute(field, name or field, lambda node, at, usual: node.number(at, usual), default, since)
 
 
 def fixed(field: str, name: str = "", default: Any = REQUIRED, since: Version = _EVER) -> Attribute:
-    """Return the part for a number that decides structure."""
+    """Return the part for a number that is structural."""
     return Attribute(field, name or field, lambda node, at, usual: node.float(at, usual), default, since)
 
 
 def integer(field: str, name: str = "", default: Any = REQUIRED, since: Version = _EVER) -> Attribute:
-    """Return the part for a whole number."""
+    """Return the part for an integer."""
     return Attribute(field, name or field, lambda node, at, usual: node.integer(at, usual), default, since)
 
 
 def boolean(field: str, name: str = "", default: Any = REQUIRED, since: Version = _EVER) -> Attribute:
-    """Return the part for true or false."""
+    """Return the part for a boolean."""
     return Attribute(field, name or field, lambda node, at, usual: node.boolean(at, usual), default, since)
 
 
@@ -180,7 +180,7 @@ def choice(
     since: Version = _EVER,
     names: Mapping[str, str] | None = None,
 ) -> Attribute:
-    """Return the part for one of the words that a field of `word` allows; `names` are those spelled otherwise."""
+    """Return the part for one of the words that a field of `word` allows; `names` are those with another spelling."""
     renamed = names or {}
     allowed = [renamed.get(one, one) for one in grammar_of(word).attributes[field].choices if one]
 
@@ -198,9 +198,9 @@ class Child:
     Attributes:
         field: The word's field.
         tag: Name of the child element.
-        reader: Child element to the field's value, None when nothing can be made of it.
+        reader: Child element to the field's value; None if it is not usable.
         writer: The field's value to the child element.
-        required: The word cannot do without.
+        required: Whether the word needs the field.
         since: First version that has the child.
     """
 
@@ -212,13 +212,13 @@ class Child:
     since: Version = _EVER
 
     def read(self, node: Node) -> Fields | None:
-        """Return the field; None when it is needed and missing."""
+        """Return the field; None if it is required and missing."""
         inner = node.required(self.tag) if self.required else node.child(self.tag)
         found = None if inner is None else self.reader(inner)
         return None if self.required and found is None else {self.field: found}
 
     def write(self, word: Word, element: etree._Element, output: Output) -> None:
-        """Add the child where the field has a value."""
+        """Add the child if the field has a value."""
         value = getattr(word, self.field)
         if value is None:
             return
@@ -235,8 +235,8 @@ class Children:
     Attributes:
         field: The word's field.
         form: The form of each.
-        least: Fewest that are read.
-        wanted: Fewest that the standard wants: the last one is repeated where there are fewer.
+        least: Least number that a word needs.
+        wanted: Least number that the standard requires; the last one is repeated to reach it.
     """
 
     field: str
@@ -245,7 +245,7 @@ class Children:
     wanted: int = 0
 
     def read(self, node: Node) -> Fields | None:
-        """Return the field; None when there are too few."""
+        """Return the field; None if there are too few."""
         found = [self.form.read(inner) for inner in node.children(self.form.tag)]
         if len(found) < self.least:
             node.required(self.form.tag)
@@ -270,7 +270,7 @@ def made(tag: str, *children: etree._Element, **attributes: str) -> etree._Eleme
 
 
 def nested(around: Sequence[str], element: etree._Element) -> etree._Element:
-    """Return an element inside others, given from the outermost."""
+    """Return an element inside others, whose tags are given from the outermost."""
     for tag in reversed(around):
         element = made(tag, element)
     return element

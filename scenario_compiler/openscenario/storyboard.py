@@ -26,16 +26,16 @@ from scenario_compiler.vocabulary.storyboard import (
 )
 
 ACTIONS = ("PrivateAction", "GlobalAction", "UserDefinedAction")
-"""Elements that hold an action."""
+"""Elements that contain an action."""
 
 PRIORITIES: dict[str, Priority] = {
     "override": "override", "overwrite": "override", "skip": "skip", "parallel": "parallel",
 }  # fmt: skip
-"""Priorities by their names in all versions: `overwrite` became `override` in 1.2."""
+"""Priorities by their names in all versions: 1.2 renamed `overwrite` to `override`."""
 
 
 def read_storyboard(node: Node, first: Iterable[InitAction] = ()) -> Storyboard:
-    """Return the storyboard; `first` is done before the actions of the init."""
+    """Return the storyboard; the actions `first` come before those of the init."""
     init = node.child("Init")
     actions = None if init is None else init.child("Actions")
     names = Siblings()
@@ -139,7 +139,7 @@ def _event(node: Node, names: Siblings) -> Event:
 
 
 def _named_actions(node: Node, names: Siblings) -> list[tuple[str, Action]]:
-    """Return what an <Action> does; more than one word share its name, the later ones with a number behind it."""
+    """Return the words of an <Action>; if there are several, the later ones get the name with a number."""
     inner = node.required(*ACTIONS)
     words = [] if inner is None else read_actions(inner)
     name = names.name(node)

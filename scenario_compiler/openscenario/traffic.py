@@ -1,4 +1,4 @@
-"""The vehicles of actions on traffic: those of the file's catalogs, else vehicles of usual size."""
+"""The vehicles of actions on traffic: those of the file's catalogs, otherwise vehicles of typical size."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from scenario_compiler.vocabulary.traversal import walk
 
 
 def with_traffic_vehicles(scenario: Scenario, root: Node) -> Scenario:
-    """Return a scenario that has vehicles of every category that its actions on traffic ask for."""
+    """Return a scenario that has vehicles of every category that its actions on traffic use."""
     actions = [one for one in walk(scenario.storyboard) if isinstance(one, KeepsVehicles)]
     wanted = dict.fromkeys(
         kind.category for one in actions for kind in one.kinds or (TrafficKind(category="car"),) if kind.weight > 0.0
@@ -35,7 +35,7 @@ def with_traffic_vehicles(scenario: Scenario, root: Node) -> Scenario:
 
 
 def _catalog_vehicles(root: Node) -> Iterable[Vehicle]:
-    """Yield the vehicles of the file's catalogs, without those that could not be read; nobody asked for these."""
+    """Yield the readable vehicles of the file's catalogs; others are not reported, because nothing refers to them."""
     catalogs = root.reading.known.catalogs
     for catalog in [] if catalogs is None else catalogs.all(Diagnostics()):
         for element in catalog.entries.values():

@@ -1,4 +1,4 @@
-"""Triggers: condition groups, conditions with their edges and delays, and the entities that trigger them."""
+"""Triggers: condition groups, conditions with their edges and delays, and triggering entities."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from scenario_compiler.vocabulary.storyboard import ConditionGroup, Edge, Trigge
 EDGES: tuple[Edge, ...] = get_args(Edge)
 
 OLD_EDGES = {"any": "risingOrFalling"}
-"""Edges of drafts before 1.0."""
+"""Names of edges in drafts before 1.0."""
 
 
 def read_start_trigger(node: Node, tag: str = "StartTrigger") -> Trigger | None:
-    """Return when something starts; None, at once, without a trigger or with one that has no group."""
+    """Return a start trigger; None, which means at once, if there is none or it has no group."""
     trigger = node.child(tag)
     read = None if trigger is None else read_trigger(trigger)
     written = [] if trigger is None else trigger.children("ConditionGroup")
@@ -24,12 +24,12 @@ def read_start_trigger(node: Node, tag: str = "StartTrigger") -> Trigger | None:
 
 
 def read_stop_trigger(node: Node) -> Trigger | None:
-    """Return when something stops; None, never, without a trigger or with one that has no group."""
+    """Return a stop trigger; None, which means never, if there is none or it has no group."""
     return read_start_trigger(node, "StopTrigger")
 
 
 def read_trigger(node: Node) -> Trigger:
-    """Return a trigger; groups that hold a condition that cannot be read are left out: they never become true."""
+    """Return a trigger without the groups that contain an unreadable condition, because they never become true."""
     groups = [_group(one) for one in node.children("ConditionGroup")]
     return Trigger.model_construct(groups=tuple(one for one in groups if one is not None)).written_at(node.origin)
 

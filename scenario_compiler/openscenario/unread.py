@@ -1,4 +1,4 @@
-"""Reports the parts of a file that nothing has read, so that nothing is skipped silently."""
+"""Reports the parts of a file that were not read, so that nothing is ignored silently."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from scenario_compiler.openscenario.node import Node
 from scenario_compiler.structure.walk import local_name
 
 DESCRIPTIONS = ("FileHeader", "License", "Properties", "File")
-"""Elements that describe: what they say has no effect and is not meant to have one."""
+"""Elements that only describe; they are not meant to have an effect."""
 
 MOST_FINDINGS = 50
-"""Most findings a file: a file of another kind would have no end of them."""
+"""Greatest number of findings for a file, because a file of another kind would have very many."""
 
 
 def report_unread(node: Node) -> None:
-    """Report the outermost elements below a node that were never looked at, and attributes that nobody asked for."""
+    """Report the outermost elements below a node that were never read, and attributes that were never read."""
     for _, (element, attribute) in zip(range(MOST_FINDINGS), _unread(node), strict=False):
         what = f"{local_name(element)}/{attribute}" if attribute else f"<{local_name(element)}>"
         place = node.reading.origin(element, attribute or None)

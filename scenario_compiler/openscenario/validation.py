@@ -18,8 +18,8 @@ def validate_openscenario(path: Path, sink: Diagnostics, schemas: Schemas | None
 
     Args:
         path: The file.
-        sink: Where the faults go.
-        schemas: Where ASAM's schema is taken from; None: what is declared here judges.
+        sink: Receives the faults.
+        schemas: Where ASAM's schema is found; None to check only against the tables of `structure`.
     """
     document = _read(path, sink)
     if document is not None and not (schemas is not None and _by_schema(document, schemas, sink)):
@@ -27,7 +27,7 @@ def validate_openscenario(path: Path, sink: Diagnostics, schemas: Schemas | None
 
 
 def add_meaning(meaning: Diagnostics, sink: Diagnostics) -> None:
-    """Add findings on a file's meaning as warnings; faults of its structure have been reported before."""
+    """Add findings on a file's meaning as warnings; faults of its structure must have been reported before."""
     told = {(one.place.file, one.place.line, one.place.column) for one in sink.found}
     for one in meaning:
         if one.code not in _OF_STRUCTURE and (one.place.file, one.place.line, one.place.column) not in told:
@@ -39,7 +39,7 @@ _OF_STRUCTURE = (UNREADABLE, MALFORMED, FORBIDDEN, MENDED_COMMENT, UNKNOWN_VERSI
 
 
 def _read(path: Path, sink: Diagnostics) -> Document | None:
-    """Read the file; where only two hyphens in a comment make it ill-formed, that is an error and the rest is read."""
+    """Read the file; if only two hyphens in a comment make it ill-formed, report an error and read the rest."""
     read = Diagnostics()
     document = read_forgiving(path, read)
     for one in read.found:

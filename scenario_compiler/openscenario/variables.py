@@ -23,7 +23,7 @@ _ATTRIBUTES = ("variableRef", "parameterRef", "monitorRef")
 
 
 def read_variables(root: Node) -> dict[str, Variable]:
-    """Return the declared variables and monitors by name; a monitor is true or false."""
+    """Return the declared variables and monitors by name; a monitor is a boolean."""
     found: dict[str, Variable] = {}
     for group in root.children("VariableDeclarations", "MonitorDeclarations"):
         for node in group.children("VariableDeclaration", "MonitorDeclaration"):
@@ -54,8 +54,8 @@ def used_variables(
 ) -> tuple[Variable, ...]:
     """Return the variables, and the scenario's parameters that actions change or conditions read; report other names.
 
-    A parameter that is used so decides structure: its value is the one that the run starts with. A name that means
-    nothing stands for a text that is empty until an action changes it.
+    A parameter that is used in this way is structural: its value is the one with which the run starts. An unknown name
+    becomes a text that is empty until an action changes it.
     """
     found = dict(declared)
     for word in walk(storyboard):

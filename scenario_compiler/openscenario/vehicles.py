@@ -1,7 +1,7 @@
 """<Vehicle>, <Pedestrian> and <MiscObject>: the kind of an entity, its box, its axles and its limits.
 
-The reference point is ASAM's: on the ground, a vehicle's rear axle, anything else's where its box says. Where a file is
-silent about what a thing can do, esmini's numbers hold: 10 m/s2 either way and 100 m/s.
+The reference point is ASAM's: on the ground, below the rear axle for a vehicle, and relative to its box for any other
+entity. Missing limits have esmini's values: 10 m/s2 for acceleration and deceleration, and 100 m/s.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from scenario_compiler.openscenario.node import Node, ObjectType
 from scenario_compiler.vocabulary.entities import Category, Vehicle
 
 OBJECTS: dict[str, ObjectType] = {"Vehicle": "vehicle", "Pedestrian": "pedestrian", "MiscObject": "miscellaneous"}
-"""Elements that say what an entity is, and the ObjectType of each."""
+"""Elements that describe an entity, and the ObjectType of each."""
 
 CATEGORIES: dict[str, Category] = {
     "car": "car", "van": "van", "truck": "truck", "trailer": "truck", "semitrailer": "truck", "bus": "bus",
     "motorbike": "motorbike", "bicycle": "bicycle", "train": "bus", "tram": "bus", "standup_scooter": "bicycle",
     "wheelchair": "pedestrian", "work_machine": "truck",
 }  # fmt: skip
-"""ASAM's VehicleCategory and what it is drawn as."""
+"""ASAM's VehicleCategory, and the category as which it is drawn."""
 
 THINGS: dict[str, Category] = {
     "barrier": "barrier", "soundBarrier": "barrier", "railing": "barrier", "gantry": "sign", "obstacle": "prop",
@@ -31,24 +31,24 @@ THINGS: dict[str, Category] = {
     "pole": "prop", "roadMark": "prop", "streetLamp": "prop", "streetlamp": "prop", "trafficIsland": "prop",
     "tree": "prop", "vegetation": "prop", "wind": "prop",
 }  # fmt: skip
-"""ASAM's MiscObjectCategory and what it is drawn as."""
+"""ASAM's MiscObjectCategory, and the category as which it is drawn."""
 
 PEDESTRIANS = ("pedestrian", "wheelchair", "animal")
 """ASAM's PedestrianCategory."""
 
 ACCELERATION, SPEED = 10.0, 100.0
-"""What an entity is able to do where its file is silent, m/s2 and m/s."""
+"""Limits of an entity whose file states none, m/s2 and m/s."""
 
 LEAST_SIZE = 0.001
-"""Least extent of a box, m: what is given as less is taken as this."""
+"""Least extent of a box, m; smaller values are increased to this."""
 
 LEAST_WHEELBASE = 0.1
-"""Least distance between the axles, m: anything without axles turns on the spot."""
+"""Least distance between the axles, m; an entity without axles turns on the spot."""
 
 
 @dataclass(frozen=True)
 class Box:
-    """A bounding box: extents and how far its centre lies ahead of the reference point, m."""
+    """A bounding box: its extents, and how far its centre lies ahead of the reference point, m."""
 
     length: float
     width: float
@@ -71,12 +71,13 @@ USUAL_TRAFFIC: dict[Category, tuple[Box, float]] = {
     "motorbike": (Box(2.2, 0.8, 1.5, 0.7), 1.4),
     "bicycle": (Box(1.8, 0.6, 1.7, 0.5), 1.1),
 }
-"""Boxes and wheelbases of traffic, m: of the size of the library's vehicles of that category, rounded; the lengths of a
-rigid truck and of a bus are common ones below the 12 m and 13.5 m that Directive 96/53/EC allows."""
+"""Boxes and wheelbases of traffic, m: the size of the library's vehicles of that category, rounded; the lengths of a
+rigid truck and of a bus are common ones below the 12 m and 13.5 m that Directive 96/53/EC allows.
+"""
 
 
 def read_vehicle(node: Node) -> Vehicle:
-    """Return what a <Vehicle>, <Pedestrian> or <MiscObject> is."""
+    """Return the vehicle of a <Vehicle>, <Pedestrian> or <MiscObject>."""
     kind = OBJECTS[node.tag]
     box = _box(node, kind)
     base, steer = _axles(node)
@@ -100,7 +101,7 @@ def read_vehicle(node: Node) -> Vehicle:
 
 
 def usual_car(name: str) -> Vehicle:
-    """Return a car of usual size, for what a file says nothing of."""
+    """Return a car of typical size, for an entity that a file does not describe."""
     box = USUAL_BOXES["external"]
     return Vehicle.model_construct(
         name=name,
@@ -116,7 +117,7 @@ def usual_car(name: str) -> Vehicle:
 
 
 def usual_vehicle(name: str, category: Category) -> Vehicle:
-    """Return a vehicle of a category with a usual box, for traffic of which a file describes none."""
+    """Return a vehicle of a category with a typical box, for traffic whose vehicles a file does not describe."""
     box, base = USUAL_TRAFFIC.get(category, (USUAL_BOXES["vehicle"], 2.8))
     changes = {
         **{"category": category, "length": box.length, "width": box.width, "height": box.height},
@@ -184,7 +185,7 @@ def _performance(node: Node) -> tuple[float, float, float]:
 
 
 def _limit(performance: Node, attribute: str, usual: float) -> float:
-    """Return what an entity is able to do; where the file says no number, which is reported, the usual one."""
+    """Return a limit of an entity, or the usual value if the file has no number, which is reported."""
     return max(0.0, performance.float(attribute, usual, severity=Severity.WARNING))
 
 
@@ -194,7 +195,7 @@ def _distance(node: Node, tag: str) -> float | None:
 
 
 def ignore(node: Node) -> None:
-    """Take note of what an entity's description says beside: how it looks, what it weighs, what only others read."""
+    """Mark the other parts of an entity's description as read: appearance, mass, and what only other programs use."""
     for attribute in ("model", "model3d", "mass", "role"):
         node.has(attribute)
     for properties in node.children("Properties"):

@@ -1,7 +1,7 @@
 """Checks a scenario file against ASAM's own schema and ASAM's rules, if the user has them.
 
-The schemas are those in a folder or those that ASAM's checker for OpenSCENARIO XML brings. It is an extra
-(`pip install 'scenario-compiler[asam]'`), imported here alone, and runs in this process: its rules are functions from a
+The schemas are those in a folder, or those that ASAM's checker for OpenSCENARIO XML contains. The checker is an extra
+(`pip install 'scenario-compiler[asam]'`), imported only here. It runs in this process: its rules are functions from a
 file to a list of issues.
 """
 
@@ -65,20 +65,20 @@ CHECKER = "qc_openscenario"
 """ASAM's checker for OpenSCENARIO XML, an installed package."""
 
 SCHEMA_RULE = "xml.valid_schema"
-"""End of the id of the rule that the schema's faults break; they are reported with better places here."""
+"""End of the id of the rule for faults of the schema, which are reported here with better places."""
 
 
 def validate_with_xsd(document: Document, version: tuple[int, int] | None, schemas: Schemas, sink: Diagnostics) -> bool:
-    """Check a scenario file against the schema of its version and, where ASAM's checker is installed, its rules.
+    """Check a scenario file against the schema of its version and, if ASAM's checker is installed, its rules.
 
     Args:
         document: The file.
-        version: Its revMajor and revMinor, None where it names none.
-        schemas: Where the schema is taken from.
-        sink: Where faults go, with their places.
+        version: Its revMajor and revMinor, None if it names none.
+        schemas: Where the schema is found.
+        sink: Receives the faults with their places.
 
     Returns:
-        Whether there was a schema to judge by; where not, that is reported.
+        Whether a schema was found; if not, that is reported.
     """
     schema = None if version is None or version[0] != 1 else _schema_of(version[1], schemas)
     if schema is None:
@@ -97,7 +97,7 @@ def validate_with_xsd(document: Document, version: tuple[int, int] | None, schem
 
 
 def is_installed() -> bool:
-    """Tell whether ASAM's checker is installed."""
+    """Return whether ASAM's checker is installed."""
     return importlib.util.find_spec(CHECKER) is not None
 
 
@@ -119,7 +119,7 @@ def _no_schema(version: tuple[int, int] | None, schemas: Schemas) -> str:
 
 
 def check_rules(document: Document, sink: Diagnostics) -> None:
-    """Report where a file breaks the rules of ASAM's checker, but for those of the schema.
+    """Report where a file violates the rules of ASAM's checker, except that on the schema.
 
     The checker must be installed. It reads the file, and the road file that it names, by itself.
     """
@@ -159,7 +159,7 @@ def _issues(result: Result) -> Iterator[IssueType]:
 
 
 def _places(issue: IssueType, tree: etree._ElementTree) -> Iterator[tuple[etree._Element, str]]:
-    """Yield the elements that an issue names, each with its description; the root when it names none."""
+    """Yield the elements that an issue names, each with its description; the root if it names none."""
     root = tree.getroot()
     if not issue.locations:
         yield root, issue.description
@@ -174,7 +174,7 @@ def _places(issue: IssueType, tree: etree._ElementTree) -> Iterator[tuple[etree.
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep the checker's logging, which goes through the root logger, off the terminal."""
+    """Keep the checker's logging, which uses the root logger, off the terminal."""
     silent = logging.NullHandler()
     logging.root.addHandler(silent)
     try:

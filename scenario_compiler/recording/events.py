@@ -18,7 +18,7 @@ from scenario_compiler.recording.names import EVENT_TEXTS, EventKind
 class EventRow(BaseModel):
     """Something that happened at one instant: a row of events.csv, in the order of the fields."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     t: float = Field(description="Time, s.")
     kind: EventKind = Field(description="What happened.", json_schema_extra={"enum": [*EVENT_TEXTS]})

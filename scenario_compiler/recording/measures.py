@@ -1,7 +1,7 @@
 """Measures of a run: each is declared once in `MEASURES`, with its definition, unit and source.
 
 A measure is computed in two ways with the same result: from `Traces`, the arrays of recordings with any leading axes
-for runs, and from `RunTotals`, which the engine adds up during the run. Both return one number per run, NaN where the
+for runs, and from `RunTotals`, which the engine adds up during the run. Both return one number per run, NaN if the
 measure is not defined. Every file that contains the number also contains its definition.
 """
 
@@ -147,7 +147,7 @@ def distance_to_limit(cause: Floats, blocked: Floats, ends: Floats) -> Floats:
 
 
 def cause_of_request(traces: Traces) -> Floats:
-    """Code of the cause of the first request, NaN without one."""
+    """Code of the cause of the first request, NaN if there is none."""
     return _at_request(traces, traces.cause.astype(np.float64))
 
 
@@ -166,11 +166,11 @@ def _time_budget_total(totals: RunTotals) -> Floats:
 
 
 def time_to_limit(cause: Floats, distance: Floats, speed: Floats, towards: Floats, left: Floats) -> Floats:
-    """Return the time until a limit is reached at unchanged speeds, s; NaN where nothing moves.
+    """Return the time until a limit is reached at unchanged speeds, s; NaN if nothing moves.
 
     Args:
         cause: Code of the request's cause.
-        distance: Distance to an obstacle or the lane's end, m; NaN where the request is not about one.
+        distance: Distance to an obstacle or the lane's end, m; NaN if the request is not about one.
         speed: Speed of the vehicle, m/s.
         towards: Speed at which what blocks the path comes towards it, m/s.
         left: The time itself, s, where the request is not about an obstacle; NaN else.
@@ -190,7 +190,7 @@ def _request_lead_total(totals: RunTotals) -> Floats:
 
 
 def _at_request(traces: Traces, values: Floats) -> Floats:
-    """Return a run's column (..., n) in the first row after the request that has a cause, NaN without one.
+    """Return a run's column (..., n) in the first row after the request that has a cause, NaN if there is none.
 
     The row at the time of the request was recorded before the request; its findings are in the rows after it.
     """
@@ -202,7 +202,7 @@ def _speed_at_request(traces: Traces) -> Floats:
 
 
 def _in_first(rows: Booleans, values: Floats) -> Floats:
-    """Return the values (..., n) in the first of these rows, NaN where there are none."""
+    """Return the values (..., n) in the first of these rows, NaN if there are none."""
     row = np.argmax(rows, axis=-1)[..., None]
     return np.where(rows.any(axis=-1), np.take_along_axis(values, row, axis=-1)[..., 0], np.nan)
 

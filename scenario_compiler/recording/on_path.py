@@ -20,7 +20,7 @@ The number is our own choice, twice what tyres give: with the gap it would grow 
 
 
 def time_to_collision(traces: Traces, below: Floats) -> Floats:
-    """Time to collision of the ego vehicle in every row, s, (..., n); NaN where nothing is reached within `HORIZON`.
+    """Time to collision of the ego vehicle in every row, s, (..., n); NaN if nothing is reached within `HORIZON`.
 
     It is NaN in the first row, as the path that is driven is known from the second on, unless boxes overlap.
     It may be NaN also where it is not below a number of each run, (...): what is above it takes no time then.
@@ -32,7 +32,7 @@ def time_to_collision(traces: Traces, below: Floats) -> Floats:
 
 
 def least_time_to_collision(traces: Traces) -> Floats:
-    """Return the least time to collision of each run, s, (...); NaN where nothing is ever reached within `HORIZON`."""
+    """Return the least time to collision of each run, s, (...); NaN if nothing is ever reached within `HORIZON`."""
     least = least_by_bounds(time_bounds(traces), lambda places: times_at(traces, places))
     return np.where(touching(traces).any(axis=-1), 0.0, _within_horizon(least))
 
@@ -42,7 +42,7 @@ def _within_horizon(times: Floats) -> Floats:
 
 
 def least_headway(traces: Traces) -> Floats:
-    """Return the least time headway of each run, s, (...); NaN where nothing in the path is within `HORIZON`."""
+    """Return the least time headway of each run, s, (...); NaN if nothing in the path is within `HORIZON`."""
 
     def exact(places: Places) -> Floats:
         gap, _ = ahead_at(traces, places)

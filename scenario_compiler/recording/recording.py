@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from array import array
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_type_hints
@@ -29,7 +30,7 @@ Booleans: TypeAlias = NDArray[np.bool_]
 class Header(BaseModel):
     """The origin of a recording."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     plan_digest: str = Field(description="Digest of the plan.")
     plan_name: str = Field(description="Name of the plan.")
@@ -118,7 +119,7 @@ class Recording:
         events: Events, ordered by time.
         frames: First-person pictures, ordered by time.
         stop_reason: Why the run ended.
-        error: The engine's fault code; 0 for none.
+        error: The engine's fault code; 0 if there is none.
     """
 
     header: Header
@@ -238,9 +239,9 @@ class Recording:
             digest.update(text.encode() + b"\0")
         for column in COLUMNS:
             if column.trajectory:
-                array = np.asarray(getattr(self, column.name))
+                values = np.asarray(getattr(self, column.name))
                 digest.update(column.name.encode() + b"\0")
-                digest.update(np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).tobytes())
+                digest.update(np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).tobytes())
         return digest.hexdigest()
 
     def to_pandas(self) -> pd.DataFrame:
@@ -295,7 +296,8 @@ class RecordingBuilder:
     """Builds the recording of a run.
 
     The columns are bound once; each `append` copies their present values. An entity's column is a sequence with one
-    value per entity; a run's column has one value. `road` contains indices into `road_ids`, as in the engine.
+    value per entity; a run's column has one value. `road` contains indices into `road_ids`, as in the engine. If a
+    column is an `array`, as in the compiled form, its rows are collected in an array, and no number becomes an object.
     """
 
     def __init__(self, header: Header, road_ids: Sequence[str], columns: Mapping[str, Sequence[float]]) -> None:
@@ -312,8 +314,12 @@ class RecordingBuilder:
         self._t: list[float] = []
         self._events: list[EventRow] = []
         self._frames: list[Frame] = []
-        self._rows: dict[str, list[float]] = {name: [] for name in columns}
-        self._live = [(self._rows[name].extend, values) for name, values in columns.items()]
+        self._rows: dict[str, list[float] | array[float]] = {
+            name: array(values.typecode) if isinstance(values, array) else [] for name, values in columns.items()
+        }
+        self._live: list[tuple[Callable[[Any], None], Sequence[float]]] = [
+            (self._rows[name].extend, values) for name, values in columns.items()
+        ]
 
     def append(self, t: float) -> None:
         """Record one row from the present values of the columns."""
@@ -358,8 +364,8 @@ class RecordingBuilder:
         for name, value in (("lane", 0), ("s", 0.0), ("off", 0.0)):
             arrays[name][off_road & arrays["present"]] = value
         roads, arrays["road"] = _used_roads(arrays["road"], self._road_ids)
-        for array in arrays.values():
-            array.setflags(write=False)
+        for values in arrays.values():
+            values.setflags(write=False)
         return Recording(
             header=self._header,
             roads=roads,
@@ -378,10 +384,10 @@ class RecordingBuilder:
         if column.name not in self._rows:
             nothing = 1 if column.kind == "flag" else column.nothing
             return np.full(shape, nothing, dtype=column.dtype)
-        array = np.array(self._rows[column.name], dtype=column.dtype).reshape(shape)
+        made = np.array(self._rows[column.name], dtype=column.dtype).reshape(shape)
         if column.far:
-            array[array >= FAR] = np.nan
-        return array
+            made[made >= FAR] = np.nan
+        return made
 
 
 def _wrapped(h: Floats) -> Floats:

@@ -1,9 +1,9 @@
 """Roads that begin or end inside another road, as those of virtual junctions do.
 
-Their link names a place of the main road (`elementS`) and the direction in which the main road is left or entered
-there (`elementDir`), in place of an end (`contactPoint`). The main road's lane section is cut at that place, so that
-the lanes of both are linked like those of any joint; the main road goes on where no other is asked for. Source:
-OpenDRIVE 1.7, section 10.4.
+Instead of an end (`contactPoint`), their link names a place of the main road (`elementS`) and the direction in which
+the main road is left or entered there (`elementDir`). The main road's lane section is cut at that place, so that the
+lanes of both are linked as at any joint; without a preference, travel continues on the main road. Source: OpenDRIVE
+1.7, section 10.4.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 from scenario_compiler.roads.tables import AT_END, AT_START
 
 CUT_TOLERANCE = 0.01
-"""Distance below which a place counts as that of an end or of another cut, m."""
+"""Distance to an end or to another cut below which a place counts as the same, m."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +27,8 @@ class Attachment:
         road: Id of the road.
         end: `AT_START` or `AT_END`.
         main: Id of the road that it is attached to.
-        s: Where, m.
-        contact: End of the main road's part that is touched: `AT_END` of the one before s, `AT_START` of the one after.
+        s: Place on the main road, m.
+        contact: End of the main road's part that it touches: `AT_END` of the part before s, `AT_START` of that after.
     """
 
     road: str
@@ -59,7 +59,7 @@ def read_attachments(reader: Reader, root: etree._Element) -> list[Attachment]:
 
 
 def cuts_of(attachments: list[Attachment]) -> dict[str, list[float]]:
-    """Return, by road, the places where roads are attached, ascending and at least `CUT_TOLERANCE` apart."""
+    """Return, by road, the places of attached roads, ascending and at least `CUT_TOLERANCE` apart."""
     cuts: dict[str, list[float]] = {}
     for one in sorted(attachments, key=lambda attachment: attachment.s):
         places = cuts.setdefault(one.main, [])

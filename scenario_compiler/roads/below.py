@@ -11,10 +11,10 @@ from scenario_compiler.roads.locate import cell_at, chunk_near, chunks_near, lan
 from scenario_compiler.roads.tables import RoadTables
 
 STOREY = 2.0
-"""Difference of height from which roads count as above each other, m: less than any clearance below a bridge."""
+"""Difference of height above which roads count as being above each other, m: less than any clearance below a bridge."""
 
 ALONG = 0.7071067811865476
-"""Least cosine between a heading and a lane's travel that counts as going with the lane: 45 degrees."""
+"""Least cosine between a heading and a lane's direction of travel that counts as the same direction: 45 degrees."""
 
 SAME_OFFSET = 0.001
 """Offsets closer than this count as equal, m."""
@@ -22,7 +22,7 @@ SAME_OFFSET = 0.001
 
 @compiled
 def misfit(n: RoadTables, row: int, s: float, offset: float, h: float, z: float, with_height: int) -> int:
-    """Return how badly a lane suits who stands on it: by height, then by what may drive there, then by direction."""
+    """Return how badly a lane suits an entity on it: by height first, then by type, then by direction."""
     road = n.section_road[n.lane_section[row]]
     lane = n.lane_id[row]
     _, _, surface, along, _, _ = lane_pose(n, road, lane, s, offset)
@@ -40,10 +40,10 @@ def misfit(n: RoadTables, row: int, s: float, offset: float, h: float, z: float,
 def place_below(
     n: RoadTables, x: float, y: float, h: float, z: float, with_height: int
 ) -> tuple[int, int, int, float, float]:
-    """Return (found, road, lane, s, offset) of the lane that holds a point; (0, -1, 0, 0.0, 0.0) off every road.
+    """Return (found, road, lane, s, offset) of the lane that contains a point; (0, -1, 0, 0.0, 0.0) off every road.
 
-    Among several the one nearest in height is meant where `with_height` is 1, then one for driving, then one whose
-    travel goes with the heading `h`, then the one whose centre is nearest.
+    Of several lanes, the one nearest in height is chosen if `with_height` is 1, then one for driving, then one whose
+    direction of travel fits the heading `h`, then the one with the nearest centre.
     """
     best = -1
     best_s = 0.0

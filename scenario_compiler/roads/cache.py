@@ -1,10 +1,10 @@
 """The cache of parsed tables, which are used only if they are exactly those that were written.
 
-A cache file is named by the road file's content and by the sources that read it, so a changed map or a changed reader
-never meets an old file; and it carries that key inside, so another file in its place is not believed. It is plain data:
-the key and a JSON head, the columns as machine numbers and a SHA-256 over all. It is written whole or not at all, so
-two processes never see half of one, into a folder that belongs to the user alone. Whatever goes wrong, the road file is
-read again.
+The name of a cache file is a key made from the road file's contents and the sources of the reader, so that a changed
+map or reader never uses an old file. The key is also inside, so that a file under another's name is rejected. The
+contents are plain data: the key and a JSON header, the columns as binary numbers, and a SHA-256 digest of all. A file
+is written completely or not at all, so that no process reads a partial one, in a folder that belongs to the user alone.
+If anything is wrong, the road file is read again.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ DIGEST_SIZE = 32
 
 
 def read_cached(sha256: str, path: str, sink: Diagnostics) -> ParsedNetwork | None:
-    """Return the network cached for a road file's content, None where there is none that can be trusted.
+    """Return the cached network of a road file with this digest, or None if there is no valid one.
 
     The findings made when the file was read are reported again, at `path`.
     """
@@ -48,11 +48,11 @@ def read_cached(sha256: str, path: str, sink: Diagnostics) -> ParsedNetwork | No
 
 
 _UNBELIEVABLE = (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError, IndexError, struct.error)
-"""What reading a file of the cache that is missing, another's, damaged or something else can end in."""
+"""Exceptions from reading a cache file that is missing, damaged or of another kind."""
 
 
 def _decoded(raw: bytes, key: str, path: str) -> tuple[ParsedNetwork, list[Diagnostic]]:
-    """Return the network in a cache file and the findings made when it was read; ValueError when it is another file."""
+    """Return the network in a cache file and the findings made when it was read; ValueError for another file."""
     start = len(MAGIC) + DIGEST_SIZE
     if raw[: len(MAGIC)] != MAGIC or hashlib.sha256(raw[start:]).digest() != raw[len(MAGIC) : start]:
         raise ValueError("it is damaged, or no file of the cache")
@@ -79,7 +79,7 @@ def _decoded(raw: bytes, key: str, path: str) -> tuple[ParsedNetwork, list[Diagn
 
 
 def write_cached(sha256: str, parsed: ParsedNetwork, findings: Diagnostics) -> None:
-    """Put a network into the cache; a cache that cannot be written is no fault."""
+    """Write a network to the cache; failures are ignored."""
     columns = {name: getattr(parsed.arrays, name) for name in columns_of(RoadTables)}
     sizes = [(name, len(column)) for name, column in columns.items()]
     rows = [(d.code.id, d.severity.value, d.message, d.hint, *_numbers(d)) for d in findings]
@@ -110,7 +110,7 @@ PACKAGE = Path(__file__).parent.parent
 
 
 def sources() -> list[Path]:
-    """Return the modules that reading a road file can depend on: of this package, of the forms and of the hall."""
+    """Return the modules that can affect the reading of a road file: of this package, the forms and the hall."""
     return sorted(
         path for pattern in ("roads/*.py", "*.py", "structure/*.py", "forms/*.py") for path in PACKAGE.glob(pattern)
     )
@@ -118,10 +118,10 @@ def sources() -> list[Path]:
 
 @lru_cache(maxsize=1)
 def _reader_version() -> str:
-    """Return a digest of what turns a road file into tables.
+    """Return a digest of everything that affects the tables of a road file.
 
-    That is the sources of this package, of the forms and of the hall, the version of the XML parser, and the
-    machine's numbers.
+    This is the source of this package, of the forms and of the hall, the version of the XML parser, and the machine's
+    number formats.
     """
     digest = hashlib.sha256(f"{sys.byteorder} {array('i').itemsize} {LXML_VERSION} {LIBXML_VERSION}".encode())
     for path in sources():

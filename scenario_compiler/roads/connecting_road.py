@@ -19,7 +19,7 @@ from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.tables import RoadTables
 
 _RECORDS = ("roadMark", "material", "speed", "access", "height", "rule")
-"""Records of a lane that hold from an sOffset on; the one that holds at the joint is taken over."""
+"""Records of a lane that are valid from an sOffset on; the one valid at the joint is copied."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +28,12 @@ class Stretch:
 
     Attributes:
         road: Index of the road.
-        low: s where it starts, m.
-        high: s where it ends, m; both within one lane section.
-        along: True when the new road runs along the road's s.
-        before: Id of the road before it and the end that is touched ("start" or "end").
-        after: Likewise of the road after it, or the id of a junction and "".
-        lanes: (lane of the road, lane of the road before, lane of the road after; 0 where there is none), each once.
+        low: s of its start, m.
+        high: s of its end, m; both within one lane section.
+        along: Whether the new road runs along the road's s.
+        before: Id of the road before it and the end that it touches ("start" or "end").
+        after: Likewise for the road after it, or the id of a junction and "".
+        lanes: (lane of the road, lane of the road before, lane of the road after; 0 if there is none), each once.
     """
 
     road: int
@@ -55,13 +55,13 @@ def build_road(
 ) -> tuple[etree._Element, etree._Element]:
     """Return (the new road, the connection of a junction that leads into it).
 
-    Its surface is that of the road it is taken from: the reference line is an arc (the curvature is the mean; over
-    0.1 m the error is below a micrometre), widths, lane offset, height and roll are linear.
+    Its surface is that of the original road: the reference line is an arc with the mean curvature (over 0.1 m the error
+    is below a micrometre); widths, lane offset, height and roll are linear.
 
     Args:
         network: The network of the road.
         roads: The roads' elements by id.
-        stretch: What the new road is taken from.
+        stretch: The stretch that becomes the new road.
         name: Id of the new road.
         junction: Id of its junction, "-1" for none.
     """
@@ -138,9 +138,9 @@ def _cubic(parent: etree._Element, tag: str, key: str, ends: list[float], length
 def _write_lanes(
     road: etree._Element, connection: etree._Element, n: RoadTables, source: etree._Element, stretch: Stretch
 ) -> None:
-    """Write the lane section: on each side the lanes from the inmost named to the outmost, those between without links.
+    """Write the lane section: on each side all lanes from the inmost to the outmost named one; others have no links.
 
-    Where only one side has lanes, the lane offset shifts the centre lane to their inner border.
+    If only one side has lanes, the lane offset shifts the centre lane to their inner border.
     """
     chosen = {lane: (before, after) for lane, before, after in stretch.lanes}
     signs = sorted({1 if lane > 0 else -1 for lane in chosen})
@@ -209,7 +209,7 @@ def _lanes_at(source: etree._Element, s: float) -> dict[int, etree._Element]:
 
 
 def _copy_records(element: etree._Element, original: etree._Element, low: float) -> None:
-    """Take over the records that hold at the joint, from the start of the new lane on."""
+    """Copy the records that are valid at the joint, from the start of the new lane on."""
     for tag in _RECORDS:
         s = low - _section_start(original)
         records = [one for one in original.iterfind(f"{{*}}{tag}") if _number(one, "sOffset") <= s + 1e-9]

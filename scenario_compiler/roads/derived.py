@@ -1,4 +1,4 @@
-"""Columns that are computed from the contents of a road file: steady lanes, and the index over the plane."""
+"""Columns that are computed from the contents of a road file: steady lanes, and the spatial index."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from scenario_compiler.roads.locate_build import IN_NO_CELL
 from scenario_compiler.roads.tables import CELL, CELL_CHUNK, CHUNK, LANE, WIDE, RoadTables
 
 CHUNKS_A_PART = 2
-"""Chunks for which there is room at first, by piece of a reference line and by lane section."""
+"""Initial room for chunks, for each piece of a reference line and each lane section."""
 
 CELLS_A_CHUNK = 6
-"""Entries into cells for which there is room at first, by chunk."""
+"""Initial room for entries into cells, for each chunk."""
 
 
 def with_derived_columns(tables: RoadTables) -> RoadTables:
-    """Return tables as arrays, with the columns filled that are computed from the others.
+    """Return tables as arrays, with the computed columns filled.
 
     Args:
-        tables: What was read from a file, as lists; they are used up.
+        tables: The contents of a file, as lists; they are consumed.
     """
     _resize(tables, LANE, len(tables.lane_id))
     _resize(tables, CHUNK, CHUNKS_A_PART * (len(tables.piece_s) + len(tables.section_s)))
@@ -46,7 +46,7 @@ def _fill_cells(n: RoadTables) -> None:
 
 
 def _resize(n: RoadTables, of: Of, size: int) -> None:
-    """Make room for so many elements in the columns that are filled here, or take away what is too much."""
+    """Change the size of the columns that are filled here."""
     for name, declared in columns_of(RoadTables).items():
         if declared.of is of and declared.written:
             column = getattr(n, name)

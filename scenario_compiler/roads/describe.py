@@ -12,30 +12,30 @@ from scenario_compiler.roads.tables import ARC, LINE, NO_SPEED, SPIRAL
 
 @dataclass(frozen=True, slots=True)
 class NetworkDescription:
-    """What a map holds.
+    """A summary of a map.
 
     Attributes:
-        name: File's name without its ending.
+        name: File's name without its suffix.
         title: Name in the header, often empty.
-        version: "1.6".
+        version: Such as "1.6".
         vendor, date: As in the header.
-        geo_reference: PROJ string, empty when the map is not placed on the earth.
+        geo_reference: PROJ string, empty if the map has no place on the earth.
         bounds: (x_min, y_min, x_max, y_max) of the lanes, m.
-        roads: Number of roads, those in junctions included.
-        roads_in_junctions: Number of roads that lie in junctions.
+        roads: Number of roads, including those in junctions.
+        roads_in_junctions: Number of roads in junctions.
         length: Length of all reference lines, m.
-        length_outside_junctions: Of the roads outside junctions, m.
+        length_outside_junctions: That of the roads outside junctions, m.
         rules: Number of roads by traffic rule ("RHT", "LHT").
-        geometries: Number of reference line pieces by kind; a spiral counts as the short pieces that it is cut into.
+        geometries: Number of reference line pieces by kind; a spiral counts as the short pieces into which it is cut.
         junctions: Number of junctions by type.
         lane_sections: Number of lane sections.
         lanes: Number of lanes by type, one for each lane section.
         lane_length: Length by type, m.
         speed_limits: Number of stated limits by limit, m/s (`inf`: "no limit").
-        signals: Number of signals by type, references left out.
+        signals: Number of signals by type, without references.
         signal_references: Number of references to signals.
         controllers: Number of controllers.
-        objects: Number of objects by type; one that is repeated counts once.
+        objects: Number of objects by type; a repeated one counts once.
         structures: Number of tunnels and bridges by kind.
     """
 
@@ -65,10 +65,10 @@ class NetworkDescription:
 
 
 def describe_network(network: Network) -> NetworkDescription:
-    """Sum up a network; counts are ordered by their names, speed limits by value.
+    """Summarise a network; counts are ordered by name, speed limits by value.
 
     Raises:
-        CompileError: When the file can no longer be read as what it was.
+        CompileError: The file can no longer be read as before.
     """
     n = network.tables
     model = network.model()

@@ -1,4 +1,4 @@
-"""Renumbers junctions with the id of a road: CARLA's clients confuse links to the two."""
+"""Renumbers junctions that have the id of a road, because CARLA's clients confuse links to the two."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from scenario_compiler.roads.text_edits import TextEdits
 
 
 def separate_junction_ids(edits: TextEdits, root: etree._Element, taken: set[str]) -> dict[str, str]:
-    """Give each junction whose id is also a road's a new one, everywhere it is named.
+    """Give each junction whose id is also a road's a new one, wherever it is named.
 
     Args:
-        edits: Where the changes go.
+        edits: Receives the changes.
         root: The document's root.
         taken: The ids of roads and junctions; the new ones are added.
 
     Returns:
-        The new ids by the old ones, of the junctions that were renamed.
+        The new ids of the renamed junctions by the old ones.
     """
     roads = {one.get("id") for one in root.iterfind("{*}road")}
     renamed: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""The functions of roads that are called from outside: each is a symbol of the library."""
+"""The functions of roads that are called from outside; each is a symbol of the library."""
 
 from __future__ import annotations
 
@@ -11,4 +11,4 @@ ENTRIES: tuple[Marked, ...] = (
     *(note_steady_lanes, lay_chunks, list_cells, store_cells),
     *(locate_point, locate_points),
 )
-"""Entries by which a form is called, in both forms."""
+"""The entries of both forms."""

@@ -47,7 +47,8 @@ from scenario_compiler.roads.thin_lanes import widen_thin_lanes
 
 JOINT_LENGTH = 0.1
 """Length of a connecting road that replaces a direct joint, m: several steps of a 32-bit coordinate 100 km from the
-origin, and too short to be noticed."""
+origin, and too short to be noticed.
+"""
 
 _CONTACT = {"start": AT_START, "end": AT_END}
 
@@ -132,7 +133,7 @@ def _direct_junctions(root: etree._Element, network: Network) -> Iterator[_Junct
 
 
 def _read_pair(network: Network, junction: _Junction, connection: etree._Element) -> None:
-    """Add a connection's pair of road ends; one that lacks a road, or a road end at this junction, joins nothing."""
+    """Add a connection's pair of road ends; one without a road, or without a road end at this junction, is ignored."""
     n = network.tables
     try:
         incoming = network.road_index(str(connection.get("incomingRoad")))
@@ -181,9 +182,9 @@ def _gap(n: RoadTables, one: End, other: End) -> float:
 
 
 def _choose_cuts(n: RoadTables, pairs: list[_Direct]) -> dict[End, float]:
-    """Return what is cut off which road end, m: of the ends that are joined, those on one side.
+    """Return how much of which road end is cut off, m: of the joined ends, those on one side.
 
-    The side is the one with fewer starts of roads (cutting a start moves the road's s), then with fewer ends.
+    The side is the one with fewer starts of roads (cutting a start shifts the road's s), then with fewer ends.
     """
     beside: dict[End, list[End]] = {}
     for pair in pairs:
@@ -207,7 +208,7 @@ def _choose_cuts(n: RoadTables, pairs: list[_Direct]) -> dict[End, float]:
 
 
 def _cut_length(n: RoadTables, end: End) -> float:
-    """Return how much can be cut off a road end: never more than a fourth of its lane section."""
+    """Return how much of a road end can be cut off: at most a quarter of its lane section, m."""
     road, contact = end
     sections = range(n.road_section[road], n.road_section[road + 1])
     if not sections:
@@ -226,7 +227,7 @@ def _replace_junctions(
     taken: set[str],
     renamed: dict[str, str],
 ) -> list[etree._Element]:
-    """Write the junctions' connections again; return the connecting roads."""
+    """Rewrite the junctions' connections; return the connecting roads."""
     written: list[etree._Element] = []
     for junction in junctions:
         name = str(junction.element.get("id"))
@@ -251,7 +252,7 @@ def _replace_junctions(
 def _stretches(
     network: Network, junction: _Junction, cuts: dict[End, float], moved: dict[tuple[str, str], str]
 ) -> Iterator[Stretch]:
-    """Yield what each connecting road is: lanes of one direction of travel and side, each lane once."""
+    """Yield the stretches of the connecting roads: lanes of one direction of travel and side, each lane once."""
     n = network.tables
     for pair in junction.pairs:
         if pair.one in cuts:
@@ -276,7 +277,7 @@ def _stretches(
 
 
 def _dead_references(root: etree._Element) -> Iterator[etree._Element]:
-    """Yield signal references and lane links inside roads that lead nowhere."""
+    """Yield signal references and lane links inside roads that refer to nothing."""
     signals = {one.get("id") for one in root.iterfind("{*}road/{*}signals/{*}signal")}
     for one in root.iterfind("{*}road/{*}signals/{*}signalReference"):
         if one.get("id") not in signals:

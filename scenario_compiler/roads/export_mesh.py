@@ -29,16 +29,16 @@ from scenario_compiler.roads.lane_types import LANE_TYPES
 from scenario_compiler.roads.network import Network
 
 LAYER_STEP = 0.003
-"""How far a layer of the surface lies below the one on top of it, m."""
+"""Distance of a layer of the surface below the one on top of it, m."""
 
 MARK_LIFT = 0.005
-"""How far marks lie above the surface, m."""
+"""Height of marks above the surface, m."""
 
 QUALITY_STEPS = 10
-"""Steps of a mark's quality from gone (which is left out) to new; a mark takes the nearest one."""
+"""Number of steps of a mark's quality from gone (which is left out) to new; a mark has the nearest one."""
 
 FORMATS = (".glb", ".gltf", ".obj")
-"""The endings of the file's name that say what is written."""
+"""The suffixes of the file's name, which determine the format."""
 
 Colour = tuple[float, float, float, float]
 
@@ -91,15 +91,15 @@ class Group:
 
 
 def export_mesh(network: Network, path: str | Path) -> list[Path]:
-    """Write the mesh of a network in the format that the path's ending names; return the files written.
+    """Write the mesh of a network in the format of the path's suffix; return the written files.
 
     Args:
         network: With the quality of its marks (`Network.with_mark_quality`).
-        path: A file in an existing folder. Beside an OBJ file lies its MTL file of the same name.
+        path: A file in an existing folder. The MTL file of an OBJ file is beside it, with the same name.
 
     Raises:
-        ValueError: When the ending is not one of `FORMATS`.
-        OSError: When a file cannot be written.
+        ValueError: The suffix is not one of `FORMATS`.
+        OSError: A file cannot be written.
     """
     target = Path(path)
     ending = target.suffix.lower()
@@ -140,7 +140,7 @@ def build_groups(network: Network) -> list[Group]:
 
 
 def _lane_types(network: Network, surface: mesh.Surface) -> NDArray[np.int64]:
-    """Return the code of each piece's lane type, the number of types for the verge."""
+    """Return the code of each piece's lane type; the number of types stands for the verge."""
     n = network.tables
     middle = surface.s.mean(axis=1)
     found = [

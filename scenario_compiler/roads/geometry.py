@@ -25,7 +25,9 @@ MIN_SPEED = 1e-12
 
 @compiled
 def wrap_heading(h: float) -> float:
-    """Return an angle in [0, 2 pi)."""
+    """Return an angle in [0, 2 pi); nearly all are there already."""
+    if h >= 0.0 and h < TAU:
+        return h + 0.0  # -0.0 becomes 0.0, as by the modulo
     w = h % TAU
     if w >= TAU:
         w = 0.0
@@ -40,7 +42,7 @@ def wrap_angle(a: float) -> float:
 
 @compiled
 def road_piece_at(n: RoadTables, road: int, s: float) -> int:
-    """Return the row of the piece that holds s: the last that starts at or before it."""
+    """Return the row of the piece that contains s: the last that starts at or before it."""
     first = n.road_cell[road]
     cells = n.road_cell[road + 1] - first
     c = 0
@@ -161,7 +163,7 @@ def road_curvature(n: RoadTables, road: int, s: float) -> float:
 
 @compiled
 def cubic_row(n: RoadTables, first: int, last: int, s: float) -> int:
-    """Return the last cubic of a non-empty range that starts at or before s, the first one where none does."""
+    """Return the last cubic of a non-empty range that starts at or before s, or else the first one."""
     low = first
     high = last - 1
     while low < high:
@@ -221,7 +223,7 @@ def road_superelevation(n: RoadTables, road: int, s: float) -> float:
 
 @compiled
 def shape_station(n: RoadTables, road: int, s: float) -> int:
-    """Return the last station of a road's lateral shape at or before s; the road has one at least."""
+    """Return the last station of a road's lateral shape at or before s; the road must have one."""
     low = n.road_shape[road]
     high = n.road_shape[road + 1] - 1
     while low < high:
@@ -285,7 +287,8 @@ def lateral_axis(n: RoadTables, road: int, s: float) -> tuple[float, float, floa
 def road_frame(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float, float, float, float]:
     """Return (along, across, z, pitch, roll) of the road surface at (s, t).
 
-    Along and across are the way in the plane from the reference line at s, in its direction and to its left.
+    Along and across are the displacement in the plane from the reference line at s, in its direction and to its left,
+    m.
     """
     if n.road_flat[road] == 1:
         return 0.0, t, 0.0, 0.0, 0.0

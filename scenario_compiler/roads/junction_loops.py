@@ -1,8 +1,9 @@
-"""Roads that leave a junction and come back to it: CARLA 0.9.16 confuses their two ends, unless they are two roads.
+"""Roads that leave a junction and come back to it: CARLA 0.9.16 confuses their two ends unless they are two roads.
 
-`MapBuilder::GetJunctionLanes` of its client asks a junction's connecting roads for a road by its id alone, so a lane
-that leaves by one end is joined with the connecting roads that lead into the other one too; and `Map::GetNext` leaves
-out whatever leads back at once (read in the sources of CarlaAir, which has CARLA's 0.9.16; seen with its wheel).
+`MapBuilder::GetJunctionLanes` of its client searches a junction's connecting roads for a road by its id alone, so a
+lane that leaves by one end is also joined with the connecting roads that lead into the other one; and `Map::GetNext`
+leaves out everything that leads back at once (read in the sources of CarlaAir, which has CARLA's 0.9.16; seen with its
+wheel).
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from scenario_compiler.roads.text_edits import TextEdits
 
 
 def find_junction_loops(n: RoadTables) -> list[int]:
-    """Return the roads that begin and end at the same junction and have lanes."""
+    """Return the roads with lanes that begin and end at the same junction."""
     return [
         road
         for road, junction in enumerate(n.road_start_junction)
@@ -36,16 +37,16 @@ def split_off_end(
     reach: tuple[float, float],
     junction: str,
 ) -> etree._Element:
-    """Make a road of the end of one, and link it in; the road itself is cut elsewhere.
+    """Make a road of the end of another one, and link it; the other road itself is cut elsewhere.
 
     Args:
-        edits: Where changes of links go.
+        edits: Receives the changes of links.
         network: The network.
         roads: The roads' elements by id.
         end: The road's end.
         name: Id of the new road.
-        reach: From which to which s of the road it runs, m.
-        junction: Id of the junction that it leads to.
+        reach: Range of s of the original road, m.
+        junction: Id of the junction to which it leads.
 
     Returns:
         The new road.
@@ -66,13 +67,13 @@ def split_off_end(
 def redirect_to_ends(
     edits: TextEdits, root: etree._Element, roads: dict[str, etree._Element], moved: Mapping[tuple[str, str], str]
 ) -> None:
-    """Let connecting roads and connections name the roads that have taken ends over.
+    """Let connecting roads and connections refer to the roads that have replaced road ends.
 
     Args:
-        edits: Where the changes go.
+        edits: Receives the changes.
         root: The document's root.
         roads: The roads' elements by id.
-        moved: Id of the road that has an end now, by the road that had it and the standard's word for the end.
+        moved: Id of the road that replaces an end, by the original road and the standard's word for the end.
     """
     for road in roads.values():
         for link in road.iterfind("{*}link/*"):
@@ -90,7 +91,7 @@ def redirect_to_ends(
 
 
 def _named(link: etree._Element) -> tuple[str, str]:
-    """Return the road and the end that a link names; ("", "") where it names a junction."""
+    """Return the road and the end to which a link refers; ("", "") for a junction."""
     if link.get("elementType") != "road":
         return "", ""
     return str(link.get("elementId")), str(link.get("contactPoint"))

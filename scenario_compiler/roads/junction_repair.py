@@ -1,4 +1,4 @@
-"""Connections of junctions, checked against the roads they join: dead lane links out, missing connections in."""
+"""Repairs the connections of junctions: removes dead lane links and adds missing connections."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LaneIds = dict[str, tuple[set[str], set[str]]]
 
 
 def lanes_at_ends(network: Network) -> LaneIds:
-    """Return the ids of the lanes in the first and in the last lane section of each road."""
+    """Return the ids of the lanes in the first and last lane section of each road."""
     found: LaneIds = {}
     for road in network.road_ids:
         sections = network.road(road).sections or ((0.0, ()),)
@@ -30,7 +30,7 @@ def lanes_at_ends(network: Network) -> LaneIds:
 
 
 def dead_lane_links(root: etree._Element, known: LaneIds) -> Iterator[etree._Element]:
-    """Yield lane links to lanes that do not exist: of connections, and of lanes to the road before or behind theirs."""
+    """Yield lane links to lanes that do not exist: of connections, and of lanes to the previous or next road."""
     for connection in root.iterfind("{*}junction/{*}connection"):
         into = known.get(str(connection.get("connectingRoad")))
         outof = known.get(str(connection.get("incomingRoad")))
@@ -65,13 +65,13 @@ def _whole(number: str | None) -> str:
 def add_missing_connections(
     edits: TextEdits, root: etree._Element, network: Network, moved: Mapping[tuple[str, str], str]
 ) -> None:
-    """Add the connections into connecting roads that follow from the links of roads and lanes alone.
+    """Add the connections into connecting roads that follow from the links of roads and lanes.
 
     Args:
-        edits: Where the changes go.
+        edits: Receives the changes.
         root: The document's root.
         network: The network of the document.
-        moved: Id of the road that has an end now, by the road that had it and the standard's word for the end.
+        moved: Id of the road that replaces an end, by the original road and the standard's word for the end.
     """
     n = network.tables
     lacking: dict[int, dict[tuple[str, str, str], list[tuple[int, int]]]] = {}

@@ -13,10 +13,10 @@ from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 
 
 class LaneAccess(NamedTuple):
-    """Who may use a lane from s on, m.
+    """The access to a lane from s on, m.
 
-    `rule` is "allow" (only those named may) or "deny" (all but those named may), "" where the file does not say, as
-    before 1.5. `restrictions` are the standard's words ("bus", "pedestrian"); 1.8 can name several in one record.
+    `rule` is "allow" (only the named users may use it) or "deny" (all others may), or "" if the file does not state it,
+    as before 1.5. `restrictions` are the standard's words ("bus", "pedestrian"); a record of 1.8 can have several.
     """
 
     s: float
@@ -25,7 +25,7 @@ class LaneAccess(NamedTuple):
 
 
 class LaneMaterial(NamedTuple):
-    """The surface of a lane from s on, m; friction is the coefficient, roughness is in m, None where not given."""
+    """The surface of a lane from s on, m: coefficient of friction, and roughness in m, None if not given."""
 
     s: float
     friction: float
@@ -34,14 +34,14 @@ class LaneMaterial(NamedTuple):
 
 
 class LaneRule(NamedTuple):
-    """A rule for a lane from s on, m: free text, "no stopping at any time"."""
+    """A rule for a lane from s on, m, as free text ("no stopping at any time")."""
 
     s: float
     value: str
 
 
 class LaneVisibility(NamedTuple):
-    """How far can be seen from a lane from s on, m (until 1.5)."""
+    """The sight distance of a lane from s on, m (until 1.5)."""
 
     s: float
     forward: float
@@ -52,14 +52,14 @@ class LaneVisibility(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class LaneDetails:
-    """The details of a lane from the start of its lane section to its end, m; records stand in ascending order of s.
+    """The details of a lane from the start of its lane section to its end, m; records are in ascending order of s.
 
     Attributes:
         road: Id of the road.
         lane: Id of the lane.
         s_from: Where it begins, m.
-        s_to: Where the next lane section with its side begins, `inf` for the last one.
-        advisory: "inner", "outer", "both" or "none": advisory lanes beside it (1.8); "" where not given.
+        s_to: Where the next lane section with its side begins, `inf` for the last one, m.
+        advisory: "inner", "outer", "both" or "none": advisory lanes beside it (1.8); "" if not given.
         dynamic_direction: Whether its direction can change over time (1.8).
         dynamic_type: Whether its type can change over time (1.8).
         road_works: Whether it lies in road works (1.8).
@@ -80,7 +80,7 @@ class LaneDetails:
     user_data: tuple[tuple[str, str], ...]
 
     def access_at(self, s: float) -> tuple[LaneAccess, ...]:
-        """Return the records that hold at s: those of the last place at or before it; () where all may use the lane."""
+        """Return the records that are valid at s: those of the last place at or before it; () for free access."""
         before = [one for one in self.access if one.s <= s]
         return tuple(one for one in before if one.s == before[-1].s)
 
@@ -106,7 +106,7 @@ def read_lane_details(reader: Reader, roads: list[etree._Element]) -> Iterator[L
 
 
 def _left_as_it_is(section: etree._Element, side: str) -> bool:
-    """Tell whether a one-sided section says nothing of a side, which then goes on."""
+    """Return whether a one-sided section leaves out a side, which then continues."""
     return section.get("singleSide") in {"true", "1"} and section.find(side) is None
 
 

@@ -1,4 +1,4 @@
-"""The end of a lane whose road continues, and the lane beside it that continues too."""
+"""The end of a lane whose road continues, and the neighbouring lane that continues too."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import lane_next
 
 STEP_BEYOND = 1.0e-6
-"""How far beyond a lane's end the next lane section is looked up, m."""
+"""Distance beyond a lane's end at which the next lane section is looked up, m."""
 
 LEAST_WIDTH = 0.01
-"""Width from which a lane is there, m."""
+"""Width from which a lane exists, m."""
 
 FAR_AWAY = 1.0e9
 
 
 @compiled
 def lane_going_on(n: RoadTables, road: int, lane: int, s: float, t: float, along: int) -> int:
-    """Return the lane that goes on beyond s where `lane` ends, 0 where none does: the one nearest to t.
+    """Return the lane nearest to t that continues beyond s, where `lane` ends; 0 if there is none.
 
     Only lanes with the same direction of travel count. At the end of the road they must have a successor.
 
@@ -27,7 +27,7 @@ def lane_going_on(n: RoadTables, road: int, lane: int, s: float, t: float, along
         road: The road.
         lane: The lane that ends.
         s: Where it ends, m.
-        t: Where across the road the search is, m.
+        t: Where across the road the search starts, m.
         along: 1 when moving along s, -1 against it.
     """
     beyond = s + along * STEP_BEYOND
@@ -57,9 +57,9 @@ def lane_going_on(n: RoadTables, road: int, lane: int, s: float, t: float, along
 
 @compiled
 def lane_after_end(n: RoadTables, road: int, lane: int, s: float, offset: float, forward: int) -> tuple[int, float]:
-    """Return (lane, s) from which one goes on who comes to the end of a lane at s, lane 0 where the road ends too.
+    """Return (lane, s) on which an entity continues at the end of a lane; lane 0 if the road ends too.
 
-    `offset` is from the ending lane's centre; `forward` is 1 in the direction of travel, -1 against it.
+    `offset` is from the ending lane's centre, m; `forward` is 1 in the direction of travel, -1 against it.
     """
     along = lane_direction(n, road, lane) * forward
     centre, _ = lane_centre(n, road, lane, s - along * STEP_BEYOND)

@@ -63,31 +63,31 @@ MANY_CUTS = Code(
 )
 
 COPY_LIMIT = 100_000
-"""Most elements of lane sections that are read again because of cuts. A bound on hostile files."""
+"""Greatest number of elements of lane sections that are read again because of cuts; protects against hostile files."""
 
 QUALITY_CODE = "marking_quality"
-"""Code of the `<userData>` in a `<roadMark>` that says how well the mark can be seen, 0 to 1."""
+"""Code of the `<userData>` in a `<roadMark>` for the quality of the mark, 0 to 1."""
 
 UNCROSSED_MARKS = frozenset({"solid", "solid solid", "curb", "edge"})
-"""Marks that forbid a lane change where the file does not say (`laneChange`); the others allow it."""
+"""Marks that forbid a lane change if the file has no `laneChange`; the others allow it."""
 
 LANE_DIRECTIONS = {"standard": 0, "reversed": 1, "both": 2}
 
 
 @dataclass(slots=True)
 class LaneLinks:
-    """The lane ids that the file links each lane's row to, before and after its section."""
+    """The lane ids to which the file links each lane's row, before and after its section."""
 
     before: list[list[int]]
     after: list[list[int]]
 
 
 Side = tuple[etree._Element | None, float]
-"""The side's element and the s that its records count from."""
+"""The side's element and the s from which its records count."""
 
 
 class LaneReader:
-    """Reads the lanes of one road after the other."""
+    """Reads the lanes of the roads, one road after the other."""
 
     def __init__(self, reader: Reader, tables: RoadTables) -> None:
         """Start before the first road."""
@@ -97,7 +97,7 @@ class LaneReader:
         self.links = LaneLinks([], [])
 
     def read(self, road_element: etree._Element, road: int, length: float, cuts: Sequence[float] = ()) -> None:
-        """Append the lane sections of a road; `cuts` are where other roads begin or end inside it, ascending."""
+        """Append the lane sections of a road; `cuts` are the places where other roads are attached, ascending."""
         n = self._n
         n.road_directions.append(0)
         lanes = road_element.find("lanes")
@@ -122,7 +122,7 @@ class LaneReader:
                 self._continue(keep_left or k > 0, keep_right or k > 0)
 
     def _inside(self, section: etree._Element, start: float, end: float, cuts: Sequence[float]) -> list[float]:
-        """Return the cuts inside a section, as many of them as `COPY_LIMIT` allows."""
+        """Return the cuts inside a section, as many as `COPY_LIMIT` allows."""
         found = list(cuts[bisect_right(cuts, start + CUT_TOLERANCE) : bisect_left(cuts, end - CUT_TOLERANCE)])
         if found:
             size = sum(1 for _ in section.iter())
@@ -232,7 +232,7 @@ class LaneReader:
                     (before if one.tag == "predecessor" else after).append(lane)
 
     def _continue(self, left: bool, right: bool) -> None:
-        """Link a side that goes on as it was, over a one-sided section or a cut, to itself in the section before."""
+        """Link a side that continues over a one-sided section or a cut to itself in the previous section."""
         n = self._n
         if not (left or right):
             return
@@ -244,7 +244,7 @@ class LaneReader:
                     links[row][:] = [lane]
 
     def _widths(self, lanes: list[tuple[int, etree._Element | None, float]], first: int, end: float) -> None:
-        """Append the widths of a section's lanes; borders become widths by subtracting the border inside."""
+        """Append the widths of a section's lanes; borders become widths by subtracting the next border inside."""
         n = self._n
         ranges = [(0, 0)] * len(lanes)
         bordered = False
@@ -264,7 +264,7 @@ class LaneReader:
             self._borders(lanes[:centre][::-1], first + centre - 1, -1)
 
     def _borders(self, lanes: list[tuple[int, etree._Element | None, float]], row: int, step: int) -> None:
-        """Give the bordered lanes of one side (from the centre outwards) widths; `row` is the first one's."""
+        """Compute widths of the lanes with borders on one side (from the centre outwards); `row` is the first one's."""
         n = self._n
         edge: list[Cubic] = [(-LENGTH_LIMIT, 0.0, 0.0, 0.0, 0.0)]
         for i, (lane, element, origin) in enumerate(lanes):
@@ -361,7 +361,7 @@ def _rows(n: RoadTables, span: tuple[int, int]) -> list[Cubic]:
 
 
 def _sum(a: list[Cubic], b: list[Cubic], factor: float) -> list[Cubic]:
-    """Return a + factor b as cubics over the starts of both."""
+    """Return a + factor b as cubics with the starts of both."""
     starts = sorted({row[0] for row in a} | {row[0] for row in b if row[0] > a[0][0]})
     out = []
     for s in starts:
@@ -379,7 +379,7 @@ def _sum(a: list[Cubic], b: list[Cubic], factor: float) -> list[Cubic]:
 
 
 def _shifted(rows: list[Cubic], s: float) -> tuple[float, float, float, float]:
-    """Return the coefficients of the cubic that holds s, expanded about s."""
+    """Return the coefficients of the cubic that is valid at s, expanded about s."""
     row = rows[0]
     for one in rows:
         if one[0] <= s:

@@ -90,7 +90,7 @@ def is_drivable(lane_type: int) -> int:
 
 @compiled
 def is_road(lane_type: int) -> int:
-    """Return 1 for every lane type but `none`: what lies in such a lane is off the road, else 0."""
+    """Return 1 for every lane type except `none`, which counts as off the road."""
     if lane_type <= LAST_DRIVABLE or lane_type >= SHOULDER:
         return 1
     return 0

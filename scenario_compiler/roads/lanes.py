@@ -21,9 +21,9 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def section_at(n: RoadTables, road: int, s: float) -> int:
-    """Return the row of the lane section that holds s, -1 on a road without lanes.
+    """Return the row of the lane section that contains s, -1 on a road without lanes.
 
-    It is the last that starts at or before s.
+    It is the last one that starts at or before s.
     """
     low = n.road_section[road]
     high = n.road_section[road + 1] - 1
@@ -40,7 +40,7 @@ def section_at(n: RoadTables, road: int, s: float) -> int:
 
 @compiled
 def lane_row_in(n: RoadTables, section: int, lane: int) -> int:
-    """Return the row of a lane in a section, -1 where it has none."""
+    """Return the row of a lane in a section, -1 if it has none."""
     if section < 0:
         return -1
     first = n.section_lane[section]
@@ -56,13 +56,13 @@ def lane_row_in(n: RoadTables, section: int, lane: int) -> int:
 
 @compiled
 def lane_row(n: RoadTables, road: int, lane: int, s: float) -> int:
-    """Return the row of a lane at s, -1 where it does not exist."""
+    """Return the row of a lane at s, -1 if it does not exist."""
     return lane_row_in(n, section_at(n, road, s), lane)
 
 
 @compiled
 def lane_inside(lane: int) -> int:
-    """Return the id of the next lane towards the centre lane, whose outer mark is the lane's inner one."""
+    """Return the id of the next lane towards the centre lane; its outer mark is this lane's inner one."""
     return lane + 1 if lane < 0 else lane - 1
 
 
@@ -79,7 +79,7 @@ def row_width(n: RoadTables, row: int, s: float) -> float:
 
 @compiled
 def row_width_slope(n: RoadTables, row: int, s: float) -> float:
-    """Return the derivative of a lane's width at s, 0 where the width is not positive."""
+    """Return the derivative of a lane's width at s, 0 if the width is not positive."""
     slope = cubic_slope(n, n.lane_width_first[row], n.lane_width_last[row], s)
     if slope != 0.0 and cubic_value(n, n.lane_width_first[row], n.lane_width_last[row], s) < 0.0:
         slope = 0.0
@@ -133,7 +133,7 @@ def row_centre(n: RoadTables, road: int, row: int, s: float) -> tuple[float, flo
 
 @compiled
 def lane_centre(n: RoadTables, road: int, lane: int, s: float) -> tuple[float, float]:
-    """Return (t, dt/ds) of a lane's centre; those of the centre lane where the lane does not exist."""
+    """Return (t, dt/ds) of a lane's centre; those of the centre lane if the lane does not exist."""
     row = lane_row(n, road, lane, s)
     if row < 0:
         t = lane_offset(n, road, s)
@@ -160,7 +160,7 @@ def lane_borders(n: RoadTables, road: int, lane: int, s: float) -> tuple[float, 
 
 @compiled
 def lane_width(n: RoadTables, road: int, lane: int, s: float) -> float:
-    """Return a lane's width, m; 0 where the lane does not exist."""
+    """Return a lane's width, m; 0 if the lane does not exist."""
     row = lane_row(n, road, lane, s)
     if row < 0:
         return 0.0
@@ -169,7 +169,7 @@ def lane_width(n: RoadTables, road: int, lane: int, s: float) -> float:
 
 @compiled
 def lane_exists(n: RoadTables, road: int, lane: int, s: float) -> int:
-    """Return 1 where the lane section at s has the lane (of any width), else 0."""
+    """Return 1 if the lane section at s has the lane (of any width), else 0."""
     if lane_row(n, road, lane, s) < 0:
         return 0
     return 1
@@ -231,7 +231,7 @@ def row_height(n: RoadTables, road: int, row: int, s: float, t: float) -> float:
 def lane_frame(n: RoadTables, road: int, row: int, s: float, t: float) -> tuple[float, float, float, float, float]:
     """Return (along, across, z, pitch, roll) of a lane's surface at (s, t), as `geometry.road_frame` does.
 
-    A level lane is not rolled: it goes on horizontally from its inner border.
+    A level lane is not rolled: it continues horizontally from its inner border.
     """
     if n.road_flat[road] == 1:
         return 0.0, t, 0.0, 0.0, 0.0
@@ -265,7 +265,7 @@ def lane_pose(
 def lane_place(
     n: RoadTables, road: int, lane: int, s: float, offset: float
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Return what `lane_pose` does, and t of the point."""
+    """Return the results of `lane_pose`, and t of the point."""
     return row_place(n, road, lane_row(n, road, lane, s), road_piece_at(n, road, s), s, offset)
 
 
@@ -273,7 +273,7 @@ def lane_place(
 def row_place(
     n: RoadTables, road: int, row: int, piece: int, s: float, offset: float
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Return what `lane_place` does, on a known row of the lane (-1: it does not exist) and piece of the road."""
+    """Return the results of `lane_place`, on a known row of the lane (-1: it does not exist) and piece of the road."""
     x, y, h, _, _ = piece_point(n, piece, s)
     slope = 0.0
     if row < 0:
@@ -309,9 +309,9 @@ def row_place(
 
 @compiled
 def row_at(n: RoadTables, road: int, section: int, s: float, t: float) -> tuple[int, float]:
-    """Return (row of the lane that holds t, offset from its centre), (-1, 0) off the lanes.
+    """Return (row of the lane that contains t, offset from its centre), or (-1, 0) off the lanes.
 
-    The borders belong to the lane further out; the outermost border belongs to the outermost lane.
+    A border belongs to the lane further out; the outermost border belongs to the outermost lane.
     """
     if section < 0:
         return -1, 0.0
@@ -346,7 +346,7 @@ BORDER_TOLERANCE = 1e-7
 
 @compiled
 def lane_at(n: RoadTables, road: int, s: float, t: float) -> int:
-    """Return the id of the lane that holds t at s, 0 off the lanes."""
+    """Return the id of the lane that contains t at s; 0 off the lanes."""
     row, _ = row_at(n, road, section_at(n, road, s), s, t)
     if row < 0:
         return 0

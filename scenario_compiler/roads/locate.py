@@ -1,8 +1,8 @@
 """Finds road, s, t and lanes for a point in the plane.
 
-The plane is cut into square cells; each knows the chunks (`locate_build`) whose surface may touch it. A chunk lies in
-one piece of the reference line and one lane section, so a point is projected onto the piece alone: in closed form on
-lines and arcs, by Newton's method on spirals and polynomials.
+The plane is divided into square cells. Each cell lists the chunks (`locate_build`) whose surface may touch it. A chunk
+lies in one piece of the reference line and one lane section, so a point is projected onto this piece only: in closed
+form on lines and arcs, by Newton's method on spirals and polynomials.
 """
 
 from math import atan2, cos, floor, sin, sqrt
@@ -17,21 +17,21 @@ CELL = 16.0
 """Size of a cell, m."""
 
 CELL_BASE = 33554432
-"""2^25: offset that makes cell numbers positive, so that a key holds two of them."""
+"""2^25: offset that makes cell numbers positive, so that a key contains two of them."""
 
 PLANE_LIMIT = 1e8
 """Largest coordinate that is looked up, m."""
 
 S_TOLERANCE = 1e-7
-"""How far beyond the ends of a road or chunk a point may lie and still belong to it, m."""
+"""Distance beyond the ends of a road or chunk up to which a point still belongs to it, m."""
 
 MIN_ACROSS = 0.01
-"""Least cosine of the roll that is reckoned with; no road is rolled so far."""
+"""Lower bound of the cosine of the roll; no road is rolled so far."""
 
 NEWTON_LIMIT = 20
 STEP_TOLERANCE = 1e-11
 TRACK_BEYOND = 0.5
-"""How far beyond its road's end a tracked point may lie where no road goes on, m."""
+"""Distance beyond its road's end up to which a tracked point is found if no road follows, m."""
 
 
 @compiled
@@ -42,7 +42,7 @@ def cell_key_of(ix: int, iy: int) -> int:
 
 @compiled
 def in_plane(x: float, y: float) -> int:
-    """Return 1 where a point is looked up: both coordinates are numbers and not too large."""
+    """Return 1 if a point can be looked up: both coordinates are finite and not too large."""
     if x > -PLANE_LIMIT and x < PLANE_LIMIT and y > -PLANE_LIMIT and y < PLANE_LIMIT:
         return 1
     return 0
@@ -50,7 +50,7 @@ def in_plane(x: float, y: float) -> int:
 
 @compiled
 def cell_number(coordinate: float) -> int:
-    """Return the number of the row of cells that holds a coordinate, the outermost one's beyond the plane."""
+    """Return the number of the row of cells that contains a coordinate; beyond the plane, that of the outermost one."""
     if not coordinate > -PLANE_LIMIT:
         coordinate = -PLANE_LIMIT
     if coordinate > PLANE_LIMIT:
@@ -60,7 +60,7 @@ def cell_number(coordinate: float) -> int:
 
 @compiled
 def cell_at(n: RoadTables, x: float, y: float) -> int:
-    """Return the row of the cell that holds a point, -1 where no road is near it."""
+    """Return the row of the cell that contains a point, -1 if no road is near it."""
     if in_plane(x, y) == 0:
         return -1
     key = cell_key_of(cell_number(x), cell_number(y))
@@ -81,7 +81,7 @@ def cell_at(n: RoadTables, x: float, y: float) -> int:
 def project_on_piece(n: RoadTables, piece: int, low: float, high: float, x: float, y: float) -> tuple[float, float]:
     """Return (s, lateral distance in the plane) of a point on a piece.
 
-    The piece goes on beyond its ends; of several feet the one nearest to [low, high] is meant.
+    The piece is extended beyond its ends; of several feet, the one nearest to [low, high] is returned.
     """
     start = n.piece_s[piece]
     kind = n.piece_kind[piece]
@@ -130,9 +130,9 @@ def project_on_piece(n: RoadTables, piece: int, low: float, high: float, x: floa
 def lean_on_piece(
     n: RoadTables, road: int, piece: int, foot: float, lateral: float, x: float, y: float
 ) -> tuple[float, float]:
-    """Return (s, t) of a point whose foot on a piece and lateral distance are known.
+    """Return (s, t) of a point with a known foot on a piece and lateral distance.
 
-    Where the road is both rolled and pitched the axis of t leans along the reference line, and s is not the foot's.
+    If the road is both rolled and pitched, the axis of t leans along the reference line, and s differs from the foot's.
     """
     along, across, _ = lateral_axis(n, road, foot)
     if across < MIN_ACROSS:
@@ -166,8 +166,8 @@ def lean_on_piece(
 def project_on_chunk(n: RoadTables, chunk: int, x: float, y: float) -> tuple[int, float, float]:
     """Return (found, s, t) of a point on a chunk.
 
-    found is 1 inside; 2 beyond its end by no more than a kink of the reference line explains (s is then at
-    the end); else 0.
+    found is 1 inside the chunk; 2 beyond its end by no more than a kink of the reference line explains (s is then that
+    of the end); otherwise 0.
     """
     if x < n.chunk_x0[chunk] or x > n.chunk_x1[chunk] or y < n.chunk_y0[chunk] or y > n.chunk_y1[chunk]:
         return 0, 0.0, 0.0
@@ -209,9 +209,9 @@ def lane_on_chunk(n: RoadTables, chunk: int, x: float, y: float) -> tuple[int, i
 
 @compiled
 def better_place(n: RoadTables, row: int, offset: float, best: int, best_offset: float) -> int:
-    """Return 1 where a lane is to be preferred to the best one so far.
+    """Return 1 if a lane is preferred to the best one so far.
 
-    The nearer centre (by more than 1 mm) wins, then the drivable lane, then the earlier one in the file.
+    The nearer centre (by more than 1 mm) is preferred, then a drivable lane, then the earlier one in the file.
     """
     if best < 0:
         return 1
@@ -229,7 +229,7 @@ def better_place(n: RoadTables, row: int, offset: float, best: int, best_offset:
 
 @compiled
 def chunks_near(n: RoadTables, cell: int) -> int:
-    """Return the number of chunks that a point of a cell (-1 outside all) may lie on."""
+    """Return the number of chunks on which a point of a cell (-1: outside all cells) may lie."""
     if cell < 0:
         return len(n.wide_chunk)
     return n.cell_chunk[cell + 1] - n.cell_chunk[cell] + len(n.wide_chunk)
@@ -237,7 +237,7 @@ def chunks_near(n: RoadTables, cell: int) -> int:
 
 @compiled
 def chunk_near(n: RoadTables, cell: int, k: int) -> int:
-    """Return one of these chunks: those of the cell, then the wide ones, which stand in no cell."""
+    """Return the k-th of these chunks: those of the cell, then the wide ones, which belong to no cell."""
     if cell >= 0:
         at = n.cell_chunk[cell] + k
         if at < n.cell_chunk[cell + 1]:
@@ -248,7 +248,7 @@ def chunk_near(n: RoadTables, cell: int, k: int) -> int:
 
 @compiled
 def locate_lane(n: RoadTables, x: float, y: float) -> tuple[int, int, int, float, float]:
-    """Return (found, road, lane, s, offset) of the lane whose centre is nearest among those that hold a point.
+    """Return (found, road, lane, s, offset) of the lane with the nearest centre among those that contain a point.
 
     Driving lanes are preferred on ties. Off the road: (0, -1, 0, 0.0, 0.0).
     """
@@ -275,9 +275,9 @@ def locate_lane(n: RoadTables, x: float, y: float) -> tuple[int, int, int, float
 
 @compiled
 def project_on_road(n: RoadTables, road: int, hint: float, x: float, y: float) -> tuple[float, float]:
-    """Return (s, t) of a point on a road's reference line, continued beyond its ends.
+    """Return (s, t) of a point on a road's reference line, extended beyond its ends.
 
-    Found by Newton's method from the hint.
+    It is found by Newton's method, starting from the hint.
     """
     s = hint
     length = n.road_length[road]
@@ -341,10 +341,10 @@ def track_on(
 
 @compiled
 def track(n: RoadTables, x: float, y: float, road_hint: int, s_hint: float) -> tuple[int, int, float, float]:
-    """Return (found, road, s, t) of a point that was at (road, s) a short while ago, found 0 off every road.
+    """Return (found, road, s, t) of a point that was at (road, s) a short time ago; found 0 off every road.
 
-    Looked for on that road, then on the roads linked to the end that was passed, then by the index. A negative road
-    hint goes straight to the index.
+    The point is searched on that road, then on the roads linked to the end that it has passed, then by the index. With
+    a negative road hint only the index is used.
     """
     if in_plane(x, y) == 0:
         return 0, -1, 0.0, 0.0
@@ -377,7 +377,7 @@ def track(n: RoadTables, x: float, y: float, road_hint: int, s_hint: float) -> t
 
 @compiled
 def track_by_index(n: RoadTables, x: float, y: float, road_hint: int, s_hint: float) -> tuple[int, int, float, float]:
-    """Return (found, road, s, t) by the index; failing that, just beyond the end of the hinted road."""
+    """Return (found, road, s, t) by the index, or else just beyond the end of the hinted road."""
     found, road, _, s, _ = locate_lane(n, x, y)
     if found == 1:
         again, s, t, _ = track_on(n, road, s, x, y, 1.0)

@@ -1,4 +1,4 @@
-"""Builds the index over the plane: short chunks of the reference line, and those that touch each cell."""
+"""Builds the spatial index: short chunks of the reference line, and the list of those that touch each cell."""
 
 from math import ceil, cos, sin, sqrt
 
@@ -8,42 +8,44 @@ from scenario_compiler.roads.locate import cell_key_of, cell_number
 from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, RoadTables
 
 CHUNK_LENGTH = 25.0
-"""Longest chunk, m."""
+"""Greatest length of a chunk, m."""
 
 POLYNOMIAL_CHUNK_LENGTH = 5.0
-"""Longest chunk of a polynomial, m: its curvature may change quickly."""
+"""Greatest length of a chunk of a polynomial, m: its curvature may change quickly."""
 
 CHUNK_TURN = 0.5
-"""Most turning of a chunk, rad."""
+"""Greatest change of direction in a chunk, rad."""
 
 POLYNOMIAL_CHUNK_TURN = 0.2
-"""Most turning of a chunk of a polynomial, rad: a point beside a tight bend then has one foot in it."""
+"""Greatest change of direction in a chunk of a polynomial, rad: a point beside a tight bend then has only one foot in
+it.
+"""
 
 PART_LIMIT = 1000
-"""Most chunks of one piece for the sake of its turning."""
+"""Greatest number of chunks of one piece because of its changes of direction."""
 
 CHUNK_LIMIT = 100_000
-"""Rough bound on the number of chunks of one network; chunks of a network of more than 10 000 km are longer."""
+"""Approximate limit of the number of chunks of a network; chunks of a network of more than 10 000 km are longer."""
 
 CELLS_LIMIT = 400
-"""Most cells that a chunk is entered into; a wider one (hundreds of metres of lanes) goes to the list that is always
-looked at.
+"""Greatest number of cells for a chunk; a wider one (hundreds of metres of lanes) is listed separately and always
+checked.
 """
 
 ENTRIES_LIMIT = 1_000_000
-"""Most entries of chunks into cells; a bound on memory for absurdly long roads."""
+"""Greatest number of entries of chunks into cells; limits the memory for absurdly long roads."""
 
 JOINT_TURN_LIMIT = 0.05
-"""Largest kink of a reference line, rad, that a point beside it is still located across."""
+"""Largest kink of a reference line beside which a point is still located, rad."""
 
 JOINT_GAP_LIMIT = 0.05
-"""Largest gap at a joint of a reference line, m, that a point is still located across."""
+"""Largest gap at a joint of a reference line beside which a point is still located, m."""
 
 IN_NO_CELL = -1
 """Key of an entry for a chunk that is too wide for the cells."""
 
 SLACK = 1e-6
-"""By how much bounds are widened for the sake of rounding, m."""
+"""Amount by which bounds are extended because of rounding, m."""
 
 
 @compiled
@@ -102,7 +104,7 @@ def range_extremes(n: RoadTables, first: int, last: int, s0: float, s1: float) -
 
 @compiled
 def section_extent(n: RoadTables, section: int) -> tuple[float, float]:
-    """Return bounds (left, right) of t over the lanes of a section."""
+    """Return bounds (left, right) of t over the lanes of a section, m."""
     s0 = n.section_s[section]
     s1 = n.section_end[section]
     road = n.section_road[section]
@@ -119,7 +121,7 @@ def section_extent(n: RoadTables, section: int) -> tuple[float, float]:
 
 @compiled
 def joint_reach(n: RoadTables, road: int, piece: int, left: float, right: float) -> float:
-    """Return how far, in s, a gap or kink where a piece of a road starts may lead points beside it astray."""
+    """Return the distance in s within which a gap or kink at the start of a piece may mislocate points beside it, m."""
     if piece == n.road_piece[road]:
         return 0.0
     s = n.piece_s[piece]
@@ -134,7 +136,7 @@ def joint_reach(n: RoadTables, road: int, piece: int, left: float, right: float)
 
 @compiled
 def piece_turning(n: RoadTables, piece: int, low: float, high: float) -> float:
-    """Return the sum of absolute turns of a piece between samples at most 1 m apart, rad."""
+    """Return the sum of the absolute changes of direction of a piece between samples at most 1 m apart, rad."""
     samples = min(max(8, ceil(high - low)), PART_LIMIT)
     turning = 0.0
     _, _, last, _, _ = piece_point(n, piece, low)
@@ -147,7 +149,7 @@ def piece_turning(n: RoadTables, piece: int, low: float, high: float) -> float:
 
 @compiled
 def surface_lean(n: RoadTables, road: int, s0: float, s1: float, wide: float) -> float:
-    """Return a bound of how far a surface leans along the reference line on a rolled slope, m.
+    """Return a bound of the distance that a surface leans along the reference line on a rolled slope, m.
 
     Its lanes lie within `wide` of the reference line.
     """
@@ -165,7 +167,7 @@ def surface_lean(n: RoadTables, road: int, s0: float, s1: float, wide: float) ->
 
 @compiled
 def bound_chunk(n: RoadTables, chunk: int, beyond: float) -> None:
-    """Write bounds of a chunk's surface: those of sampled corners, widened by what curves between the samples."""
+    """Write bounds of a chunk's surface: those of sampled corners, extended for the curvature between samples."""
     piece = n.chunk_piece[chunk]
     s0 = n.chunk_s[chunk]
     s1 = n.chunk_end[chunk]
@@ -220,9 +222,9 @@ def lay_part(
     after: float,
     stretch: float,
 ) -> int:
-    """Cut the part of a piece that lies in a section into chunks, from number `chunk` on; return the next number.
+    """Divide the part of a piece that lies in a section into chunks, from number `chunk` on; return the next number.
 
-    What there is no room for is counted only.
+    Chunks for which there is no room are only counted.
     """
     kind = n.piece_kind[piece]
     longest = CHUNK_LENGTH
@@ -259,7 +261,7 @@ def lay_part(
 
 @compiled
 def lay_road(n: RoadTables, chunk: int, road: int, stretch: float) -> int:
-    """Cut a road at its pieces and lane sections, and each part into chunks; return the next chunk's number."""
+    """Divide a road at its pieces and lane sections, and each part into chunks; return the next chunk's number."""
     piece = n.road_piece[road]
     last_piece = n.road_piece[road + 1] - 1
     low = 0.0
@@ -286,7 +288,7 @@ def lay_road(n: RoadTables, chunk: int, road: int, stretch: float) -> int:
 
 @compiled
 def lay_chunks(n: RoadTables) -> int:
-    """Fill the columns of chunks as far as there is room; return how many chunks there are."""
+    """Fill the columns of chunks as far as there is room; return the number of chunks."""
     length = 0.0
     for road in range(len(n.road_length)):
         length = length + n.road_length[road]
@@ -299,9 +301,9 @@ def lay_chunks(n: RoadTables) -> int:
 
 @compiled
 def list_cells(n: RoadTables, keys: list[int], chunks: list[int]) -> int:
-    """List the keys of the cells that each chunk touches, as far as there is room; return how many entries there are.
+    """List the keys of the cells that each chunk touches, as far as there is room; return the number of entries.
 
-    A chunk that is too wide for the cells has one entry, under the key IN_NO_CELL.
+    A chunk that is too wide for the cells has one entry, with the key IN_NO_CELL.
     """
     count = 0
     entries = 0
@@ -329,7 +331,7 @@ def list_cells(n: RoadTables, keys: list[int], chunks: list[int]) -> int:
 
 @compiled
 def store_cells(n: RoadTables, order: list[int], keys: list[int], chunks: list[int]) -> int:
-    """Fill the columns of cells from the entries of `list_cells`, ordered by key; return how many cells there are."""
+    """Fill the columns of cells from the entries of `list_cells`, ordered by key; return the number of cells."""
     wide = 0
     cells = 0
     held = 0

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ROOM = 4
-"""Lanes a point for which there is room at first."""
+"""Initial room for lanes of each point."""
 
 
 class Locator:
     """Locates points on the lanes of one network."""
 
     def __init__(self, tables: RoadTables) -> None:
-        """Take the tables in the form that serves."""
+        """Prepare the tables for the available form."""
         self._form = form_of("scenario_compiler.roads.entries", n=tables)
         cells = tables.in_arrays().cell_chunk
         most = max((after - before for before, after in pairwise(cells)), default=0)
@@ -29,7 +29,7 @@ class Locator:
         self._empty = bytes(8 * self._near)
 
     def one(self, x: float, y: float) -> list[tuple[int, float, float]]:
-        """Return (lane row, s, offset) of every lane that holds a point, the nearest centre first."""
+        """Return (lane row, s, offset) of every lane that contains a point, the nearest centre first."""
         kinds, rows = array("q", self._empty), array("q", self._empty)
         ss, offsets = array("d", self._empty), array("d", self._empty)
         end = self._form.enter("locate_point", x, y, kinds, rows, ss, offsets, 0)
@@ -38,7 +38,7 @@ class Locator:
     def many(
         self, xs: NDArray[np.float64], ys: NDArray[np.float64]
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return (row starts by point, lane rows, s, offsets) of every lane that holds some points."""
+        """Return (row starts by point, lane rows, s, offsets) of every lane that contains some of the points."""
         import numpy as np
 
         xs, ys = np.array(xs, np.float64, ndmin=1), np.array(ys, np.float64, ndmin=1)

@@ -1,6 +1,6 @@
 """Finds all lanes of many points in the plane.
 
-A place where two chunks of a road meet, or that lies across a kink of its reference line, is found twice and counts
+A place where two chunks of a road meet, or that lies beyond a kink of its reference line, is found twice and counts
 once.
 """
 
@@ -9,17 +9,17 @@ from scenario_compiler.roads.locate import cell_at, chunk_near, chunks_near, in_
 from scenario_compiler.roads.tables import RoadTables
 
 SAME_PLACE = 1e-6
-"""How far apart in s two places of a point on one road may be and still count as one, m."""
+"""Difference in s up to which two places of a point on one road count as one, m."""
 
 SAME_PLACE_OVER_KINK = 1.0
-"""The same where one of them was found across a kink, m."""
+"""The same if one of them was found beyond a kink, m."""
 
 
 @compiled
 def is_before(
     kind: int, row: int, s: float, offset: float, other_kind: int, other_row: int, other_s: float, other_offset: float
 ) -> int:
-    """Return 1 where a place comes before another one: by kind, then by distance from the centre, row, s and offset."""
+    """Return 1 if a place comes before another one: by kind, then by distance from the centre, row, s and offset."""
     if kind != other_kind:
         return 1 if kind < other_kind else 0
     if abs(offset) != abs(other_offset):
@@ -33,7 +33,7 @@ def is_before(
 
 @compiled
 def sort_in(kinds: list[int], rows: list[int], ss: list[float], offsets: list[float], first: int, at: int) -> None:
-    """Move the place at `at` to where it belongs among those from `first` on, which are in order."""
+    """Insert the place at index `at` into the sorted places from `first` on."""
     kind = kinds[at]
     row = rows[at]
     s = ss[at]
@@ -52,9 +52,9 @@ def sort_in(kinds: list[int], rows: list[int], ss: list[float], offsets: list[fl
 
 @compiled
 def is_known(n: RoadTables, kinds: list[int], rows: list[int], ss: list[float], first: int, last: int, at: int) -> int:
-    """Return 1 where the place at `at` is one of those from `first` to before `last` again.
+    """Return 1 if the place at index `at` repeats one of those from `first` to before `last`.
 
-    A place across a kink does not count beside one on a lane of the same road.
+    A place beyond a kink does not count beside one on a lane of the same road.
     """
     road = n.section_road[n.lane_section[rows[at]]]
     near = SAME_PLACE
@@ -78,19 +78,19 @@ def locate_point(
     offsets: list[float],
     first: int,
 ) -> int:
-    """Write every lane that holds a point, the nearest centre first, from `first` on; return where they end.
+    """Write every lane that contains a point, the nearest centre first, from `first` on; return the end index.
 
-    There must be room for all chunks near the point; -1 is returned where there is none.
+    There must be room for all chunks near the point; otherwise -1 is returned.
 
     Args:
         n: The roads.
         x: x of the point, m.
         y: y of the point, m.
-        kinds: Used while the point is looked up.
-        rows: Rows of the lanes.
-        ss: s, m.
-        offsets: Offsets from the lanes' centres, m.
-        first: Where the first lane is written.
+        kinds: Working memory.
+        rows: Receives the rows of the lanes.
+        ss: Receives s, m.
+        offsets: Receives the offsets from the lanes' centres, m.
+        first: Index of the first lane to write.
     """
     if in_plane(x, y) == 0:
         return first
@@ -132,9 +132,9 @@ def locate_points(
     ss: list[float],
     offsets: list[float],
 ) -> int:
-    """Write every lane that holds each of some points; return 1, or 0 where there is not enough room.
+    """Write every lane that contains each of some points; return 1, or 0 if there is not enough room.
 
-    The arrays are those of `locate_point`; `starts` takes where the lanes of each point begin, and where the last end.
+    The arrays are those of `locate_point`; `starts` receives the start index of each point's lanes, and the final end.
     """
     end = 0
     for k in range(len(xs)):

@@ -1,7 +1,7 @@
 """Codes of road marks, their default widths and lines, and the mark of a lane's border at s with its quality.
 
-Quality says how well a mark can be seen, 1 (new) to 0 (gone). A file gives it in `<userData code="marking_quality"
-value="0.3"/>` inside `<roadMark>`; a scenario overrides it by stretch (`Network.with_mark_quality`).
+The quality says how visible a mark is, from 1 (new) to 0 (gone). A file states it in `<userData code="marking_quality"
+value="0.3"/>` inside `<roadMark>`; a scenario overrides it on stretches (`Network.with_mark_quality`).
 """
 
 from scenario_compiler.marker import compiled
@@ -49,7 +49,7 @@ CHANGE_INCREASE = 2
 CHANGE_DECREASE = 3
 
 LANE_CHANGES = ("both", "none", "increase", "decrease")
-"""The standard's spelling of each lane change code: to which lane ids a change is allowed."""
+"""The standard's spelling of each lane change code: towards which lane ids a change is allowed."""
 
 LANE_CHANGE_CODES = {name: code for code, name in enumerate(LANE_CHANGES)}
 
@@ -63,12 +63,12 @@ MOST_PERIODS = 1.0e6
 """Dashes that are counted at most: beyond them a line counts as one dash or one gap."""
 
 STANDARD_WIDTH = 0.12
-"""Width of a mark where the file gives none, m: our choice, a common width of lane lines; a bold mark is twice that."""
+"""Width of a mark without one in the file, m; chosen: a common width of lane lines; a bold mark has twice this."""
 
 
 @compiled
 def mark_row(n: RoadTables, road: int, lane: int, s: float) -> int:
-    """Return the row of the mark on a lane's outer border at s (lane 0: of the centre line), -1 where none is."""
+    """Return the row of the mark on a lane's outer border at s (lane 0: of the centre line), -1 if there is none."""
     row = lane_row(n, road, lane, s)
     if row < 0:
         return -1
@@ -77,7 +77,7 @@ def mark_row(n: RoadTables, road: int, lane: int, s: float) -> int:
 
 @compiled
 def row_mark(n: RoadTables, row: int, s: float) -> int:
-    """Return the row of the mark on the outer border of a lane's row at s, -1 where none is."""
+    """Return the row of the mark on the outer border of a lane's row at s, -1 if there is none."""
     found = -1
     for mark in range(n.lane_mark[row], n.lane_mark[row + 1]):
         if n.mark_s[mark] <= s:

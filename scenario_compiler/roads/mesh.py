@@ -29,22 +29,23 @@ Floats = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 VERGE_WIDTH = 6.0
-"""Width of the strip of grass along roads that are not level, m; it ties them to the ground."""
+"""Width of the strip of grass along roads that are not level, m; it connects them with the ground."""
 
 LONGEST = 20.0
-"""Longest piece of a surface, m."""
+"""Greatest length of a piece of a surface, m."""
 
 ORIGIN_GRID = 10_000.0
 """Origins of meshes are multiples of it, m. Corners in single precision are then exact to 0.5 mm up to 8 km from it,
 wherever in the world the map lies."""
 
 MOST_PIECES = 20_000
-"""Most stations of a lane section and most pieces of a mark; beyond it they get longer. A bound on hostile
-files."""
+"""Greatest number of stations of a lane section and of pieces of a mark; beyond it they become longer. This protects
+against hostile files.
+"""
 
 
 class Material(IntEnum):
-    """What a piece of ground is made of."""
+    """The material of a piece of ground."""
 
     VERGE = 0
     ASPHALT = 1
@@ -75,7 +76,7 @@ class Surface:
         quads: (N, 4, 3) float32, m from the origin: left and right are as seen along increasing s; corners are left
             start, left end, right end, right start.
         material: (N,) uint8, a `Material`.
-        layer: (N,) uint8, what is laid on what where pieces overlap: larger lies on top.
+        layer: (N,) uint8: where pieces overlap, the larger value is on top.
         road: (N,) int32 index of the road.
         lane: (N,) int32 id of the lane, 0 for the verge.
         s: (N, 2) float64 start and end, m.
@@ -143,7 +144,7 @@ _PAINTS = dict.fromkeys(range(len(road_marks_codes.MARK_COLOURS)), Paint.WHITE) 
 
 
 class _Line(NamedTuple):
-    """One line of a mark: dash and gap, m (gap 0: solid), offset outwards in widths of the mark."""
+    """One line of a mark: dash and gap, m (gap 0: solid), and outward offset in widths of the mark."""
 
     dash: float
     gap: float
@@ -166,7 +167,7 @@ _LINES_OF_TYPE = {
 def mesh_origin(network: Network) -> Floats:
     """Return the point of `ORIGIN_GRID` nearest to the middle of a network, (3,), world, m; z is 0.
 
-    It is (0, 0, 0) for maps that lie about the world's origin.
+    It is (0, 0, 0) for maps around the world's origin.
     """
     x0, y0, x1, y1 = network.bounds()
     middle = np.array([(x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0])
@@ -253,7 +254,7 @@ def _inside(n: RoadTables, section: int, s: float) -> float:
 
 
 def _needed(borders: Floats, s: Floats, tolerance: float) -> list[int]:
-    """Return the stations, first and last included, between which borders are straight within `tolerance`."""
+    """Return the stations, including first and last, between which the borders are straight within `tolerance`."""
     kept, last = [0], len(s) - 1
     while kept[-1] < last:
         here = kept[-1]
@@ -316,7 +317,7 @@ class _Stroke(NamedTuple):
 
 
 def _lines(n: RoadTables, mark: int) -> Iterator[_Stroke]:
-    """Yield the lines of a mark: those of the file, else those of its type."""
+    """Yield the lines of a mark: those of the file, or else those of its type."""
     start, end, width = n.mark_s[mark], n.mark_end[mark], n.mark_width[mark]
     if n.mark_type[mark] == road_marks_codes.MARK_NONE:
         return
@@ -367,7 +368,7 @@ def _paint_secondary(
     quads: list[tuple[Point, Point, Point, Point]],
     columns: list[tuple[int, float, float, int, int, float, float]],
 ) -> None:
-    """Append the pieces of a line that keeps its distance from the reference line."""
+    """Append the pieces of a line at a constant distance from the reference line."""
     colour = _PAINTS[road_marks_codes.MARK_COLOUR_CODES[line.colour]]
     dash, gap = _BROKEN if line.broken else _SOLID
     stroke = _Stroke(line.t, line.width, colour, dash, gap, line.s_from, line.s_to)
@@ -415,7 +416,7 @@ def _pieces(
 def _across(
     n: RoadTables, road: int, row: int, mark: int, s: float, beside: float, width: float
 ) -> tuple[Point, Point]:
-    """Return the left and right rim of a line at s on the outer border of a lane's row."""
+    """Return the left and right edge of a line at s on the outer border of a lane's row."""
     s = _inside(n, n.lane_section[row], s)
     lane = n.lane_id[row]
     t = beside + geometry.cubic_value(n, n.mark_sway_first[mark], n.mark_sway_last[mark], s)

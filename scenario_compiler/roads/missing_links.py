@@ -11,16 +11,16 @@ _NAMES = ("predecessor", "successor")
 
 
 def complete_lane_links(edits: TextEdits, element: etree._Element, n: RoadTables, road: int, *, goes_on: bool) -> None:
-    """Give each lane of a road the predecessor and successor that it has by the links of the lanes beside it.
+    """Add to each lane of a road the predecessor and successor that follow from the links of the neighbouring lanes.
 
-    Lane ends at a junction get none: there the junction's connections tell.
+    Lane ends at a junction get none, because the junction's connections define them.
 
     Args:
-        edits: Where the changes go.
+        edits: Receives the changes.
         element: The road's element.
         n: The tables of the network.
         road: Index of the road.
-        goes_on: Whether the road's end is split off, so that the same lanes go on there.
+        goes_on: Whether the road's end is split off, so that the same lanes continue there.
     """
     rows = range(n.road_section[road], n.road_section[road + 1])
     sections = sorted(element.iterfind("{*}lanes/{*}laneSection"), key=_start)
@@ -47,7 +47,7 @@ def _start(section: etree._Element) -> float:
 
 
 def _linked_lane(n: RoadTables, road: int, section: int, lane: int, end: int) -> int:
-    """Return the id of the lane that a lane's end is linked to, 0 where there is none or a junction lies there."""
+    """Return the id of the lane to which a lane's end is linked, 0 if there is none or a junction lies there."""
     last = n.road_section[road + 1] - 1
     inside = section > n.road_section[road] if end == AT_START else section < last
     neighbour = n.road_start_road[road] if end == AT_START else n.road_end_road[road]

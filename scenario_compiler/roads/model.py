@@ -1,8 +1,8 @@
 """The contents of a road file besides the tables: header, objects, signals, controllers, junctions.
 
-Running a scenario needs none of it, so it is read only when asked for (`Network.model`). Words are kept as the file
-spells them; numbers are in metres and radians in the road's frame (s, t, h). What these values do not name stays
-reachable as `rest`: names of child elements and attributes that were read and not interpreted.
+Running a scenario needs none of it, so it is read only on request (`Network.model`). Words are kept as the file spells
+them; numbers are in metres and radians in the road's frame (s, t, h). The names of child elements and attributes that
+are not interpreted are available as `rest`.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ TOO_MANY_REPEATS = Code(
 )
 
 REPEAT_LIMIT = 10_000
-"""Most places of one repeated object."""
+"""Greatest number of places of one repeated object."""
 
 CONTINUOUS_STEP = 10.0
-"""Distance of the places of an object that is repeated without gaps (distance 0), m."""
+"""Distance between the places of an object that is repeated without gaps (distance 0), m."""
 
 
 class UserData(NamedTuple):
-    """A `<userData>` element: a code and a value of the writer's own."""
+    """A `<userData>` element: a code and a value defined by the author of the file."""
 
     code: str
     value: str
@@ -56,7 +56,7 @@ class Corner(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """The outline of an object: its corners in order, whether it is closed, whether it is the outer one."""
+    """The outline of an object: its corners in order, whether it is closed, and whether it is the outer one."""
 
     corners: tuple[Corner, ...]
     closed: bool
@@ -65,15 +65,15 @@ class Outline:
 
 @dataclass(frozen=True, slots=True)
 class Marking:
-    """Paint along an object's outline: a line by the corners that it goes through, or along a side of its box.
+    """Paint along an object's outline: a line through given corners, or along a side of its box.
 
     Attributes:
-        side: "left", "right", "front" or "rear"; empty where corners are given.
+        side: "left", "right", "front" or "rear"; empty if corners are given.
         corners: Ids of corners of the outlines.
         colour: A colour of the standard.
-        width: Of the line, m.
-        line, space: Lengths of the painted and the bare pieces, m; no space means a solid line.
-        start, stop: What is left out at both ends, m.
+        width: Width of the line, m.
+        line, space: Lengths of the painted and the unpainted pieces, m; without a space the line is solid.
+        start, stop: Lengths that are left out at both ends, m.
     """
 
     side: str
@@ -87,7 +87,7 @@ class Marking:
 
 
 class Place(NamedTuple):
-    """One of the places of a repeated object: s, t and height over the road, m, and how far along it is, 0 to 1."""
+    """One of the places of a repeated object: s, t, height above the road, m, and its relative position, 0 to 1."""
 
     s: float
     t: float
@@ -97,9 +97,9 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Repeat:
-    """Where an object stands again and again: from s on, every `distance` metres (0: without gaps).
+    """The repetition of an object: from s on, every `distance` metres (0: without gaps).
 
-    Sizes are those at the first and at the last place, m; 0 where the object's own hold.
+    Sizes are those at the first and at the last place, m; 0 if the object's own size is used.
     """
 
     s: float
@@ -131,7 +131,7 @@ class Repeat:
             )
 
     def count(self) -> int:
-        """Return the number of places, however large."""
+        """Return the number of places, without a limit."""
         step = self.distance if self.distance > 0.0 else CONTINUOUS_STEP
         places = self.length / step
         return int(places) + 1 if isfinite(places) and places >= 0.0 else 1
@@ -139,17 +139,17 @@ class Repeat:
 
 @dataclass(frozen=True, slots=True)
 class RoadObject:
-    """An object beside or on a road, a crosswalk or a parking space among them.
+    """An object beside or on a road, such as a crosswalk or a parking space.
 
     Attributes:
         road: Id of the road.
         id: As in the file.
         type: The standard's word: "crosswalk", "parkingSpace", "barrier", ...
-        s, t, z_offset: Place of its origin, m.
-        heading, pitch, roll: Against the road's direction, rad.
-        orientation: "+", "-" or "none": the direction of travel that it is meant for.
-        length, width, height, radius: Size, m; 0 where not given.
-        lanes: (from, to) lane ids of each validity record; empty means all.
+        s, t, z_offset: Position of its origin, m.
+        heading, pitch, roll: Relative to the road's direction, rad.
+        orientation: "+", "-" or "none": the direction of travel to which it applies.
+        length, width, height, radius: Size, m; 0 if not given.
+        lanes: (from, to) lane ids of each validity record; empty for all lanes.
     """
 
     road: str
@@ -180,9 +180,9 @@ class RoadObject:
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """A sign, traffic light or painted sign; see `RoadObject` for what the fields mean.
+    """A sign, traffic light or painted sign; the fields are as in `RoadObject`.
 
-    A signal that is referenced from another road has `reference` True and only the fields of a reference.
+    For a reference from another road, `reference` is True and only the fields of a reference are set.
     """
 
     road: str
@@ -210,7 +210,7 @@ class Signal:
 
 @dataclass(frozen=True, slots=True)
 class Structure:
-    """A tunnel or a bridge: the stretch of road that it covers, m."""
+    """A tunnel or a bridge, and the stretch of road that it covers, m."""
 
     road: str
     kind: str
@@ -223,7 +223,10 @@ class Structure:
 
 @dataclass(frozen=True, slots=True)
 class ConnectionEnd:
-    """Where a connection of a virtual junction leaves or enters a road: s in m, "+" for travel along s, "-" against."""
+    """Where a connection of a virtual junction leaves or enters a road.
+
+    `s` is in m; `direction` is "+" for travel along s and "-" for travel against it.
+    """
 
     road: str
     s: float
@@ -232,10 +235,9 @@ class ConnectionEnd:
 
 @dataclass(frozen=True, slots=True)
 class JunctionConnection:
-    """A connection as filed: road ids, the touched end of the entered road, (from, to) lane ids.
+    """A connection as written: road ids, the touched end of the entered road, (from, to) lane ids.
 
-    Those of virtual junctions may name places inside roads, and without a connecting road only those: such a connection
-    has no path that could be followed.
+    Those of virtual junctions may name places inside roads. Without a connecting road they have no path to follow.
     """
 
     id: str
@@ -293,7 +295,7 @@ class Header:
 
 @dataclass(frozen=True, slots=True)
 class RoadModel:
-    """All of it, each in the file's order."""
+    """The complete model, each part in the file's order."""
 
     header: Header
     objects: tuple[RoadObject, ...]
@@ -304,13 +306,13 @@ class RoadModel:
     lanes: tuple[LaneDetails, ...]
 
     def signals_of(self, controller: str) -> tuple[str, ...]:
-        """Return the ids of the signals that a controller switches, by its name or id; none where there is no such."""
+        """Return the ids of the signals that a controller switches, by its name or id; empty for an unknown one."""
         group = next((one for one in self.controllers if controller in (one.name, one.id)), None)
         return () if group is None else tuple(signal for signal, _ in group.controls)
 
 
 def read_model(document: Document, sink: Diagnostics) -> RoadModel:
-    """Read what the tables leave out from a document whose root is `<OpenDRIVE>`."""
+    """Read the parts that the tables leave out from a document with the root `<OpenDRIVE>`."""
     root = document.root
     reader = _ModelReader(Reader(document, sink))
     roads = root.findall("road")
@@ -345,7 +347,7 @@ def read_repeat(reader: Reader, element: etree._Element) -> Repeat:
 
 
 def report_repeats(reader: Reader, root: etree._Element) -> None:
-    """Report objects that repeat more often than `REPEAT_LIMIT`."""
+    """Report objects with more places than `REPEAT_LIMIT`."""
     for element in root.iterfind("road/objects/object/repeat"):
         count = read_repeat(reader, element).count()
         if count > REPEAT_LIMIT:
@@ -530,5 +532,5 @@ def _user_data(element: etree._Element) -> tuple[UserData, ...]:
 
 
 def _rest(element: etree._Element, read: set[str]) -> tuple[str, ...]:
-    """Return the tags of the children that were not interpreted, each once, in order."""
+    """Return the tags of the children that are not interpreted, each once, in order."""
     return tuple(dict.fromkeys(str(one.tag) for one in element.iterchildren(etree.Element) if one.tag not in read))

@@ -12,14 +12,13 @@ from scenario_compiler.roads.locate import CELL, MIN_ACROSS, PLANE_LIMIT, cell_k
 from scenario_compiler.roads.tables import RoadTables
 
 RINGS = 6
-"""Rings of cells around the point's own that are searched before all chunks are looked at (6 rings: some 100
-m)."""
+"""Number of rings of cells around the point's own that are searched before all chunks are (6 rings: some 100 m)."""
 
 
 def nearest_lane(n: RoadTables, x: float, y: float) -> tuple[int, float, float] | None:
-    """Return (lane row, s, offset) of the lane whose surface is closest to a point; None without lanes or far out.
+    """Return (lane row, s, offset) of the lane whose surface is closest to a point; None without lanes or far away.
 
-    s is clamped to the road; the offset is that of the point itself, so it may exceed half the lane's width.
+    s is limited to the road; the offset is that of the point itself, so it may exceed half the lane's width.
     """
     if not (abs(x) < PLANE_LIMIT and abs(y) < PLANE_LIMIT):
         return None
@@ -35,7 +34,7 @@ def nearest_lane(n: RoadTables, x: float, y: float) -> tuple[int, float, float] 
 
 
 def _ring(n: RoadTables, x: float, y: float, ring: int) -> Iterator[int]:
-    """Yield the chunks of the cells whose larger distance in cells is `ring`."""
+    """Yield the chunks of the cells at the Chebyshev distance `ring`."""
     ix, iy = floor(x / CELL), floor(y / CELL)
     for dx in range(-ring, ring + 1):
         step = 1 if abs(dx) == ring else max(1, 2 * ring)
@@ -51,7 +50,7 @@ def _cell(n: RoadTables, key: int) -> int:
 
 
 Found = tuple[float, int, float, float]
-"""Distance, lane row, s, offset."""
+"""Distance, lane row, s and offset."""
 
 
 def _closest(n: RoadTables, chunks: Iterable[int], x: float, y: float, best: Found | None) -> Found | None:

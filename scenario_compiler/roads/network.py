@@ -1,6 +1,6 @@
-"""`Network`: queries of a road network, by ids and in values.
+"""`Network`: queries of a road network, by ids and with values as results.
 
-The work is done by the compiled functions.
+The compiled functions do the work.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ CHANGED_FILE = Code(
 )
 
 END_TOLERANCE = 1e-6
-"""How far beyond a road's ends s may lie before it counts as outside, m: rounding of written decimals."""
+"""Distance beyond a road's ends up to which s does not count as outside, m: rounding of written decimals."""
 
 
 class Network:
@@ -152,9 +152,9 @@ class Network:
         return i, min(max(s, 0.0), length)
 
     def locate(self, x: float, y: float, nearest: bool = False) -> list[LanePosition]:
-        """Return every lane, of any type, that holds the point, nearest lane centre first; [] off the road.
+        """Return every lane, of any type, that contains the point, the nearest lane centre first; [] off the road.
 
-        With `nearest`, the closest lane is returned for a point that no lane holds.
+        With `nearest`, the closest lane is returned for a point that no lane contains.
         """
         found = self._locator.one(x, y)
         if not found and nearest:
@@ -163,7 +163,7 @@ class Network:
         return [self._position(*place) for place in found]
 
     def locate_many(self, xs: npt.ArrayLike, ys: npt.ArrayLike) -> Located:
-        """Return, for many points at once, what `locate` returns for each; see `Located`."""
+        """Return the results of `locate` for many points; see `Located`."""
         import numpy as np
 
         start, row, s, offset = self._locator.many(np.asarray(xs, np.float64), np.asarray(ys, np.float64))
@@ -176,7 +176,7 @@ class Network:
         return LanePosition(self.road_ids[n.section_road[n.lane_section[row]]], n.lane_id[row], s, offset)
 
     def lane_width(self, road: str, lane: int, s: float) -> float:
-        """Return a lane's width, m; 0 where the lane does not exist. ValueError outside the road."""
+        """Return a lane's width, m; 0 if the lane does not exist. ValueError outside the road."""
         i, s = self._place(road, s)
         return lanes.lane_width(self.tables, i, lane, s)
 
@@ -207,7 +207,7 @@ class Network:
         return None if speed == NO_SPEED else speed
 
     def lane_details(self, road: str, lane: int, s: float) -> LaneDetails | None:
-        """Return access, rules, material and state of a lane at s; None where the file states none.
+        """Return access, rules, material and state of a lane at s; None if the file states none.
 
         They are read from the file when first asked for.
 
@@ -226,7 +226,7 @@ class Network:
     def marks(self, road: str, lane: int, s: float) -> tuple[Mark | None, Mark | None]:
         """Return (outer mark, inner mark) of a lane at s.
 
-        The inner one belongs to the lane beside it towards the centre.
+        The inner one belongs to the neighbouring lane towards the centre.
         """
         i, s = self._place(road, s)
         inner = lane - 1 if lane > 0 else lane + 1
@@ -264,9 +264,9 @@ class Network:
         return min(n.chunk_x0), min(n.chunk_y0), max(n.chunk_x1), max(n.chunk_y1)
 
     def next(self, position: LanePosition, distance: float) -> LanePosition | None:
-        """Return the position a distance ahead in the direction of travel, None beyond the lane's end.
+        """Return the position a distance ahead in the direction of travel, or None beyond the lane's end.
 
-        Junctions are left by the straightest exit.
+        At a junction the straightest exit is taken.
         """
         i, s = self._place(position.road, position.s)
         road, lane, s, left = travel.advance(self.tables, i, position.lane, s, distance, -1)
@@ -279,11 +279,11 @@ class Network:
         return self.next(position, -distance)
 
     def left(self, position: LanePosition) -> LanePosition | None:
-        """Return the position on the lane to the left as seen in the direction of travel, None where there is none."""
+        """Return the position on the lane to the left as seen in the direction of travel, None if there is none."""
         return self._beside(position, 1)
 
     def right(self, position: LanePosition) -> LanePosition | None:
-        """Return the position on the lane to the right as seen in the direction of travel, None where there is none."""
+        """Return the position on the lane to the right as seen in the direction of travel, None if there is none."""
         return self._beside(position, -1)
 
     def _beside(self, position: LanePosition, side: int) -> LanePosition | None:
@@ -297,7 +297,7 @@ class Network:
         return LanePosition(position.road, lane, s, position.offset)
 
     def route(self, start: LanePosition, goal: LanePosition) -> Route | None:
-        """Return the shortest route, with the fewest lane changes among equals, None where there is none.
+        """Return the shortest route, with the fewest lane changes among equals, None if there is none.
 
         Raises:
             ValueError: When the start or the goal lies on no lane.
@@ -330,11 +330,11 @@ class Network:
         return LanePosition(self.road_ids[n.section_road[section]], n.lane_id[row], s)
 
     def with_mark_quality(self, overrides: Sequence[MarkStretch]) -> Network:
-        """Return a network whose marks carry the overrides; the rest is shared with this one.
+        """Return a network whose marks have the overrides; everything else is shared with this one.
 
         Raises:
-            KeyError: When a stretch names a road or a colour that does not exist.
-            ValueError: When a quality is outside 0 to 1.
+            KeyError: A stretch names a road or a colour that does not exist.
+            ValueError: A quality is outside 0 to 1.
         """
         arrays = with_mark_quality(self.tables, self._index, overrides)
         painted = Network(self.path, self.sha256, ParsedNetwork(arrays, self.road_ids, self.junction_ids))
@@ -355,14 +355,14 @@ def load_network(path: str | Path, *, cache: bool = True, sink: Diagnostics | No
 
     Args:
         path: The file.
-        cache: Whether the tables may be taken from, and are put into, the user's cache.
-        sink: Where findings go.
+        cache: Whether the tables may be read from, and are written to, the user's cache.
+        sink: Receives the findings.
 
     Returns:
-        The network; None when the file is unreadable and a sink was given.
+        The network; None if the file is unreadable and a sink was given.
 
     Raises:
-        CompileError: When the file is unreadable and no sink was given.
+        CompileError: The file is unreadable and no sink was given.
     """
     findings = Diagnostics() if sink is None else sink
     raw = _read(Path(path), findings)
@@ -375,7 +375,7 @@ def load_network(path: str | Path, *, cache: bool = True, sink: Diagnostics | No
 
 
 def _read(path: Path, sink: Diagnostics) -> bytes | None:
-    """Return the content of a file; what is wrong with an unreadable one is found out, and told, by `read_document`."""
+    """Return the contents of a file; `read_document` finds and reports the faults of an unreadable one."""
     try:
         return read_file(path)
     except (OSError, ValueError):

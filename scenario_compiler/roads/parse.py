@@ -1,8 +1,8 @@
 """Reads OpenDRIVE XML into `RoadTables`, with diagnostics for parts that cannot be used.
 
-Faults of a road file are warnings: the record is left out or takes the standard's default, and the rest is read. Errors
-are left for files that give no network at all. What the tables do not hold (objects, signals, controllers, header) is
-read by `model` when it is asked for.
+Faults of a road file are warnings: the record is left out or replaced by the standard's default, and the rest is read.
+Only a file without any usable network is an error. Parts that the tables do not contain (objects, signals, controllers,
+header) are read by `model` on request.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ UNKNOWN_WORD = Code(
 
 
 def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
-    """Read the roads, junctions and links of a document; None (and an error) when there is no road in it."""
+    """Read the roads, junctions and links of a document; None (and an error) if it has no road."""
     root = document.root
     drop_namespace(root)
     if root.tag != "OpenDRIVE":
@@ -102,7 +102,7 @@ def _read_road(
     junctions: dict[str, int],
     cuts: Sequence[float],
 ) -> bool:
-    """Append one road to the tables; False when it cannot be used."""
+    """Append one road to the tables; return False if it cannot be used."""
     length = reader.number(element, "length", -1.0, limit=LENGTH_LIMIT)
     if length <= 0.0:
         if element.get("length") is not None:
@@ -166,7 +166,7 @@ def _read_types(reader: Reader, n: RoadTables, element: etree._Element) -> None:
 
 
 def _is_flat(n: RoadTables, road: int) -> bool:
-    """Tell whether height, pitch and roll are 0 on all of the road that was read last."""
+    """Return whether height, pitch and roll are 0 on the whole last road."""
     ranges = (
         (n.road_elevation_first[road], n.road_elevation_last[road]),
         (n.road_superelevation_first[road], n.road_superelevation_last[road]),

@@ -35,12 +35,12 @@ class LanePosition(NamedTuple):
 
 
 class Located(NamedTuple):
-    """What `Network.locate_many` returns: columns over all found (point, lane) pairs.
+    """The result of `Network.locate_many`: columns over all found (point, lane) pairs.
 
     They are ordered by point, nearest lane centre first.
 
     Attributes:
-        start: CSR over the points, (points + 1,).
+        start: Row starts by point, (points + 1,).
         road: Road index.
         lane: Lane id.
         s: m.
@@ -74,10 +74,10 @@ class Mark(NamedTuple):
 
 
 class MarkStretch(NamedTuple):
-    """Marks whose quality is set from s_from to s_to, linear between both qualities, and whose colour.
+    """A change of marks from s_from to s_to: the quality, linear between two values, and the colour.
 
-    A lane's mark lies on its outer border; lane 0 is the centre line, None means every mark of the road. A quality or a
-    colour of None is left as it was; colours are spelled as in `marks.MARK_COLOURS`.
+    A lane's mark lies on its outer border; lane 0 is the centre line, None stands for every mark of the road. A quality
+    or colour of None is not changed; colours are spelled as in `marks.MARK_COLOURS`.
     """
 
     road: str
@@ -92,8 +92,8 @@ class MarkStretch(NamedTuple):
 class SecondaryLine(NamedTuple):
     """A line painted beside the marks of the map.
 
-    It lies from s_from to s_to, m, its middle at t, m to the left of the reference line. The colour is spelled as in
-    `marks.MARK_COLOURS`, the width is in m, the quality 1 (new) to 0 (gone).
+    It lies from s_from to s_to, m, with its centre at t, m to the left of the reference line. The colour is spelled as
+    in `marks.MARK_COLOURS`; the width is in m, the quality from 1 (new) to 0 (gone).
     """
 
     road: str
@@ -109,7 +109,7 @@ class SecondaryLine(NamedTuple):
 class Leg(NamedTuple):
     """A part of a route: one lane of one road from s to s.
 
-    `changes_lane` tells that it is entered from the lane beside.
+    `changes_lane` tells whether it is entered from the neighbouring lane.
     """
 
     road: str
@@ -121,10 +121,10 @@ class Leg(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """The way from one lane position to another: legs in order of travel.
+    """The route from one lane position to another: legs in order of travel.
 
     Attributes:
-        legs: Legs; each but the first starts where the one before ends, or beside it.
+        legs: Legs; each but the first starts at the end of the previous one, or beside it.
         length: Distance to travel, m.
         lane_changes: Number of lane changes.
     """
@@ -136,17 +136,17 @@ class Route:
 
 @dataclass(frozen=True, slots=True)
 class RoadDescription:
-    """What a road is: its place in the network and its lane sections.
+    """A road: its place in the network and its lane sections.
 
     Attributes:
         id: As in the file.
         length: m.
         rule: "RHT" or "LHT".
-        junction: Id of the junction that it lies in, or None.
+        junction: Id of its junction, or None.
         predecessor: ("road" or "junction", id), or None.
         successor: Likewise at the end.
-        sections: (s, lane ids from left to right, the centre lane 0 included) of each lane section.
-        type: Road type at s = 0, "unknown" where the file gives none.
+        sections: (s, lane ids from left to right, including the centre lane 0) of each lane section.
+        type: Road type at s = 0, "unknown" if the file gives none.
     """
 
     id: str

@@ -2,7 +2,7 @@
 
 The series is Krueger's, to the fourth order in the third flattening, as in C. F. F. Karney, "Transverse Mercator with
 an accuracy of a few nanometers", Journal of Geodesy 85 (2011), equations 7 to 12 and 35: exact to 1 mm within 3000 km
-of the central meridian. Parameters are named as in PROJ strings.
+of the central meridian. Parameters have the names of PROJ strings.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def _series(n: float) -> tuple[float, float, float, float]:
 
 
 def read_projection(text: str) -> TransverseMercator | None:
-    """Return the projection that a PROJ string describes, None for any other than a transverse Mercator one or UTM."""
+    """Return the projection of a PROJ string; None unless it is a transverse Mercator or UTM projection."""
     found = _read(text)
     return found if found is not None and all(isfinite(number) for number in astuple(found)) else None
 
@@ -112,7 +112,7 @@ def _read(text: str) -> TransverseMercator | None:
 
 
 def _ellipsoid(given: dict[str, str]) -> tuple[float, float] | None:
-    """Return (equatorial radius in m, flattening) of a PROJ string's words, None for one that is not known."""
+    """Return (equatorial radius in m, flattening) from a PROJ string's words; None for an unknown ellipsoid."""
     try:
         if "R" in given:
             return float(given["R"]), 0.0

@@ -1,4 +1,4 @@
-"""Tables with changed marks: the wear and the colours of a scenario on stretches of road."""
+"""Tables with changed marks: the wear and colours of a scenario on stretches of road."""
 
 from __future__ import annotations
 
@@ -12,21 +12,22 @@ from scenario_compiler.roads.tables import RoadTables
 
 MARK_COLUMNS = tuple(name for name in columns_of(RoadTables) if name.startswith("mark_") and name != "mark_line")
 LINE_COLUMNS = tuple(name for name in columns_of(RoadTables) if name.startswith("line_"))
-REPLACED = (*MARK_COLUMNS, *LINE_COLUMNS, "mark_line", "lane_mark")
+PAINT_COLUMNS = (*MARK_COLUMNS, *LINE_COLUMNS, "mark_line", "lane_mark")
+"""Columns that overrides replace: all that tells how a map is painted."""
 
 OWN_COLOUR = -1
-"""A piece has the colour of its mark and of the mark's lines."""
+"""Stands for the colour of the mark and of its lines."""
 
 Piece = tuple[int, float, float, float, float, int]
 """A part of a mark: the mark's row, s and end of the part, quality at both, colour."""
 
 
 def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[MarkStretch]) -> RoadTables:
-    """Return tables, as arrays, whose marks carry the overrides, the later ones over the earlier; all else is shared.
+    """Return tables, as arrays, whose marks have the overrides (later ones take precedence); all else is shared.
 
     Raises:
-        KeyError: When a stretch names a road or a colour that does not exist.
-        ValueError: When a quality is outside 0 to 1.
+        KeyError: A stretch names a road or a colour that does not exist.
+        ValueError: A quality is outside 0 to 1.
     """
     by_road: dict[int, list[MarkStretch]] = {}
     for one in overrides:
@@ -47,11 +48,11 @@ def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[
         for piece in pieces:
             _append(n, m, piece)
         m.lane_mark.append(len(m.mark_s))
-    return with_columns(n.in_arrays(), {name: getattr(m, name) for name in REPLACED})
+    return with_columns(n.in_arrays(), {name: getattr(m, name) for name in PAINT_COLUMNS})
 
 
 def _override(piece: Piece, stretch: MarkStretch) -> list[Piece]:
-    """Cut a part of a mark where a stretch starts and ends, and give what lies in it what the stretch says."""
+    """Cut a part of a mark where a stretch starts and ends, and apply the stretch's values to what lies in it."""
     mark, s, end, before, after, colour = piece
     low = max(s, min(stretch.s_from, stretch.s_to))
     high = min(end, max(stretch.s_from, stretch.s_to))
@@ -71,7 +72,7 @@ def _override(piece: Piece, stretch: MarkStretch) -> list[Piece]:
 
 
 def _between(s0: float, s1: float, q0: float, q1: float, s: float) -> float:
-    """Return the quality at s of one that goes linearly from q0 at s0 to q1 at s1."""
+    """Return the quality at s, linear between q0 at s0 and q1 at s1."""
     if s1 == s0 or q0 == q1:
         return q0
     return q0 + (s - s0) / (s1 - s0) * (q1 - q0)

@@ -54,10 +54,9 @@ class Reader:
         self.sink.add(code, message, self.document.origin(element, attribute))
 
     def number(self, element: etree._Element, name: str, default: float, *, limit: float = NUMBER_LIMIT) -> float:
-        """Return an attribute as a finite number within +-limit, the default (and a finding) where it is not one.
+        """Return an attribute as a finite number within +-limit, or the default (with a finding) for any other text.
 
-        A missing attribute is no finding here: whether it may be missing is a matter of structure, not of
-        reading.
+        A missing attribute is not reported here: whether it is required is a matter of structure.
         """
         text = element.get(name)
         if text is None:
@@ -73,7 +72,7 @@ class Reader:
         return default
 
     def integer(self, element: etree._Element, name: str) -> int | None:
-        """Return an attribute as an integer, None (and a finding) where it is not one."""
+        """Return an attribute as an integer, or None (with a finding) for any other text."""
         text = element.get(name)
         try:
             if text is not None and len(text) < 16:
@@ -85,7 +84,7 @@ class Reader:
         return None
 
     def speed(self, element: etree._Element) -> float:
-        """Return the `max` of a speed element in m/s, `inf` for "no limit", `NO_SPEED` where it says nothing usable."""
+        """Return the `max` of a speed element in m/s, `inf` for "no limit", `NO_SPEED` if it is not usable."""
         text = element.get("max", "undefined")
         if text == "no limit":
             return inf
@@ -97,13 +96,13 @@ class Reader:
         return value * SPEED_UNITS.get(element.get("unit", "m/s"), 1.0)
 
     def cubics(self, n: RoadTables, records: Iterable[etree._Element], station: str, origin: float) -> tuple[int, int]:
-        """Append cubics to the pool and return their range, empty when all of them are 0 everywhere.
+        """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere.
 
         Args:
             n: The tables.
             records: Elements with the attributes a, b, c, d.
-            station: Name of the attribute that says where a record starts: "s", "t" or "sOffset".
-            origin: What that attribute counts from.
+            station: Name of the attribute for a record's start: "s", "t" or "sOffset".
+            origin: Value to which that attribute is relative.
         """
         rows = []
         ordered = True
@@ -134,7 +133,7 @@ Cubic = tuple[float, float, float, float, float]
 
 
 def append_cubics(n: RoadTables, rows: list[Cubic]) -> tuple[int, int]:
-    """Append cubics to the pool and return their range, empty when all of them are 0 everywhere."""
+    """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere."""
     first = len(n.cubic_s)
     if all(a == b == c == d == 0.0 for _, a, b, c, d in rows):
         return first, first

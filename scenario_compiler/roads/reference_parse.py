@@ -29,17 +29,19 @@ COARSE_SPIRAL = Code(
 )
 
 TURN_LIMIT = 0.1
-"""Most turning over one piece of a spiral, rad. With `RATE_LIMIT` it keeps the error of the three-point rule,
-length x (turn^6 + 15 (rate length^2)^3) / 2 016 000, below 1e-9 m for pieces of up to 100 m."""
+"""Greatest change of direction in one piece of a spiral, rad. With `RATE_LIMIT` it keeps the error of the three-point
+rule, length x (turn^6 + 15 (rate length^2)^3) / 2 016 000, below 1e-9 m for pieces of up to 100 m.
+"""
 
 RATE_LIMIT = 0.02
 """Largest product of a spiral piece's curvature rate and its squared length."""
 
 PIECE_LIMIT = 2000
-"""Most pieces of one spiral."""
+"""Greatest number of pieces of one spiral."""
 
 ALL_PIECES_LIMIT = 200_000
-"""Pieces of a network after which spirals are no longer cut; a bound on memory, beyond any real network of a map."""
+"""Number of pieces of a network after which spirals are no longer cut; limits the memory, far beyond any real network.
+"""
 
 GAUSS = (
     (-0.9061798459386640, 0.2369268850561891),
@@ -52,7 +54,7 @@ GAUSS = (
 
 
 def read_reference_line(reader: Reader, n: RoadTables, road: etree._Element, length: float) -> bool:
-    """Append the pieces of a road's reference line and their index; False when it has none."""
+    """Append the pieces of a road's reference line and their index; return False if it has none."""
     geometries = []
     last = -1.0
     for element in road.iterfind("planView/geometry"):
@@ -170,9 +172,9 @@ def _append_polynomial(
 
 
 def _poly3_scale(b: float, c: float, d: float, length: float) -> float:
-    """Return du/ds: the u at which the curve v(u) has the geometry's length, over that length.
+    """Return du/ds: the u at which the curve v(u) has the geometry's length, divided by that length.
 
-    The length of the curve up to u is integrated in 200 steps and u grown until it reaches the length.
+    The length of the curve is integrated in 200 steps, and u is increased until the length is reached.
     """
     if length <= 0.0 or b == c == d == 0.0:
         return 1.0

@@ -1,4 +1,4 @@
-"""Places counted from another place on a road: lanes away, and distances across the road."""
+"""Places relative to another place on a road: a number of lanes away, and at a distance across the road."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def lane_beyond(n: RoadTables, road: int, lane: int, s: float, by: int, facing: int) -> int:
-    """Return the lane `by` lanes to the left as seen along `facing` (1: along s), or the last one on the way there."""
+    """Return the lane `by` lanes to the left as seen along `facing` (1: along s), or the last one before it."""
     at = lane
     step = facing if by > 0 else -facing
     for _ in range(abs(by)):
@@ -27,7 +27,7 @@ def lane_beyond(n: RoadTables, road: int, lane: int, s: float, by: int, facing: 
 
 @compiled
 def lane_nearest(n: RoadTables, road: int, s: float, t: float) -> int:
-    """Return the lane that holds t at s, off the lanes the one whose centre is nearest, 0 on a road without lanes."""
+    """Return the lane that contains t at s, or else the one with the nearest centre; 0 on a road without lanes."""
     lane = lane_at(n, road, s, t)
     if lane != 0:
         return lane
@@ -47,9 +47,9 @@ def lane_nearest(n: RoadTables, road: int, s: float, t: float) -> int:
 def lanes_away(
     n: RoadTables, road: int, lane: int, s: float, by: int, left: float, along_lane: int
 ) -> tuple[int, float, float]:
-    """Return (lane, offset, heading) of a place `by` lanes to the left and `left` of that lane's centre.
+    """Return (lane, offset, heading) of a place `by` lanes to the left and `left` metres from that lane's centre.
 
-    Left is as seen along the lane's travel where `along_lane` is 1, else as seen along s; so is the heading.
+    With `along_lane` 1, left and the heading are relative to the lane's direction of travel, otherwise to s.
     """
     sense = 1
     if along_lane == 1:
@@ -64,7 +64,7 @@ def lanes_away(
 
 @compiled
 def across_road(n: RoadTables, road: int, lane: int, s: float, offset: float, dt: float) -> tuple[int, float, float]:
-    """Return (lane, offset, heading along s) of a place dt to the left of one in a lane; lane 0 without lanes."""
+    """Return (lane, offset, heading along s) of a place dt to the left of a place in a lane; lane 0 without lanes."""
     centre, _ = lane_centre(n, road, lane, s)
     t = centre + offset + dt
     at = lane_nearest(n, road, s, t)

@@ -1,4 +1,4 @@
-"""Routes: the shortest way over the lanes, with the fewest lane changes among equally short ones."""
+"""Routes: the shortest route over the lanes, with the fewest lane changes among equally short ones."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from scenario_compiler.roads.positions import LanePosition, Leg, Route
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 
 CHANGE_STEP = 5.0
-"""Distance between the places where a lane change is tried, m."""
+"""Distance between the places where a lane change is tested, m."""
 
 MIN_CHANGE_WIDTH = 0.5
-"""Width that a lane must have where it is changed into, m."""
+"""Least width of a lane where it is entered by a lane change, m."""
 
 
 @dataclass(slots=True)
@@ -31,14 +31,14 @@ class _Step:
 
 
 def find_route(n: RoadTables, road_ids: list[str], start: LanePosition, goal: LanePosition) -> Route | None:
-    """Return the shortest route in the lanes' directions of travel, None where there is none.
+    """Return the shortest route in the lanes' directions of travel, or None.
 
-    Lane changes are made as early as marks allow them (`laneChange`, or the mark's type where the file does not say);
-    where only forbidden ones lead to the goal, those are taken. Offsets play no part. A start on a lane that motor
-    traffic may use stays on such lanes, another one on lanes of its own type.
+    Lanes are changed as early as marks allow it (`laneChange`, or the mark's type if the file does not state it);
+    forbidden changes are only used if there is no other route. Offsets are ignored. A start on a lane for motor traffic
+    stays on such lanes, another one on lanes of its own type.
 
     Raises:
-        ValueError: When the start or the goal lies on no lane.
+        ValueError: The start or the goal lies on no lane.
     """
     rows = []
     for place in (start, goal):
@@ -97,7 +97,7 @@ class _Search:
         return lane_direction(n, n.section_road[n.lane_section[row]], n.lane_id[row])
 
     def _ahead(self, step: _Step) -> float:
-        """Return how far the goal's s lies ahead, negative behind."""
+        """Return the distance to the goal's s, m; negative if it lies behind."""
         return (self._goal_s - step.s) * self._sense(step.row)
 
     def _allowed(self, row: int) -> bool:
@@ -137,7 +137,7 @@ class _Search:
         return found
 
     def _change_place(self, step: _Step, other: int, lawful: bool) -> float | None:
-        """Return the first s from the step's on where a change to the lane beside is possible."""
+        """Return the first s, from that of the step on, where a change to the neighbouring lane is possible."""
         n = self._n
         section = n.lane_section[step.row]
         sense = self._sense(step.row)
@@ -152,14 +152,14 @@ class _Search:
 
 
 def _entry(step: _Step) -> _Step:
-    """Return the step that entered the section, before the lane changes in it."""
+    """Return the step that entered the section, before any lane changes in it."""
     while step.changed and step.before is not None:
         step = step.before
     return step
 
 
 def _may_change(n: RoadTables, row: int, other: int, s: float) -> bool:
-    """Tell whether the mark between two neighbouring lanes allows a change at s."""
+    """Return whether the mark between two neighbouring lanes allows a change at s."""
     inner = row if abs(n.lane_id[row]) < abs(n.lane_id[other]) else other
     code = CHANGE_BOTH
     for mark in range(n.lane_mark[inner], n.lane_mark[inner + 1]):

@@ -1,4 +1,4 @@
-"""Rings of one road or of two: CARLA 0.9.16 joins no lane of them, unless more roads lie in between."""
+"""Rings of one or two roads: CARLA 0.9.16 joins none of their lanes unless there are more roads between."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from scenario_compiler.roads.text_edits import TextEdits
 
 
 def find_short_rings(n: RoadTables) -> dict[int, int]:
-    """Return for one road of each ring how many roads more make a ring of three.
+    """Return, for one road of each such ring, the number of additional roads that make it a ring of three.
 
-    A ring of one is a road whose end is linked to its own start; a ring of two, two roads that are linked at both ends.
+    In a ring of one, a road's end is linked to its own start; in a ring of two, two roads are linked at both ends.
     """
     rings: dict[int, int] = {}
     for road in range(len(n.road_length)):
@@ -37,15 +37,15 @@ def break_ring(
     length: float,
     taken: set[str],
 ) -> list[etree._Element]:
-    """Make roads of the last `length` m of a road of a ring, and link them in; the road itself is cut elsewhere.
+    """Divide the last `length` m of a road of a ring into roads, and link them; the road itself is cut elsewhere.
 
     Args:
-        edits: Where changes of links go.
+        edits: Receives the changes of links.
         network: The network.
         roads: The roads' elements by id.
         road: Index of the road.
-        pieces: How many roads to make.
-        length: m.
+        pieces: Number of roads to make.
+        length: Length of the divided end, m.
         taken: The road ids in use; those of the new roads are added.
 
     Returns:
@@ -71,7 +71,7 @@ def break_ring(
 
 
 def _lanes_ahead(n: RoadTables, road: int, other: int) -> list[tuple[int, int]]:
-    """Return (lane at the road's end, lane of the other road that it is linked to, or 0)."""
+    """Return (lane at the road's end, lane of the other road to which it is linked, or 0)."""
     section = n.road_section[road + 1] - 1
     pairs = []
     for row in range(n.section_lane[section], n.section_lane[section + 1]):

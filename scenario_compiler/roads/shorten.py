@@ -1,4 +1,4 @@
-"""Cutting short stretches off the ends of a road in its OpenDRIVE text: the rest of the road stays where it was."""
+"""Cuts short stretches off the ends of a road in its OpenDRIVE text; the rest of the road stays in place."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def name_end(network: Network, end: End) -> tuple[str, str]:
 
 
 def free_id(taken: set[str]) -> str:
-    """Return a road id above all ids that are numbers, and take it."""
+    """Return a road id above all numeric ids, and reserve it."""
     numbers = [int(one) for one in taken if one.isascii() and one.isdigit() and len(one) < 10]
     name = str(max(numbers, default=0) + 1)
     taken.add(name)
@@ -42,15 +42,15 @@ def shorten_road(
 ) -> None:
     """Cut stretches off the start and the end of a road.
 
-    A cut at the start moves the origin of s: every s in the road becomes smaller by it, every cubic is restated.
+    A cut at the start moves the origin of s: every s in the road decreases by it, and every cubic is rewritten.
 
     Args:
-        edits: Where the changes go; one call a road.
+        edits: Receives the changes; one call for each road.
         element: The road's element.
         n: The tables of the network.
         road: Index of the road.
-        at_start: What is cut off the start, m, less than the first lane section is long.
-        at_end: What is cut off the end, m, less than the last lane section is long.
+        at_start: Length to cut off the start, m, less than that of the first lane section.
+        at_end: Length to cut off the end, m, less than that of the last lane section.
     """
     limit = n.road_length[road] - at_end
     _set(edits, element, "length", limit - at_start)
@@ -85,7 +85,7 @@ def _number(element: etree._Element, attribute: str) -> float:
 
 
 def _set(edits: TextEdits, element: etree._Element, attribute: str, value: float) -> None:
-    """Give an attribute a number; one that is equal stays as it is written."""
+    """Set an attribute to a number; if it has this value already, its text is not changed."""
     if element.get(attribute) is None or _number(element, attribute) != value:
         edits.set(element, attribute, repr(value))
 
@@ -93,8 +93,8 @@ def _set(edits: TextEdits, element: etree._Element, attribute: str, value: float
 def _trim(edits: TextEdits, geometry: etree._Element, start: float, end: float, scale: float) -> None:
     """Keep the part of a piece of the reference line between two distances from its own start, m.
 
-    The parameter u of a poly3 is s times a scale that depends on the whole piece; what is left of it has a slightly
-    other one, so that points move along the line by up to the change (for a cut of 0.1 m, millimetres).
+    The parameter u of a poly3 is s times a scale that depends on the whole piece. The scale of the remaining part
+    differs slightly, so that points move along the line by up to the change (for a cut of 0.1 m, millimetres).
     """
     whole = _number(geometry, "length")
     _set(edits, geometry, "length", end - start)
@@ -117,7 +117,7 @@ def _trim(edits: TextEdits, geometry: etree._Element, start: float, end: float, 
 def _restate(
     edits: TextEdits, element: etree._Element, names: Sequence[str], by: float, stretch: float, at: float = 0.0
 ) -> None:
-    """Restate a + b p + c p2 + d p3 for p = by + stretch q; the constant becomes `at` where p moves."""
+    """Rewrite a + b p + c p2 + d p3 for p = by + stretch q; the constant becomes `at` if p moves."""
     a, b, c, d = (_number(element, name) for name in names)
     moved = (
         a if by == 0.0 else at,
@@ -131,7 +131,7 @@ def _restate(
 
 
 def _move_stations(edits: TextEdits, road: etree._Element, by: float) -> None:
-    """Lower every s of a road; what lay on the part cut off lies at 0."""
+    """Decrease every s of a road; places on the part that was cut off move to 0."""
     for group in _groups(one for one in road.iter(etree.Element) if one.get("s") is not None):
         _lower(edits, group, "s", by)
     for one in road.iter(etree.Element):
@@ -141,7 +141,7 @@ def _move_stations(edits: TextEdits, road: etree._Element, by: float) -> None:
 
 
 def _move_offsets(edits: TextEdits, road: etree._Element, by: float) -> None:
-    """Lower every sOffset of the lanes of the first lane section, which starts later now."""
+    """Decrease every sOffset of the lanes of the first lane section, which now starts later."""
     sections = sorted(road.iterfind("{*}lanes/{*}laneSection"), key=lambda one: _number(one, "s"))
     for lane in sections[0].iterfind("{*}*/{*}lane") if sections else ():
         for group in _groups(one for one in lane.iterchildren("{*}*") if one.get("sOffset") is not None):
@@ -149,7 +149,7 @@ def _move_offsets(edits: TextEdits, road: etree._Element, by: float) -> None:
 
 
 def _groups(elements: Iterator[etree._Element]) -> list[list[etree._Element]]:
-    """Group records by parent and name: of such a group, one record follows the other."""
+    """Group records by parent and name; in such a group, records follow each other."""
     groups: dict[tuple[etree._Element | None, str, str | None], list[etree._Element]] = {}
     for one in elements:
         name = etree.QName(one).localname

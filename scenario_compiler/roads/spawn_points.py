@@ -31,12 +31,12 @@ BAD_DESCRIPTION = Code(
 
 
 HEAD = 160
-"""Bytes at the begin of a file, its header among them, which an export leaves as they are."""
+"""Number of bytes at the beginning of a file, including its header, that an export does not change."""
 
 
 @dataclass(frozen=True, slots=True)
 class NamedPosition:
-    """A named place to start: a lane of a road at s, m."""
+    """A named start position: a lane of a road at s, m."""
 
     road: str
     lane: int
@@ -47,7 +47,7 @@ class NamedPosition:
 def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPosition]:
     """Return the spawn points by name, in the order of the file; empty for a map without a description.
 
-    A copy of a packaged map needs no description of its own, nor does what `map export` makes of one for CARLA.
+    A copy of a packaged map, also one made by `map export` for CARLA, uses the packaged map's description.
     """
     description = _description_file(Path(network_path))
     if not description.is_file():
@@ -65,7 +65,7 @@ def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPo
 
 
 def _description_file(network: Path) -> Path:
-    """Return the description beside a map, or where there is none that of the packaged map that it is a copy of."""
+    """Return the description beside a map, or else that of the packaged map of which it is a copy."""
     beside = network.parent / "map.toml"
     if beside.is_file() or not network.is_file():
         return beside
@@ -75,7 +75,7 @@ def _description_file(network: Path) -> Path:
 
 
 def _is_copy(network: Path, packaged: Path) -> bool:
-    """Return whether a map is a packaged one, as it is or exported for CARLA."""
+    """Return whether a map is a copy of a packaged one, unchanged or exported for CARLA."""
     if filecmp.cmp(network, packaged, False):
         return True
     content = read_file(network)
@@ -95,7 +95,7 @@ def _exported(packaged: Path) -> bytes:
 
 
 def _reason(error: Exception) -> str:
-    """Return what is wrong with a description, for its author."""
+    """Return the fault of a description, for its author."""
     if isinstance(error, OSError):
         return str(error.strerror)
     if isinstance(error, tomllib.TOMLDecodeError):
@@ -109,6 +109,6 @@ def _reason(error: Exception) -> str:
 
 @lru_cache(maxsize=8)
 def _description(path: Path, modified: int, size: int) -> dict[str, Any]:
-    """Return what a map's description says; it is read again when the file has changed."""
+    """Return the contents of a map's description; the file is read again if it has changed."""
     del modified, size
     return tomllib.loads(read_file(path).decode())

@@ -1,4 +1,4 @@
-"""Lanes whose centre keeps its distance from the reference line all along their section: it is computed once."""
+"""Lanes whose centre has a constant distance from the reference line in their section; it is computed once."""
 
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import row_centre, row_width
@@ -7,7 +7,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def is_constant(n: RoadTables, first: int, last: int) -> int:
-    """Return 1 where a range of cubics has the same value everywhere."""
+    """Return 1 if a range of cubics has the same value everywhere."""
     for c in range(first, last):
         if n.cubic_a[c] != n.cubic_a[first]:
             return 0
@@ -18,7 +18,7 @@ def is_constant(n: RoadTables, first: int, last: int) -> int:
 
 @compiled
 def note_steady_side(n: RoadTables, section: int, row: int, outwards: int, stop: int) -> None:
-    """Note the steady lanes of a section from a row outwards: those inside of which all widths are constant."""
+    """Mark the steady lanes of a section from a row outwards: those with constant widths inside of them."""
     s = n.section_s[section]
     while row != stop and is_constant(n, n.lane_width_first[row], n.lane_width_last[row]) == 1:
         centre, _ = row_centre(n, n.section_road[section], row, s)
@@ -30,7 +30,7 @@ def note_steady_side(n: RoadTables, section: int, row: int, outwards: int, stop:
 
 @compiled
 def note_steady_lanes(n: RoadTables) -> None:
-    """Fill `lane_steady`, `lane_middle` and `lane_wide`, once sections, lanes and widths are there."""
+    """Fill `lane_steady`, `lane_middle` and `lane_wide`, after sections, lanes and widths have been read."""
     for section in range(len(n.section_s)):
         road = n.section_road[section]
         if is_constant(n, n.road_offset_first[road], n.road_offset_last[road]) == 1:

@@ -33,7 +33,7 @@ AT_START = 0
 AT_END = 1
 
 NO_SPEED = -1.0
-"""Speed column where the file states no limit; `inf` is an explicit "no limit"."""
+"""Value of a speed column if the file states no limit; `inf` is an explicit "no limit"."""
 
 ROAD = Of("road", lambda n: len(n.road_length))
 ROAD_END = Of("end of a road", lambda n: 2 * len(n.road_length))
@@ -73,16 +73,16 @@ class RoadTables(BothForms):
     road_rule: list[int] = column(ROAD, 1, whole(-1, 2))
     """1 in right-hand traffic, -1 in left-hand traffic."""
     road_junction: list[int] = column(ROAD, -1, JUNCTION)
-    """The junction that the road lies in, or -1."""
+    """Index of the road's junction, or -1."""
     road_flat: list[int] = column(ROAD, 0, FLAG)
-    """1 where height, pitch and roll are 0 everywhere."""
+    """1 if height, pitch and roll are 0 everywhere."""
     road_directions: list[int] = column(ROAD, 0, FLAG)
-    """1 where a lane declares a direction other than its side's."""
+    """1 if a lane declares a direction other than its side's."""
     road_piece: list[int] = row_starts(ROAD, PIECE)
     road_cell: list[int] = row_starts(ROAD, STRETCH)
     """Row starts of `cell_piece`, the uniform s-index."""
     road_cell_scale: list[float] = column(ROAD)
-    """Stretches of the s-index per metre of s."""
+    """Cells of the s-index per metre of s."""
     road_elevation_first: list[int] = column(ROAD, 0, PLACE)
     """Range of cubics over s: z of the reference line, m."""
     road_elevation_last: list[int] = column(ROAD, 0, PLACE)
@@ -101,16 +101,16 @@ class RoadTables(BothForms):
     road_section: list[int] = row_starts(ROAD, SECTION)
     road_type: list[int] = row_starts(ROAD, TYPE)
     road_start_road: list[int] = column(ROAD, -1, index_or_none(ROAD))
-    """The road that the start is linked to, or -1."""
+    """Road to which the start is linked, or -1."""
     road_start_contact: list[int] = column(ROAD, -1, CONTACT)
-    """The end of it that is touched, AT_START or AT_END, or -1."""
+    """End of that road that is touched, AT_START or AT_END, or -1."""
     road_end_road: list[int] = column(ROAD, -1, index_or_none(ROAD))
     road_end_contact: list[int] = column(ROAD, -1, CONTACT)
     road_start_junction: list[int] = column(ROAD, -1, JUNCTION)
-    """The junction that the start leads into, or -1."""
+    """Junction into which the start leads, or -1."""
     road_end_junction: list[int] = column(ROAD, -1, JUNCTION)
     road_exit: list[int] = row_starts(ROAD_END, EXIT)
-    """Row starts of the exits, two rows a road (start, then end): the roads whose lanes are linked there."""
+    """Row starts of the exits, two rows for each road (start, then end): the roads whose lanes are linked there."""
     exit_road: list[int] = column(EXIT, 0, index(ROAD))
     exit_contact: list[int] = column(EXIT, 0, CONTACT)
     """The end of that road that is touched."""
@@ -125,14 +125,14 @@ class RoadTables(BothForms):
     """Cosine and sine of that heading."""
     piece_sin: list[float] = column(PIECE)
     piece_k: list[float] = column(PIECE)
-    """Curvature there, 1/m, and its rate, 1/m2; 0 of lines and polynomials."""
+    """Curvature at the piece's start, 1/m, and its rate, 1/m2; 0 for lines and polynomials."""
     piece_dk: list[float] = column(PIECE)
     piece_kind: list[int] = column(PIECE, 0, codes(POLYNOMIAL + 1))
     """LINE, ARC, SPIRAL or POLYNOMIAL."""
     piece_poly: list[int] = column(PIECE, -1, index_or_none(POLYNOMIAL_PIECE))
     """Row of the polynomial's coefficients, or -1."""
     cell_piece: list[int] = column(STRETCH, 0, index(PIECE))
-    """The last piece that starts at or before each stretch."""
+    """Last piece that starts at or before each cell."""
     poly_au: list[float] = column(POLYNOMIAL_PIECE)
     """Coefficients of u(p) and v(p) in the frame of the piece's start."""
     poly_bu: list[float] = column(POLYNOMIAL_PIECE)
@@ -159,7 +159,7 @@ class RoadTables(BothForms):
     type_s: list[float] = column(TYPE)
     type_code: list[int] = column(TYPE, 0, codes(len(ROAD_TYPES)))
     type_speed: list[float] = column(TYPE)
-    """Speed limit, m/s; NO_SPEED where none is stated."""
+    """Speed limit, m/s; NO_SPEED if none is stated."""
 
     # Lanes.
     section_s: list[float] = column(SECTION)
@@ -168,35 +168,35 @@ class RoadTables(BothForms):
     section_left: list[int] = column(SECTION, 0, whole(0))
     """Number of its left lanes."""
     section_lane: list[int] = row_starts(SECTION, LANE)
-    """Row starts of its lanes, from left to right, the centre lane included."""
+    """Row starts of its lanes, from left to right, including the centre lane."""
     lane_id: list[int] = column(LANE)
     lane_type: list[int] = column(LANE, 0, codes(len(LANE_TYPES)))
-    """Code of the type, by `lane_types`."""
+    """Code of the type (`lane_types`)."""
     lane_section: list[int] = column(LANE, 0, index(SECTION))
     lane_level: list[int] = column(LANE, 0, FLAG)
     lane_direction: list[int] = column(LANE, 0, codes(3))
-    """0 by the side and the rule, 1 reversed, 2 both."""
+    """0 as for the side and the traffic rule, 1 reversed, 2 both."""
     lane_width_first: list[int] = column(LANE, 0, PLACE)
     """Range of cubics over s: width, m."""
     lane_width_last: list[int] = column(LANE, 0, PLACE)
     lane_steady: list[int] = column(LANE, 0, FLAG, written=True)
-    """1 where t of the lane's centre is the same all along its section."""
+    """1 if t of the lane's centre is constant in its section."""
     lane_middle: list[float] = column(LANE, written=True)
-    """That t, m; 0 elsewhere."""
+    """That t, m; 0 for other lanes."""
     lane_wide: list[float] = column(LANE, written=True)
-    """Width of such a lane, which is the same all along too, m; 0 elsewhere."""
+    """Width of such a lane, which is constant too, m; 0 for other lanes."""
     lane_height: list[int] = row_starts(LANE, HEIGHT)
     lane_speed: list[int] = row_starts(LANE, SPEED)
     lane_mark: list[int] = row_starts(LANE, MARK)
     """Row starts of the marks on the lane's outer border."""
     lane_link: list[int] = row_starts(LANE_END, LINK)
-    """Row starts of the links, two rows a lane: its end of low s, then the one of high s."""
+    """Row starts of the links, two rows for each lane: its end of low s, then that of high s."""
     link_lane: list[int] = column(LINK, 0, index(LANE))
     link_contact: list[int] = column(LINK, 0, CONTACT)
     """The end of that lane that is touched."""
     link_turn: list[float] = column(LINK)
-    """Absolute change of heading along the linked road when it lies in a junction, else 0; rad. Pi where a road is
-    linked to a place inside another one: the main road goes on.
+    """Absolute change of heading along the linked road if it lies in a junction, else 0; rad. Pi for a link to a place
+    inside another road, so that travel continues on the main road.
     """
     height_s: list[float] = column(HEIGHT)
     height_inner: list[float] = column(HEIGHT)
@@ -204,7 +204,7 @@ class RoadTables(BothForms):
     height_outer: list[float] = column(HEIGHT)
     speed_s: list[float] = column(SPEED)
     speed_max: list[float] = column(SPEED)
-    """Speed limit of the lane, m/s; NO_SPEED where none is stated."""
+    """Speed limit of the lane, m/s; NO_SPEED if none is stated."""
 
     # Marks.
     mark_s: list[float] = column(MARK)
@@ -224,7 +224,7 @@ class RoadTables(BothForms):
     mark_line: list[int] = row_starts(MARK, MARK_LINE)
     """Row starts of the explicit lines of the mark's type."""
     line_length: list[float] = column(MARK_LINE)
-    """Length of a dash, m, of the gap behind it (0: solid), lateral offset, start within the mark, width."""
+    """Length of a dash, m, of the gap after it (0: solid), lateral offset, start within the mark, and width, m."""
     line_space: list[float] = column(MARK_LINE)
     line_t: list[float] = column(MARK_LINE)
     line_s: list[float] = column(MARK_LINE)
@@ -240,7 +240,7 @@ class RoadTables(BothForms):
     chunk_s: list[float] = column(CHUNK, written=True)
     chunk_end: list[float] = column(CHUNK, written=True)
     chunk_before: list[float] = column(CHUNK, written=True)
-    """How far beyond each end a point still belongs to the chunk (over a kink of the reference line), m."""
+    """Distance beyond each end in which a point still belongs to the chunk (at a kink of the reference line), m."""
     chunk_after: list[float] = column(CHUNK, written=True)
     chunk_right: list[float] = column(CHUNK, written=True)
     """Bounds of t of the lanes, m."""
@@ -256,12 +256,12 @@ class RoadTables(BothForms):
     chunk_of_cell: list[int] = column(CELL_CHUNK, 0, index(CHUNK), written=True)
     """The chunks that touch the cell."""
     wide_chunk: list[int] = column(WIDE, 0, index(CHUNK), written=True)
-    """Chunks too wide for the cells; they are always looked at."""
+    """Chunks that are too wide for the cells and are always checked."""
 
 
 @dataclass
 class ParsedNetwork:
-    """What a road file is read to.
+    """The result of reading a road file.
 
     Attributes:
         arrays: The tables, their columns as arrays.

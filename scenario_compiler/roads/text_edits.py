@@ -1,4 +1,4 @@
-"""Changes to an XML document that leave every other character of its text as it is."""
+"""Changes to an XML document that leave all other characters of its text unchanged."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class TextEdits:
         return self._starts[line - 1] + column - 1
 
     def _end(self, element: etree._Element) -> int:
-        """Return the offset behind an element's last tag."""
+        """Return the offset after an element's last tag."""
         depth = 0
         for token in _TOKENS.finditer(self._document.text, self._start(element)):
             if token.group("close"):
@@ -44,7 +44,7 @@ class TextEdits:
         return len(self._document.text)
 
     def set(self, element: etree._Element, attribute: str, value: str) -> None:
-        """Give an attribute a value; it is added behind the tag's name where the element lacks it."""
+        """Set an attribute; a new one is added after the tag's name."""
         if element.get(attribute) == value:
             return
         start, quoted = self._start(element), quoteattr(value)
@@ -68,12 +68,12 @@ class TextEdits:
         self._edits.append((start, self._end(element), ""))
 
     def insert_after(self, element: etree._Element, text: str) -> None:
-        """Insert lines behind an element, indented as it is."""
+        """Insert lines after an element, with its indentation."""
         end = self._end(element)
         self._edits.append((end, end, self._indented(element, text)))
 
     def insert_inside(self, element: etree._Element, text: str) -> None:
-        """Insert lines as the first children of an element that is not empty, indented as its first child is."""
+        """Insert lines as the first children of a non-empty element, with the indentation of its first child."""
         tag = _TOKENS.match(self._document.text, self._start(element))
         if tag is not None:
             self._edits.append((tag.end(), tag.end(), self._indented(element[0], text)))
@@ -86,7 +86,7 @@ class TextEdits:
         return "".join(f"\n{indent}{line}" for line in text.rstrip("\n").split("\n"))
 
     def result(self) -> str:
-        """Return the text with all changes made; a change inside a removed element is void."""
+        """Return the text with all changes; a change inside a removed element has no effect."""
         parts: list[str] = []
         done = 0
         for start, end, text in sorted(self._edits, key=lambda one: one[:2]):

@@ -1,4 +1,4 @@
-"""Lanes that begin or end with no width: CARLA's clients may compute one of -2e-13 m there, which programs refuse."""
+"""Widens lanes that begin or end with no width, because CARLA's clients may compute -2e-13 m there and abort."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from lxml import etree
 from scenario_compiler.roads.text_edits import TextEdits
 
 LEAST = 1e-9
-"""What such a lane is widened by, m: far above what is lost in rounding, and nothing on a road."""
+"""Amount by which such a lane is widened, m: far above rounding errors, and negligible on a road."""
 
 NEARLY = 1e-6
-"""How far below nothing a width may come by rounding, m; what is less is the file's own."""
+"""Amount by which rounding may make a width negative, m; a smaller width is that of the file itself."""
 
 
 def widen_thin_lanes(edits: TextEdits, road: etree._Element) -> None:
-    """Let widths that begin or end at nothing be a little above it.
+    """Increase widths that begin or end at zero a little.
 
     Args:
-        edits: Where the changes go; one call a road, whose widths nobody else changes.
+        edits: Receives the changes; one call for each road, whose widths nothing else may change.
         road: The road's element.
     """
     sections = sorted(road.iterfind("{*}lanes/{*}laneSection"), key=lambda one: _number(one, "s"))

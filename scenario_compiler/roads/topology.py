@@ -1,9 +1,9 @@
 """Links of roads, lanes and junctions as rows: the lanes in which each lane continues.
 
-A link joins an end of a lane's row (in one lane section) to an end of another's, and is kept in both directions,
-whoever of the two files it. Sources: the lanes' own predecessors and successors, at joints of lane sections and of
-roads; the lane links of junction connections (default and direct); where a connection names no lanes, the connecting
-road's own lane links. Where a joint names no lane at all, lanes of the same id go on in each other.
+A link joins an end of a lane's row (in one lane section) with an end of another one's, and is kept in both directions,
+regardless of which of them the file states. Sources: the lanes' own predecessors and successors, at joints of lane
+sections and of roads; the lane links of junction connections (default and direct); and if a connection names no lanes,
+the connecting road's own lane links. If a joint names no lane at all, lanes with the same id are linked.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def _read_road_links(
 
 
 def _nearest_contact(n: RoadTables, road: int, end: int, other: int) -> int:
-    """Return the end of another road that lies nearest to an end of a road."""
+    """Return the end of another road that is nearest to an end of a road."""
     x, y, _, _ = road_reference(n, road, n.road_length[road] if end == AT_END else 0.0)
     gaps = []
     for s in (0.0, n.road_length[other]):
@@ -164,7 +164,7 @@ def _read_connections(reader: Reader, junction: etree._Element, index: dict[str,
 
 
 def _end_section(n: RoadTables, road: int, end: int) -> int:
-    """Return the first or last lane section of a road, -1 where it has none."""
+    """Return the first or last lane section of a road, -1 if it has none."""
     if n.road_section[road] == n.road_section[road + 1]:
         return -1
     return n.road_section[road] if end == AT_START else n.road_section[road + 1] - 1
@@ -177,7 +177,7 @@ def _rows(n: RoadTables, section: int) -> range:
 def _link_joint(
     n: RoadTables, links: _Links, lane_links: LaneLinks, one: tuple[int, int], other: tuple[int, int]
 ) -> None:
-    """Link the lanes of two sections that touch, each given with its end that is touched."""
+    """Link the lanes of two touching sections, each given with the end that is touched."""
     named = False
     for (section, end), (target, contact) in ((one, other), (other, one)):
         sources = lane_links.after if end == AT_END else lane_links.before
@@ -238,8 +238,8 @@ def _link_attachment(
 ) -> None:
     """Link the lanes of a road's end to those of the part of another road that it touches.
 
-    Junction connections and the lanes' own links say which; where neither does, lanes of the same id, or of the
-    opposite one where the roads' directions meet head on.
+    Junction connections and the lanes' own links define them; without either, lanes with the same id are linked, or
+    with the opposite one if the roads' directions are opposed.
     """
     road, main = index.get(attachment.road, -1), index.get(attachment.main, -1)
     if road < 0 or main < 0:
@@ -263,7 +263,7 @@ def _link_attachment(
 
 
 def _touches(n: RoadTables, road: int, contact: int, other: int, end: int) -> bool:
-    """Tell whether an end of a road does not name another road, or another end of that road, as its neighbour."""
+    """Return whether an end of a road does not name another road, or another end of that road, as its neighbour."""
     named = n.road_start_road[road] if contact == AT_START else n.road_end_road[road]
     named_end = n.road_start_contact[road] if contact == AT_START else n.road_end_contact[road]
     return named != other or named_end == end

@@ -1,7 +1,7 @@
 """Travel along lanes: the next lane, moving by a distance, and the remaining length of a lane.
 
-Forward is a lane's direction of travel. At a junction the preferred road is taken where it can be entered, else the
-straightest exit (the smallest change of heading), the first in the file among equals.
+Forward is a lane's direction of travel. At a junction the preferred road is taken if it can be entered, otherwise the
+straightest exit (the smallest change of heading), and of equal ones the first in the file.
 """
 
 from scenario_compiler.marker import compiled
@@ -11,21 +11,20 @@ from scenario_compiler.roads.lanes import lane_direction, lane_row_in, row_width
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 
 HOP_LIMIT = 10000
-"""Most lane rows passed in one call; a bound for links in a circle of very short lanes."""
+"""Greatest number of lane rows passed in one call; guards against cyclic links of very short lanes."""
 
 MIN_DRIVING_WIDTH = 2.0
-"""Width below which a driving lane is taken to have ended, m: less than a car needs (cars are 1.7 to 2.0 m
-wide)."""
+"""Width below which a driving lane counts as ended, m: less than a car needs (cars are 1.7 to 2.0 m wide)."""
 
 WIDTH_STEP = 2.0
-"""Distance between the places at which a changing width is looked at, m."""
+"""Distance between the places where a changing width is tested, m."""
 
 
 @compiled
 def stretch_at(n: RoadTables, road: int, lane: int, s: float) -> tuple[int, int, float, float]:
-    """Return (the lane's row or -1, the road's piece, from, to): row and piece hold for every s in [from, to).
+    """Return (the lane's row or -1, the road's piece, from, to); row and piece are valid for s in [from, to).
 
-    Without such a lane that is for none.
+    Without such a lane the range is empty.
     """
     section = section_at(n, road, s)
     row = lane_row_in(n, section, lane)
@@ -40,15 +39,14 @@ def stretch_at(n: RoadTables, road: int, lane: int, s: float) -> tuple[int, int,
 
 @compiled
 def row_next(n: RoadTables, row: int, end: int, forward: int, preferred_road: int) -> tuple[int, int]:
-    """Return (row, its end that is entered) of the lane that follows a row's end, (-1, 0) where none does.
+    """Return (row, the end that is entered) of the lane after an end of a row, or (-1, 0).
 
     Args:
         n: The tables.
         row: The lane's row.
         end: `AT_START` or `AT_END`: the end that is left.
-        forward: 1 when moving in the direction of travel, -1 against it. Only lanes with the same sense
-            follow.
-        preferred_road: Road to enter where possible, or -1.
+        forward: 1 when moving in the direction of travel, -1 against it. Only lanes with the same direction follow.
+        preferred_road: Road to enter if possible, or -1.
     """
     best = -1
     contact = 0
@@ -70,9 +68,9 @@ def row_next(n: RoadTables, row: int, end: int, forward: int, preferred_road: in
 
 @compiled
 def lane_next(n: RoadTables, road: int, lane: int, direction: int, preferred_road: int) -> tuple[int, int]:
-    """Return (road, lane) that follows a lane at the end of its road, (-1, 0) where none does.
+    """Return (road, lane) that follows a lane at the end of its road, or (-1, 0).
 
-    `direction` is 1 for the end that travel leads to, -1 for the one it comes from.
+    `direction` is 1 for the end at which travel leaves the lane, -1 for the one at which it enters.
     """
     sense = lane_direction(n, road, lane) * direction
     section = n.road_section[road]
@@ -93,9 +91,9 @@ def lane_next(n: RoadTables, road: int, lane: int, direction: int, preferred_roa
 
 @compiled
 def advance(n: RoadTables, road: int, lane: int, s: float, ds: float, next_road: int) -> tuple[int, int, float, float]:
-    """Return (road, lane, s, left over) after moving ds along the lane's direction of travel (against it for ds < 0).
+    """Return (road, lane, s, rest) after ds along the lane's direction of travel (against it for ds < 0).
 
-    What is left over, m, is above 0 when the lane ends before.
+    The rest, m, is above 0 if the lane ends before.
     """
     section = section_at(n, road, s)
     row = lane_row_in(n, section, lane)
@@ -139,7 +137,7 @@ def advance(n: RoadTables, road: int, lane: int, s: float, ds: float, next_road:
 
 @compiled
 def row_narrows_after(n: RoadTables, row: int, s: float, sense: int, room: float) -> float:
-    """Return the distance from s after which a row is too narrow to drive on, `room` where none within it is.
+    """Return the distance from s after which a row is too narrow to drive on, m, or `room` if it is not within it.
 
     The place is found to 1 cm.
     """
@@ -168,10 +166,10 @@ def row_narrows_after(n: RoadTables, row: int, s: float, sense: int, room: float
 
 @compiled
 def distance_to_lane_end(n: RoadTables, road: int, lane: int, s: float, limit: float, next_road: int) -> float:
-    """Return how far the driving lane goes on in its direction of travel, m, at most `limit`.
+    """Return how far the driving lane continues in its direction of travel, m, at most `limit`.
 
-    It ends where nothing follows, where it is narrower than `MIN_DRIVING_WIDTH`, and where motor traffic may
-    not drive on it.
+    It ends where no lane follows, where it is narrower than `MIN_DRIVING_WIDTH`, and where motor traffic may not use
+    it.
     """
     section = section_at(n, road, s)
     row = lane_row_in(n, section, lane)

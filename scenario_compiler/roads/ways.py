@@ -1,7 +1,7 @@
 """Ways through the road network, road by road: the next road on the way to a goal.
 
-Lanes play no part: a way may need lane changes, which others make. A stretch is a road and the sense in which it is
-driven, 1 along s and -1 against it.
+Lanes are ignored: a way may need lane changes, which are made elsewhere. A stretch is a road and the direction in which
+it is driven: 1 along s, -1 against s.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 
 Stretch = tuple[int, int]
-"""Index of a road, and the sense in which it is driven."""
+"""Index of a road, and the direction in which it is driven."""
 
 Cost = Callable[[int], float]
-"""What passing a road costs."""
+"""Cost of passing a road."""
 
 
 def followers(n: RoadTables, stretch: Stretch) -> list[Stretch]:
-    """Return the stretches that lanes of a stretch lead to in their directions of travel, in the lanes' order."""
+    """Return the stretches to which lanes of a stretch lead in their directions of travel, in the lanes' order."""
     road, sense = stretch
     if n.road_section[road] >= n.road_section[road + 1]:
         return []
@@ -39,7 +39,7 @@ def followers(n: RoadTables, stretch: Stretch) -> list[Stretch]:
 
 
 def predecessors(n: RoadTables) -> dict[Stretch, list[Stretch]]:
-    """Return for every stretch those that lead to it."""
+    """Return for every stretch the stretches that lead to it."""
     before: dict[Stretch, list[Stretch]] = {}
     for road in range(len(n.road_length)):
         for sense in (1, -1):
@@ -49,7 +49,7 @@ def predecessors(n: RoadTables) -> dict[Stretch, list[Stretch]]:
 
 
 def onward(n: RoadTables, goal: Stretch, cost: Cost) -> dict[Stretch, Stretch]:
-    """Return for every stretch that leads to a goal the one that comes next on the cheapest way there."""
+    """Return for every stretch from which a goal can be reached the next stretch on the cheapest way."""
     before = predecessors(n)
     following: dict[Stretch, Stretch] = {}
     heap: list[tuple[float, int, Stretch, Stretch | None]] = [(0.0, 0, goal, None)]
@@ -69,7 +69,7 @@ def onward(n: RoadTables, goal: Stretch, cost: Cost) -> dict[Stretch, Stretch]:
 
 
 def path_between(n: RoadTables, start: Stretch, goal: Stretch, cost: Cost) -> list[Stretch] | None:
-    """Return the stretches of the cheapest way from one to another, both included; None where none leads there."""
+    """Return the stretches of the cheapest way from one to another, including both, or None."""
     following = onward(n, goal, cost)
     path = [start]
     while path[-1] != goal:

@@ -1,7 +1,7 @@
-"""Checks the structure of a road file by ASAM's own schemas, if the user has them.
+"""Checks the structure of a road file with ASAM's own schemas, if the user has them.
 
-Those up to 1.7 are XSD 1.0 (see `structure.schemas`); those of 1.8 need XSD 1.1 and the package xmlschema, imported
-here alone.
+Those up to 1.7 are XSD 1.0 (see `structure.schemas`); those of 1.8 need XSD 1.1 and the package xmlschema, which is
+imported only here.
 """
 
 from __future__ import annotations
@@ -46,11 +46,11 @@ def validate_with_xsd(document: Document, folder: str | Path, sink: Diagnostics)
 
     Args:
         document: The file.
-        folder: Where ASAM's schemas lie, in it or below it.
-        sink: Where every fault goes, with its line.
+        folder: Folder with ASAM's schemas, or a parent of it.
+        sink: Receives every fault, with its line.
 
     Returns:
-        True when the file is valid, False when not; None when there is no schema for it, which is reported.
+        Whether the file is valid; None if there is no schema for it, which is reported.
     """
     version = road_version(document)
     schema = None if version is None or version[0] != 1 else find_schema(Path(folder), "OpenDRIVE", version[1])

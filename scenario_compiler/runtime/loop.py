@@ -29,7 +29,7 @@ from scenario_compiler.engine.program.build import build_program, lowered
 from scenario_compiler.engine.reference_runs import avoided_by
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.forms.failure import EngineError
-from scenario_compiler.perception.faults import CameraFaults
+from scenario_compiler.perception.faults import FAULTLESS, CameraFaults
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.break_off import BROKE_OFF, QUANTITIES, break_off_text
 from scenario_compiler.recording.names import SOURCES, STOP_REASONS, TAKEOVER_STATES, WISHES, EventKind, StopReason
@@ -193,6 +193,8 @@ def entities_of(state: State, step: float) -> Entities:
 
 def faults_of(program: Program, state: State) -> CameraFaults:
     """Return the camera's failures, without its noise, from the engine's state."""
+    if program.failure_count[0] == 0:
+        return FAULTLESS
     now = state.failure_now
     return CameraFaults(
         dark=now[op.FAILURE_BLACKOUT],

@@ -61,6 +61,6 @@ def picture_of(
 
 
 def camera_path(control: Control, camera: CameraMounting, center: float) -> list[tuple[float, float]] | None:
-    """Return the predicted path from the camera's foot point; None when there is none."""
+    """Return the predicted path from the camera's foot point; None if there is none."""
     ahead = center + camera.x
     return [(x - ahead, y - camera.y) for x, y in control.trajectory if math.isfinite(x + y)] or None

@@ -1,7 +1,7 @@
 """The AISA toolkit's file: a `<config>` of named scenarios, and the additions that the toolkit's code makes.
 
-The toolkit keeps the obstacles of its scenarios in its code, by the scenario's name; they are a table here. It reads
-<object> elements and the numbers of background traffic and never uses them; neither do we, and say so.
+The toolkit's code contains the obstacles of its scenarios by the scenario's name; here they are a table. The toolkit
+reads <object> elements and the numbers of background traffic without using them; here they are reported as unused.
 """
 
 from __future__ import annotations
@@ -38,35 +38,35 @@ from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, weather_preset
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
 MODEL = "vehicle.audi.tt"
-"""What the toolkit drives, and what its obstacles are taken to be."""
+"""The model of the toolkit's ego vehicle, also used for its obstacles."""
 
 DESIRED_SPEED = 5.0
-"""Speed that the toolkit's controller aims for, m/s."""
+"""Desired speed of the toolkit's controller, m/s."""
 
 STEP, CONTROL_EVERY = 1.0 / 30.0, 2
 """The toolkit's time step, s, and the number of steps between two control steps."""
 
 MESSAGE = Message.model_construct(modality=("text", "speech"), content=("what", "why"))
-"""How the driver is informed: the toolkit writes on the screen and, with --audio, speaks."""
+"""The message to the driver: the toolkit writes on the screen and, with --audio, speaks."""
 
 DURATION = 60.0
-"""Length of a run, s; the toolkit runs until its window is closed."""
+"""Duration of a run, s; the toolkit runs until its window is closed."""
 
 DRIFT_SPEED, DRIFT_DISTANCE = 0.3, 5.3
-"""Speed of the moving obstacle, m/s (0.01 m a frame at 30 frames a second), and how far it drifts here, m."""
+"""Speed of the moving obstacle, m/s (0.01 m a frame at 30 frames a second), and the distance that it moves here, m."""
 
 
 @dataclass(frozen=True)
 class _Known:
-    """What the toolkit's code, and the paper on it, say of a scenario's name.
+    """Facts on a scenario's name from the toolkit's code and the paper on it.
 
     Attributes:
         obstacles: CARLA x, y in m and yaw in degrees of each car.
-        gold: Number, urgency and response in Gold et al. 2018, as the paper's table 1 quotes them.
-        summary: What happens.
-        moving: The obstacle drifts across the road.
-        off_map: The filed start's CARLA x, y, and its distance from the middle of the nearest road's nearest lane for
-            driving on the published custom map, m; None: it lies on its map.
+        gold: Number, urgency and response in Gold et al. 2018, as quoted in the paper's table 1.
+        summary: Description.
+        moving: Whether the obstacle drifts across the road.
+        off_map: For a start that is not on its map: its CARLA x, y, and its distance from the centre of the nearest
+            driving lane of the published custom map, m; otherwise None.
     """
 
     summary: str
@@ -95,7 +95,7 @@ KNOWN: dict[str, _Known] = {
     "vanishinglanes_map": _Known("Lane markings are missing on a town road", _MARKINGS),
     "sensornoise": _Known("Noise in the camera image", (2, "3", "1-2")),
 }
-"""What is known of a scenario by its name."""
+"""The known facts by the scenario's name."""
 
 OFF_MAP = Code(
     "SC243",
@@ -117,7 +117,7 @@ BAD_POSE = Code(
 
 
 CUSTOM_MAP = ("conflictmap", PUBLISHED_AS["conflictmap"])
-"""The toolkit's own map: as its file calls it, and as it is published."""
+"""The toolkit's own map: its name in the file, and the published one."""
 
 
 class Waypoint(Word):
@@ -154,7 +154,7 @@ _PARAMETERS: tuple[Parameter, ...] = (
     Parameter.model_construct(name="npc_vehicles", type="integer", default="0", min=0.0, summary="Not executed."),
     Parameter.model_construct(name="npc_pedestrians", type="integer", default="0", min=0.0, summary="Not executed."),
 )
-"""The attributes of a scenario, each of which can be set."""
+"""The attributes of a scenario, all of which can be set as parameters."""
 
 _SETTINGS: tuple[Parameter, ...] = (
     Parameter.model_construct(
@@ -167,15 +167,15 @@ _SETTINGS: tuple[Parameter, ...] = (
         name="obstacles", type="boolean", default="true", summary="Whether the code's obstacles are placed."
     ),
 )
-"""What can be set besides."""
+"""Other parameters that can be set."""
 
 
 def expand_aisa(
     config: AisaConfig, name: str, arguments: Mapping[str, str], sink: Diagnostics, catalogs: Catalogs
 ) -> Scenario | None:
-    """Return a scenario of the toolkit's file with what the toolkit's code adds to it; None when it cannot be read.
+    """Return a scenario of the toolkit's file with the additions of the toolkit's code; None if it cannot be read.
 
-    Of one that is known to lie far off its map, that is all there is to say.
+    For a scenario that is known to lie far off its map, nothing else is reported.
     """
     scenario = filed_scenario(config, name, arguments, sink, catalogs)
     lies_off = report_off_map(config, name, arguments, sink)
@@ -191,9 +191,9 @@ def filed_scenario(
     *,
     usual_start: WorldPosition | None = None,
 ) -> Scenario | None:
-    """Return a scenario as the file and the toolkit's code have it, wherever it lies; None when it cannot be read.
+    """Return a scenario of the file and the toolkit's code, wherever it lies; None if it cannot be read.
 
-    One without a start has the usual one; where there is none, that is an error.
+    One without a start gets `usual_start`; if there is none, that is an error.
     """
     element = config.scenarios[name]
     reading = ReadingContext(config.document, sink, Environment())
@@ -253,7 +253,7 @@ def filed_scenario(
 
 
 def _attributes(element: etree._Element, arguments: Mapping[str, str], reading: ReadingContext) -> dict[str, Value]:
-    """Return the values of the scenario's attributes, those given on the command line before the file's."""
+    """Return the values of the scenario's attributes; those on the command line override the file's."""
     known = (*_PARAMETERS, *_SETTINGS)
     report_unknown_arguments(arguments, [one.name for one in known], reading.sink)
     values: dict[str, Value] = {}
@@ -277,7 +277,7 @@ def _place_of(name: str, element: etree._Element, arguments: Mapping[str, str], 
 
 
 def _waypoints(element: etree._Element, values: Mapping[str, Value], reading: ReadingContext) -> dict[str, Waypoint]:
-    """Return the waypoints by name; where a start is set, the file's destination no longer counts."""
+    """Return the waypoints by name; if a start is set, the file's destination is not used."""
     set_here = {name: str(values[name]) for name in ("start", "dest") if values.get(name)}
     read = (read_word(one, Waypoint, reading) for one in element.iterfind("waypoints/waypoint"))
     filed = {one.name: one for one in read if one is not None}
@@ -292,7 +292,7 @@ def _waypoints(element: etree._Element, values: Mapping[str, Value], reading: Re
 
 
 def _pose(name: str, text: str) -> Waypoint | None:
-    """Return the pose X,Y or X,Y,YAW, degrees; None when the text is not a pose."""
+    """Return the pose X,Y or X,Y,YAW, in m and degrees; None if the text is not a pose."""
     try:
         x, y, *rest = (float(part) for part in text.split(","))
     except ValueError:
@@ -306,7 +306,7 @@ def _pose(name: str, text: str) -> Waypoint | None:
 def report_off_map(
     config: AisaConfig, name: str, arguments: Mapping[str, str], sink: Diagnostics, severity: Severity = Severity.ERROR
 ) -> bool:
-    """Report a start of the file, or obstacles of the code, that lie off the toolkit's custom map; return whether."""
+    """Report a start, or obstacles of the toolkit's code, that lie off the toolkit's custom map; return if any does."""
     known, element = KNOWN.get(name, _Known("")), config.scenarios[name]
     if known.off_map is None:
         return False
@@ -326,7 +326,7 @@ def report_off_map(
 
 
 def _note_unused(element: etree._Element, values: Mapping[str, Value], reading: ReadingContext) -> None:
-    """Say what the toolkit reads and never uses."""
+    """Report elements that the toolkit reads but does not use."""
     for one in element.iterfind("object"):
         kind = one.get("type", "")
         message = f"the toolkit never places its <object> '{one.get('name', '')}'{f' of type {kind}' if kind else ''}"
@@ -349,7 +349,7 @@ def _ego(start: WorldPosition, destination: Waypoint | None) -> Ego:
 
 
 def _obstacles(known: _Known, origin: Place) -> list[Actor]:
-    """Return the cars that the toolkit's code puts on the road for a scenario."""
+    """Return the cars that the toolkit's code adds to a scenario."""
     actors: list[Actor] = []
     for number, (x, y, yaw) in enumerate(known.obstacles, start=1):
         where = WorldPosition(frame="carla", x=x, y=y, yaw=math.radians(yaw)).written_at(origin)
@@ -363,12 +363,12 @@ def _obstacles(known: _Known, origin: Place) -> list[Actor]:
 
 
 def _drift() -> tuple[When, ...]:
-    """Return the moving obstacle's way: straight across the middle of the road into the lane of the ego vehicle.
+    """Return the moving obstacle's event: it moves straight across the road into the lane of the ego vehicle.
 
-    The toolkit moves the car by -0.01 m in x a frame without end, tail first. Here it is turned about, which leaves its
-    box as it is, so that it drives that way: it stands at the edge of the oncoming lane, from where the ego vehicle's
-    lane is the second to the left. The change of lane asks for more than its speed gives, so it goes straight across,
-    and there it stops.
+    The toolkit moves the car by -0.01 m in x in every frame, tail first and without end. Here it is turned round, which
+    does not change its box, so that it drives forwards. It starts at the edge of the oncoming lane, from which the
+    ego's lane is the second to the left. The lane change requires more than its speed, so it moves straight across, and
+    stops there.
     """
     change = LaneChangeAction(by=2, over_time=1.0, shape="linear")
     stop = SpeedAction(to=0.0)

@@ -40,14 +40,14 @@ START_PARAMETERS = (
     Parameter.model_construct(name="start_y", type="length", summary="y of the start in CARLA's axes, m."),
     Parameter.model_construct(name="start_yaw", type="angle", summary="Heading at the start in CARLA's axes, degrees."),
 )
-"""Where it is to be given."""
+"""The parameters that must give it."""
 
 
 def convert_aisa(source: AisaConfig, sink: Diagnostics) -> str:
-    """Return a file of the toolkit in our language.
+    """Return a file of the toolkit in the conflict language.
 
-    A scenario without a start gets parameters for it, which must be given as `--set start=...` must in the original;
-    a warning says so. One that cannot be read stands there as a comment, and its faults go to the sink.
+    A scenario without a start gets parameters for it, which must be given as `--set start=...` must in the original; a
+    warning says so. One that cannot be read becomes a comment, and its faults are reported.
     """
     root = etree.Element("scenarios", version="1")
     catalogs = load_catalogs(library_folder() / "catalogs", sink)
@@ -81,7 +81,7 @@ def _comment(text: str) -> etree._Element:
 
 
 def scenario_element(scenario: Scenario) -> ScenarioElement:
-    """Return what our file would say to be expanded to a scenario, its storyboard as one `<when>` an event.
+    """Return the element of the conflict language that expands to a scenario, with one `<when>` for each event.
 
     Raises:
         ValueError: The scenario has no automated vehicle.

@@ -21,7 +21,7 @@ class AisaConfig:
 
 
 def read_aisa(document: Document, sink: Diagnostics) -> AisaConfig:
-    """Return the scenarios of a `<config>` file; report names that stand twice."""
+    """Return the scenarios of a `<config>` file; report repeated names."""
     scenarios: dict[str, etree._Element] = {}
     for element in document.root.iterfind("scenarios/scenario"):
         name = str(element.get("name", ""))

@@ -10,7 +10,7 @@ from scenario_compiler.vocabulary.scenario import Parameter
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a new conflict takes place: a map, a spawn point of it, a speed there in m/s, and a road ahead."""
+    """The place of a new conflict: a map, one of its spawn points, a speed there in m/s, and the id of a road ahead."""
 
     map: str
     spawn_point: str
@@ -32,7 +32,7 @@ PLACES = {
     "work": TOWN,
     "lane": TOWN,
 }
-"""Where conflicts happen whose template's name holds a word; the first that fits counts, else it is a motorway."""
+"""Places by a word in the template's name; the first match counts, and a motorway is the default."""
 
 TEXT = """<?xml version="1.0" encoding="UTF-8"?>
 <!-- A conflict of your own. Check it:  scenario-compiler validate {file}
@@ -68,9 +68,9 @@ def new_conflict(name: str, template: str, summary: str, parameters: tuple[Param
     """Return the text of a file with one scenario that uses a template of the library.
 
     Args:
-        name: Name of the scenario and, with .xml behind it, of the file.
+        name: Name of the scenario and, with the suffix .xml, of the file.
         template: Name of the template.
-        summary: What the template puts on the road.
+        summary: Summary of the template.
         parameters: The template's parameters, each of which is explained.
     """
     place = _place(template)

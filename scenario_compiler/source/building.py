@@ -25,10 +25,10 @@ from scenario_compiler.vocabulary.traversal import parameters_in, walk
 
 
 def completed(scenario: Scenario, sink: Diagnostics) -> Scenario:
-    """Return a scenario with everything filled in that a file leaves to the library, and its `whens` as a storyboard.
+    """Return a scenario with everything that a file leaves to the library, and with its `whens` as a storyboard.
 
-    Vehicles that the scenario does not bring along, and the driver, come from the library's catalogs. Names of
-    entities, vehicles, drivers, presets and parameters that mean nothing are reported.
+    Vehicles that the scenario does not define, and the driver, come from the library's catalogs. Unknown names of
+    entities, vehicles, drivers, presets and parameters are reported.
     """
     catalogs = load_catalogs(library_folder() / "catalogs", sink)
     catalogs = catalogs.extended(Catalogs({one.name: one for one in scenario.vehicles}))
@@ -56,7 +56,7 @@ def completed(scenario: Scenario, sink: Diagnostics) -> Scenario:
 
 
 def _with_whens(written: Storyboard, entities: Iterable[Ego | Static | Dynamic], sink: Diagnostics) -> Storyboard:
-    """Return a storyboard with a story behind its own in which the `whens` of the entities happen."""
+    """Return a storyboard with an additional story for the `whens` of the entities."""
     listed = list(entities)
     happenings: list[tuple[str, When]] = [
         (one.id, with_weather(when, sink)) for one in listed if not isinstance(one, Static) for when in one.whens

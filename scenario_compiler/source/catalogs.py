@@ -1,4 +1,4 @@
-"""Catalogs: files of vehicles and drivers that scenarios name, and of what changes a driver's takeover time."""
+"""Catalogs: files with the vehicles and drivers that scenarios name, and with effects on a driver's takeover time."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Catalogs:
         vehicles: Vehicles by name.
         drivers: Drivers by name.
         effects: Effects on a driver's takeover time by kind.
-        complete: Everything could be read; else what is not known may well be there.
+        complete: Whether everything could be read; otherwise an unknown name is not reported.
     """
 
     vehicles: Mapping[str, Vehicle] = field(default_factory=dict)
@@ -48,7 +48,7 @@ class Catalogs:
     complete: bool = True
 
     def extended(self, other: Catalogs) -> Catalogs:
-        """Return these with the other's entries added; the other's win where both have a name."""
+        """Return these catalogs with the other's entries, which take precedence."""
         return Catalogs(
             {**self.vehicles, **other.vehicles},
             {**self.drivers, **other.drivers},
@@ -57,12 +57,12 @@ class Catalogs:
         )
 
     def with_a_gap(self) -> Catalogs:
-        """Return these, knowing that some could not be read."""
+        """Return these catalogs, marked as incomplete."""
         return replace(self, complete=False)
 
 
 def read_catalog(reading: ReadingContext) -> Catalogs:
-    """Return what a `<catalog>` file holds; report entries that have a name twice."""
+    """Return the entries of a `<catalog>` file; report repeated names."""
     root = reading.document.root
     read_attributes(root, CatalogElement, reading)
     complete = True
@@ -88,7 +88,7 @@ def read_catalog(reading: ReadingContext) -> Catalogs:
 
 
 def _enter(entries: dict[Name, Entry], name: Name, entry: Entry, attribute: str, reading: ReadingContext) -> None:
-    """Enter an entry by its name, which stands in an attribute; report a name that is taken."""
+    """Register an entry under its name, which is in an attribute; report a repeated name."""
     if name in entries:
         reading.sink.add(
             names.DUPLICATE_NAME,
@@ -101,7 +101,7 @@ def _enter(entries: dict[Name, Entry], name: Name, entry: Entry, attribute: str,
 
 
 def load_catalogs(folder: Path, sink: Diagnostics) -> Catalogs:
-    """Return the catalogs of a folder's XML files, read once a process; report what is wrong in them."""
+    """Return the catalogs of a folder's XML files, read once per process; report their faults."""
     catalogs, faults = catalogs_in(folder)
     sink.take(faults)
     return catalogs
@@ -109,7 +109,7 @@ def load_catalogs(folder: Path, sink: Diagnostics) -> Catalogs:
 
 @cache
 def catalogs_in(folder: Path) -> tuple[Catalogs, tuple[Diagnostic, ...]]:
-    """Return the catalogs of a folder's XML files, and what is wrong with these; read once a process."""
+    """Return the catalogs of a folder's XML files, and their faults; read once per process."""
     sink = Diagnostics()
     catalogs = Catalogs()
     for path in sorted(folder.glob("*.xml")):

@@ -154,7 +154,7 @@ Paint = Markings | SecondaryMarkings | LineBeside
 
 Item = Static | Dynamic | Row | WorkZone | Traffic | Paint | EntityWhen | Use | If | Repeat | For
 
-for _word in (Else, If, Repeat, For):  # they hold items and are items: told here, where Item is known
+for _word in (Else, If, Repeat, For):  # they contain items and are items themselves; Item is only known here
     _word.model_fields["items"].annotation = tuple[Item, ...]
 
 
@@ -238,7 +238,7 @@ class Part:
         return str(self.element.get("name", ""))
 
     def reading(self, sink: Diagnostics, environment: Environment, within: Place | None = None) -> ReadingContext:
-        """Return a reader for the element, with these meanings of names."""
+        """Return a reader for the element with an environment."""
         return ReadingContext(self.document, sink, environment, within or self.within)
 
 

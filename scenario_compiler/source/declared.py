@@ -14,12 +14,12 @@ from scenario_compiler.vocabulary.word import AttributeSpelling
 
 @dataclass(frozen=True)
 class Declaration:
-    """What a parameter may be.
+    """The allowed values of a parameter.
 
     Attributes:
         kind: Its kind.
-        limits: The limits of its values, in XML units; OpenSCENARIO's have none here.
-        summary: What it does, where the scenario says so.
+        limits: The limits of its values, in XML units; those of OpenSCENARIO are not read here.
+        summary: Its description, if the scenario has one.
     """
 
     kind: ParameterKind
@@ -28,16 +28,16 @@ class Declaration:
 
     @classmethod
     def of(cls, parameter: Parameter) -> Declaration:
-        """Return what a parameter may be."""
+        """Return the declaration of a parameter."""
         return cls(parameter.type, parameter.limits, parameter.summary)
 
 
 def declared_in(library: Library, name: str | None) -> dict[str, Declaration]:
-    """Return what the parameters of a scenario may be, by name; none for a scenario that is not there.
+    """Return the declarations of a scenario's parameters, by name; empty for an unknown scenario.
 
     Args:
         library: The file.
-        name: Name of the scenario; None for a file's only one.
+        name: Name of the scenario; None for the only one of a file.
     """
     part = library.scenarios.get(next(iter(library.scenarios), "") if name is None else name)
     if part is None:

@@ -26,19 +26,19 @@ from scenario_compiler.vocabulary.storyboard import (
 )
 
 STORY, ACT = "story", "act"
-"""Names of the one story and the one act."""
+"""Names of the only story and the only act."""
 
 
 MOST_WAYS = 1000
-"""Most groups of conditions that the choices of one `<when>` may make."""
+"""Greatest number of condition groups that the choices of one `<when>` may produce."""
 
 
 def storyboard_of(entities: Sequence[str], happenings: Iterable[tuple[str, When | EntityWhen]]) -> Storyboard:
-    """Return the storyboard of what happens to whom.
+    """Return the storyboard of the entities' events.
 
     Args:
-        entities: Ids in document order; a maneuver group for each that does something.
-        happenings: Id of the entity, and what it does; references are resolved.
+        entities: Ids in document order; each with an event gets a maneuver group.
+        happenings: Pairs of entity id and event, with resolved references.
     """
     events: dict[str, list[Event]] = {entity: [] for entity in entities}
     for entity, when in happenings:
@@ -76,12 +76,12 @@ def _event(name: str, entity: str, when: When | EntityWhen) -> Event:
 
 
 def ways(conditions: Sequence[Condition | AnyOf]) -> int:
-    """Return the number of `alternatives`, without making them."""
+    """Return the number of `alternatives`, without computing them."""
     return prod(len(one.conditions) for one in conditions if isinstance(one, AnyOf))
 
 
 def alternatives(conditions: Sequence[Condition | AnyOf]) -> list[tuple[Condition, ...]]:
-    """Return the groups of conditions of which one must hold as a whole: one for each way to fulfil every `<any>`."""
+    """Return the condition groups of which one must hold completely: one for each way to fulfil every `<any>`."""
     ways: list[list[tuple[Condition, ...]]] = []
     for one in conditions:
         if isinstance(one, AnyOf):
@@ -92,7 +92,7 @@ def alternatives(conditions: Sequence[Condition | AnyOf]) -> list[tuple[Conditio
 
 
 def _trigger_condition(condition: Condition, entity: str) -> TriggerCondition:
-    """Wrap a condition; one that names no entity watches the one that holds it."""
+    """Wrap a condition; one without an entity watches the entity of its event."""
     if getattr(condition, "entity", None) == "":
         condition = condition.model_copy(update={"entity": entity})
     return TriggerCondition.model_construct(condition=condition).written_at(condition.origin)

@@ -47,24 +47,24 @@ from scenario_compiler.vocabulary.word import Word
 
 @dataclass(frozen=True)
 class Around:
-    """What surrounds a scenario: the templates of its file, and the catalogs."""
+    """The surroundings of a scenario: the templates of its file, and the catalogs."""
 
     templates: Mapping[str, Part]
     catalogs: Catalogs
     complete: bool
 
     def expander(self, *, trial: bool = False) -> Expander:
-        """Return what puts the items of one scenario in place, or of a template that is tried on its own."""
+        """Return the expander for the items of one scenario, or of a template that is checked on its own."""
         return Expander(self.templates, self.complete, trial)
 
 
 def around(library: Library, catalogs: Catalogs) -> Around:
-    """Return what surrounds the scenarios of a file; `catalogs` are the library's."""
+    """Return the surroundings of the scenarios of a file; `catalogs` are the library's."""
     return Around(library.templates, catalogs.extended(library.catalogs), library.complete)
 
 
 def catalogs_of(surroundings: Around, expander: Expander) -> Catalogs:
-    """Return the catalogs that can be named: those around, and those beside the templates that have been used."""
+    """Return the available catalogs: those of the surroundings, and those beside the used templates."""
     catalogs = Catalogs()
     for beside in expander.catalogs:
         catalogs = catalogs.extended(beside)
@@ -72,17 +72,17 @@ def catalogs_of(surroundings: Around, expander: Expander) -> Catalogs:
 
 
 MOST_READINGS = 8
-"""Readings of a scenario that may find another parameter which decides more than numbers; real ones need two."""
+"""Greatest number of readings of a scenario that may each find another structural parameter; real ones need two."""
 
 
 def expand_scenario(
     part: Part, arguments: Mapping[str, str], sink: Diagnostics, surroundings: Around
 ) -> Scenario | None:
-    """Return the scenario; None when too much of it is missing or wrong.
+    """Return the scenario; None if too much of it is missing or wrong.
 
-    Parameters that fill numbers alone stay open. One that decides anything else turns out to do so while reading; then
-    the scenario is read again with that parameter's value in its place everywhere. What it decides may hold another
-    such; after some rounds of this no parameter stays open.
+    Parameters that are only used in numbers remain open. If another value turns out to depend on a parameter while
+    reading, the scenario is read again with this parameter's value inserted everywhere. The inserted parts may depend
+    on another such parameter; after MOST_READINGS no parameter stays open.
     """
     head = part.reading(sink, Environment())
     declared = read_parameters(part.element, head)
@@ -111,15 +111,15 @@ def check_template(part: Part, sink: Diagnostics, surroundings: Around) -> None:
 
 
 def _at_defaults(part: Part, declared: Declared, sink: Diagnostics) -> ReadingContext:
-    """Return how a part is read at the defaults of its parameters; what depends on one without stays open."""
+    """Return the context for reading a part with its parameters' defaults; a parameter without default stays open."""
     values = {name: value for name, one in declared.known.items() if (value := default_value(one, sink)) is not None}
     return part.reading(sink, _environment(declared, values, set(values)))
 
 
 def named_in(part: Part, surroundings: Around) -> tuple[TemplateScope, Expander]:
-    """Return the names that a scenario or a template makes known, and its items, at its parameters' defaults.
+    """Return the names in a scenario or a template, and its items, with its parameters' defaults.
 
-    Faults are not reported: this is for who asks what names mean in a file that is being written.
+    Faults are not reported: this function serves editors of unfinished files.
     """
     quiet = Diagnostics()
     element, word = part.element, ScenarioElement if part.element.tag == ScenarioElement.tag() else TemplateElement
@@ -160,7 +160,7 @@ class _Attempt:
     def scenario(self, parameters: Mapping[str, Parameter], values: Mapping[str, Value]) -> Scenario | None:
         """Return the scenario.
 
-        None when its head or its ego vehicle cannot be read, or it has no known vehicle, or too many items.
+        None if its head or its ego vehicle cannot be read, if it has no known vehicle, or too many items.
         """
         element = self.part.element
         fields = read_attributes(element, ScenarioElement, self.reading)
@@ -210,7 +210,7 @@ class _Attempt:
         return scenario.model_copy(update={"parameters": still_open, "limits": limits})
 
     def _limits(self, in_use: set[str], values: Mapping[str, Value]) -> Iterator[NumberLimit]:
-        """Yield what numbers must keep that depend on parameters which stay open; the others are at their values."""
+        """Yield the limits of numbers that depend on open parameters; other parameters have their values."""
         for (holder, _, limits), expression in self.reading.environment.limits.items():
             settled = {name: values[name] for name in expression.names if name not in in_use}
             value = expression.substitute(settled)
@@ -224,7 +224,7 @@ class _Attempt:
                 )
 
     def _bounded(self, happenings: Iterable[tuple[str, When | EntityWhen]]) -> list[tuple[str, When | EntityWhen]]:
-        """Return what happens, without what can come about in too many ways; report that."""
+        """Return the events; report and leave out those with too many alternatives."""
         kept = []
         for entity, when in happenings:
             if ways(when.conditions) <= MOST_WAYS:
@@ -256,9 +256,9 @@ class _Attempt:
                     self.words["ego"] = ego.model_copy(update={"whens": whens}).written_at(ego.origin)
 
     def _contents(self, ego: Ego) -> tuple[list[Static | Dynamic], list[tuple[str, When | EntityWhen]]]:
-        """Return the actors and what happens to whom, references in full.
+        """Return the actors, and the events with their entities, with resolved references.
 
-        What depends on an actor that could not be read is left out: that is the one fault, and it is reported.
+        Events that depend on an unreadable actor are left out: only the actor's fault is reported.
         """
         contents, lost = self.expander.contents, set(self.expander.unread)
         actors = [scope.resolved(_without_whens(actor), self.sink) for actor, scope in contents.actors]
@@ -276,7 +276,7 @@ class _Attempt:
         return actors, happenings
 
     def _lines(self) -> tuple[SecondaryMarkings | LineBeside, ...]:
-        """Return the lines that are painted, references in full; those beside actors that were lost are left out."""
+        """Return the painted lines with resolved references; those beside unreadable actors are left out."""
         found = [scope.resolved(line, self.sink) for line, scope in self.expander.contents.lines]
         return tuple(line for line in found if not _names(line) & self.expander.unread)
 
@@ -302,12 +302,12 @@ class _Attempt:
 
 
 def with_weather(when: AnyWord, sink: Diagnostics) -> AnyWord:
-    """Return an event whose changes of the weather have the numbers of their presets."""
+    """Return an event in which changes of the weather have the numbers of their presets."""
     return replaced(when, lambda word: settled_weather(word, sink) if isinstance(word, Weather) else word)
 
 
 def settled_weather(weather: AnyWeather, sink: Diagnostics) -> AnyWeather:
-    """Return a weather with the numbers of its preset; report a preset that there is not."""
+    """Return a weather with the numbers of its preset; report an unknown preset."""
     complete = complete_weather(weather)
     if complete is None:
         sink.add(
@@ -320,10 +320,10 @@ def settled_weather(weather: AnyWeather, sink: Diagnostics) -> AnyWeather:
 
 
 def catalog_driver(driver: Driver | DriverModel, catalogs: Catalogs, sink: Diagnostics) -> Driver | DriverModel:
-    """Return the catalog's driver with what the scenario says of him and the catalog's effects; report an unknown one.
+    """Return the catalog's driver with the scenario's changes and the catalog's effects; report an unknown one.
 
-    A takeover time and effects that the scenario gives count before those of the catalog's driver, and these before the
-    catalog's effects.
+    A takeover time and effects of the scenario override those of the catalog's driver, and these override the catalog's
+    effects.
     """
     if isinstance(driver, DriverModel):
         return driver.model_copy(update={"effects": _effects(catalogs.effects.values(), driver.effects)})
@@ -359,10 +359,10 @@ def _effects(*groups: Iterable[Effect]) -> tuple[Effect, ...]:
 def catalog_vehicles(
     entities: Iterable[Ego | Static | Dynamic], catalogs: Catalogs, sink: Diagnostics
 ) -> tuple[Vehicle, ...]:
-    """Return the catalog's vehicles that the entities are, each once.
+    """Return the catalog's vehicles of the entities, each once.
 
-    An unknown one is reported, where the catalogs could be read in full, and replaced by their first vehicle, for the
-    stages that go on looking.
+    An unknown one is reported if the catalogs could be read completely, and is replaced by their first vehicle, so that
+    the later stages can continue.
     """
     found: dict[str, Vehicle] = {}
     for entity in entities:
@@ -381,7 +381,7 @@ def catalog_vehicles(
 
 
 def traffic_models(traffic: Traffic, catalogs: Catalogs, sink: Diagnostics) -> tuple[Traffic, list[Vehicle]]:
-    """Return the traffic with its types as the catalog's models, and these; report types that are neither."""
+    """Return the traffic with the catalog's models as its types, and these models; report unknown types."""
     found: dict[str, Vehicle] = {}
     fields: dict[str, tuple[str, ...]] = {}
     for name in ("types", "pedestrian_types"):
@@ -399,7 +399,7 @@ def traffic_models(traffic: Traffic, catalogs: Catalogs, sink: Diagnostics) -> t
 
 
 def kept_vehicles(words: Iterable[Word], catalogs: Catalogs, sink: Diagnostics) -> list[Vehicle]:
-    """Return the catalog's vehicles that actions on traffic below some words may let appear; report missing kinds."""
+    """Return the catalog's vehicles that actions on traffic below the words may use; report missing kinds."""
     found: dict[str, Vehicle] = {}
     for action in (one for word in words for one in walk(word) if isinstance(one, KeepsVehicles)):
         for kind in action.kinds or (TrafficKind.model_construct(category="car").written_at(action.origin),):
@@ -412,12 +412,12 @@ def kept_vehicles(words: Iterable[Word], catalogs: Catalogs, sink: Diagnostics) 
 
 
 def _without_whens(actor: Static | Dynamic) -> Static | Dynamic:
-    """Return the actor alone: what it does stands in the storyboard."""
+    """Return the actor without its events, which are part of the storyboard."""
     return actor.model_copy(update={"whens": ()}) if isinstance(actor, Dynamic) else actor
 
 
 def _names(word: Word) -> set[str]:
-    """Return the ids of the entities that a word, and what is below it, names."""
+    """Return the ids of the entities that a word, or anything below it, names."""
     return {
         getattr(inner, rule.field)
         for inner in walk(word)

@@ -1,4 +1,4 @@
-"""Validates a file against the generated schemas of our languages, after the reader has accepted it."""
+"""Validates a file against the generated schemas of this program's languages, after the reader has accepted it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def study_xsd() -> str:
 
 
 def judge_form(document: Document, sink: Diagnostics) -> None:
-    """Report what the schema finds in a file; nothing when the schema is not there."""
+    """Report the schema's findings in a file; none if the schema does not exist."""
     is_study = document.root.tag in (STUDY, QUESTIONNAIRE)
     schema = _schema("study.xsd" if is_study else "conflict.xsd")
     if schema is None or schema.validate(document.root):

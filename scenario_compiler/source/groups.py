@@ -17,23 +17,23 @@ BARRIER_SPACING = 1.4
 """Distance between barriers that close a lane, m: each is 1.2 m long."""
 
 SIGN_ASIDE = 1.0
-"""How far the sign stands outside of the first cone, m."""
+"""Distance of the sign outside the first cone, m."""
 
 ACROSS = math.pi / 2
 """Heading of barriers that close a lane, relative to the lane, rad."""
 
 
 def members(group: Row | WorkZone) -> list[Static]:
-    """Return what a group consists of; all but the first are placed relative to the first."""
+    """Return the members of a group; all but the first are positioned relative to the first."""
     return _row(group) if isinstance(group, Row) else _work_zone(group)
 
 
 LINE_ASIDE = 0.4
-"""Distance of the temporary line from the cones of the closed stretch, on the side that stays open, m."""
+"""Distance of the temporary line from the cones of the closed stretch, on the open side, m."""
 
 
 def lines(group: Row | WorkZone) -> list[LineBeside]:
-    """Return the lines that a group paints: along the closed stretch of a work zone that wants one."""
+    """Return the lines that a group paints: along the closed stretch of a work zone, if it has one."""
     if isinstance(group, Row) or not group.line:
         return []
     across = group.across + math.copysign(LINE_ASIDE, group.across)

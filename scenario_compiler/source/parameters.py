@@ -1,4 +1,4 @@
-"""Parameters: their declarations, and binding them to the values that a command line or a use of a template gives."""
+"""Parameters: their declarations, and binding them to the values of a command line or a use of a template."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import QUANTITIES, Word
 
 STRUCTURAL_KINDS = ("integer", "text", "boolean")
-"""Kinds whose parameters are always replaced by their values; the others may stay open in a plan."""
+"""Kinds of parameters that are always replaced by their values; others may stay open in a plan."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Declared:
 
     Attributes:
         known: By name, in the order of the declarations.
-        all_read: No declaration is at fault; else what is not known may well be declared.
+        all_read: Whether all declarations are correct; otherwise an unknown parameter is not reported.
     """
 
     known: Mapping[str, Parameter]
@@ -57,7 +57,7 @@ def read_parameters(element: etree._Element, reading: ReadingContext) -> Declare
 
 
 def bind_arguments(declared: Declared, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, Value]:
-    """Return the value of every parameter of a scenario: the argument's, else the default."""
+    """Return the value of every parameter of a scenario: the argument's, or else the default."""
     parameters = declared.known
     if declared.all_read:
         report_unknown_arguments(arguments, parameters, sink)
@@ -81,7 +81,7 @@ def bind_arguments(declared: Declared, arguments: Mapping[str, str], sink: Diagn
 
 
 def report_unknown_arguments(arguments: Iterable[str], known: Collection[str], sink: Diagnostics) -> None:
-    """Report arguments that set nothing."""
+    """Report arguments of unknown parameters."""
     for name in arguments:
         if name not in known:
             hint = did_you_mean(name, known) if known else "the scenario declares no parameters"
@@ -89,19 +89,19 @@ def report_unknown_arguments(arguments: Iterable[str], known: Collection[str], s
 
 
 def default_value(parameter: Parameter, sink: Diagnostics) -> Value | None:
-    """Return the value of a parameter's default; None without one, and when it is at fault."""
+    """Return the value of a parameter's default; None if it has none or a wrong one."""
     if parameter.default is None:
         return None
     return typed(parameter.default, parameter, parameter.place_of("default"), sink)
 
 
 def bind_use(declared: Declared, given: Mapping[str, str], reading: ReadingContext, use: Word) -> Environment:
-    """Return what the parameters of a template mean in one use of it.
+    """Return the meanings of a template's parameters in one use of it.
 
     Args:
         declared: The template's parameters.
         given: The attributes of the use, as written.
-        reading: How the use is read: its environment gives `$name` in `given` its meaning.
+        reading: The context of the use; its environment resolves `$name` in `given`.
         use: The word that uses it.
     """
     sink, parameters = reading.sink, declared.known
@@ -158,7 +158,7 @@ def _typed_binding(bound: Binding, parameter: Parameter, place: Place, reading: 
 
 
 def typed(text: str, parameter: Parameter, place: Place, sink: Diagnostics) -> Value | None:
-    """Return the value that a text gives a parameter, in XML units; report and return None when it does not fit."""
+    """Return the value of a text for a parameter, in XML units; report one that does not fit, and return None."""
     kind = parameter.type
     if kind == "text":
         return text
@@ -182,7 +182,7 @@ def typed(text: str, parameter: Parameter, place: Place, sink: Diagnostics) -> V
 
 
 def parameter_kind(parameter: Parameter) -> str:
-    """Return what a parameter holds, for people to read: its kind, unit and limits."""
+    """Return a readable description of a parameter's values: kind, unit and limits."""
     quantity = QUANTITIES.get(parameter.type)
     unit = f" in {quantity.unit}" if quantity is not None and quantity.unit not in ("", "1") else ""
     return ", ".join(part for part in (f"{parameter.type}{unit}", limits_text(parameter.limits)) if part)

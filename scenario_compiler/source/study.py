@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import re
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Literal
 
@@ -211,7 +212,10 @@ class Query(Word):
     word: Literal["query"] = "query"
 
     name: str = attribute("Name in the data.", pattern=IDENTIFIER)
-    about: QueryAbout = attribute("Subject of the question, whose true answer is known.")
+    about: QueryAbout = attribute(
+        "Subject of the question, and so its true answer: the own speed in km/h, the number of vehicles within 100 m, "
+        "who is in control (the automation, or I), or whether the path is blocked (yes, or no)."
+    )
     text: str = attribute("The question as the participant reads it.")
     tolerance: float = attribute(
         "speed, vehicles: greatest deviation from the true number that counts as correct.",
@@ -443,6 +447,11 @@ def located(target: str, folder: Path) -> str:
     path, mark, name = target.partition("#")
     if not re.fullmatch(IDENTIFIER, target):
         return f"{folder / path}{mark}{name}"
+    return f"{library_conflicts().get(target, folder / target)}#{target}"
+
+
+@cache
+def library_conflicts() -> dict[str, Path]:
+    """Return the files of the library's conflicts, by name, without reading more of them than the names."""
     files = sorted((library_folder() / "conflicts").glob("*.xml"))
-    written = (file for file in files if f'<scenario name="{target}"'.encode() in file.read_bytes())
-    return f"{next(written, folder / target)}#{target}"
+    return {name: file for file in files for name in re.findall(r'<scenario name="(\w+)"', file.read_text("utf-8"))}

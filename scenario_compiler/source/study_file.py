@@ -1,6 +1,6 @@
-"""A file of a study or of a questionnaire, without its words, which are imported when such a file is read.
+"""A file of a study or of a questionnaire, without its words, which `study` has.
 
-They are imported (`study`) where such a file is read, since other files need none of them.
+Those are imported only when such a file is read, because other files need none of them.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
     from scenario_compiler.source.study import QuestionnaireElement, StudyElement
 
 STUDY, QUESTIONNAIRE = "study", "questionnaire"
-"""First elements of the files."""
+"""Root elements of the files."""
 
 
 @dataclass(frozen=True)
 class StudyFile:
-    """A file of a study or of a questionnaire, with what it names.
+    """A file of a study or of a questionnaire, with the files that it names.
 
     Attributes:
         document: The file.
-        study: The study; None for a questionnaire, or where it could not be read.
-        questionnaire: The questionnaire that the file itself is; None for a study.
-        questionnaires: The questionnaires that a study names, by the names of their files.
+        study: The study; None for a questionnaire, or if it could not be read.
+        questionnaire: The questionnaire of the file itself; None for a study.
+        questionnaires: The questionnaires that a study names, by their file names.
         pages: The Markdown files that a study names, as HTML with their pictures, by their names.
-        scenarios: Empty: conflicts stand in files of their own.
+        scenarios: Empty, because conflicts are in other files.
     """
 
     document: Document

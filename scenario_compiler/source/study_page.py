@@ -1,6 +1,6 @@
 """Pages of instruction and consent: Markdown files beside a study, with their pictures.
 
-Pictures become part of the page, so that the server of a study hands out no file that a page names.
+Pictures are embedded in the page, so that a study's server does not serve files that a page names.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ TYPES = {
     ".webp": "image/webp",
     ".svg": "image/svg+xml",
 }
-"""Media types of pictures by the endings of their files."""
+"""Media types of pictures by their file suffixes."""
 
 LARGEST = 8 * 1024 * 1024
-"""Bytes of a picture at most."""
+"""Greatest size of a picture, bytes."""
 
 
 def read_page(name: str, folder: Path, place: Place, sink: Diagnostics) -> str | None:
-    """Return a page as HTML, in which HTML of the file's own is plain text; None where it cannot be read.
+    """Return a page as HTML, with any HTML in the file as plain text; None if it cannot be read.
 
     Args:
         name: The Markdown file, as the study names it.
         folder: Folder of the study.
         place: Where the study names it.
-        sink: Takes what is wrong with the file and its pictures.
+        sink: Receives the faults of the file and its pictures.
     """
     path = folder / name
     try:
@@ -62,7 +62,7 @@ def read_page(name: str, folder: Path, place: Place, sink: Diagnostics) -> str |
 
 
 def _take_in(image: Token, folder: Path, place: Place, sink: Diagnostics) -> None:
-    """Put the content of a picture's file in the place of its address."""
+    """Replace the address of a picture by the contents of its file."""
     address = str(image.attrs["src"])
     if urlsplit(address).scheme or address.startswith("//"):
         sink.add(UNREADABLE_PART, f"'{address}' is no file beside the page, which is shown without a network", place)

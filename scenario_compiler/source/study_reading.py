@@ -31,6 +31,7 @@ from scenario_compiler.source.study import (
     Scale,
     ScaleItem,
     Score,
+    SetParameter,
     Setting,
     StudyElement,
     StudyScenario,
@@ -41,20 +42,30 @@ from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.source.study_page import read_page
 
 MOST_POINTS = 101
-"""Points of a scale at most: 0 to 100."""
+"""Greatest number of points of a scale: 0 to 100."""
 
 RESERVED = ("participant_id", "session_id", "run", "when", "step")
 """Names that no item may have: the table's own columns, and the number of the step that a page sends."""
 
 
 def read_study(document: Document, sink: Diagnostics) -> StudyFile:
-    """Return what a `<study>` file holds, with the pages and questionnaires that it names; report what is wrong."""
+    """Return the contents of a `<study>` file, with the pages and questionnaires that it names; report the faults."""
     reading = ReadingContext(document, sink, Environment())
     study = read_word(document.root, StudyElement, reading)
     if study is None:
         return StudyFile(document)
     for named in (study.scenarios, study.hmis, study.settings, () if study.probe is None else study.probe.queries):
         _report_doubles(named, sink)
+    for setting in study.settings:
+        _report_repeated(setting.values, "parameter", f"'{setting.name}' sets the parameter '{{}}' already", sink)
+    parts = (
+        (study.before, "before the trials"),
+        (study.after_each, "after each trial"),
+        (study.after, "after the trials"),
+    )
+    for part, when in parts:
+        asks = [step for step in (() if part is None else part.steps) if isinstance(step, Ask)]
+        _report_repeated(asks, "file", f"'{{}}' is asked {when} already", sink)
     probe = study.probe
     if probe is not None and probe.latest < probe.earliest:
         _report_empty("the probe", probe.earliest, probe.latest, probe.place_of("to"), sink)
@@ -82,7 +93,7 @@ def read_study(document: Document, sink: Diagnostics) -> StudyFile:
 
 
 def read_questionnaire(document: Document, sink: Diagnostics) -> StudyFile:
-    """Return what a `<questionnaire>` file holds; report what is wrong."""
+    """Return the contents of a `<questionnaire>` file; report the faults."""
     found = read_word(document.root, QuestionnaireElement, ReadingContext(document, sink, Environment()))
     if found is None:
         return StudyFile(document)
@@ -99,7 +110,8 @@ def read_questionnaire(document: Document, sink: Diagnostics) -> StudyFile:
             message = f"there is no scale '{item.scale}'"
             sink.add(UNKNOWN_SCALE, message, item.place_of("scale"), hint=did_you_mean(item.scale, scales))
     for scale in found.scales:
-        _report_points(scale, sink)
+        if scale.most > scale.least:
+            _report_points(scale, sink)
     _report_names(found.items, sink)
     for score in found.scores:
         for name in score.of:
@@ -121,8 +133,18 @@ def _report_doubles(
         first.setdefault(one.name, place)
 
 
+def _report_repeated(words: Iterable[SetParameter | Ask], attribute: str, message: str, sink: Diagnostics) -> None:
+    """Report words whose attribute has the value of an earlier word's; `message` takes this value."""
+    first: dict[str, Place] = {}
+    for one in words:
+        value, place = getattr(one, attribute), one.place_of(attribute)
+        if value in first:
+            sink.add(names.DUPLICATE_NAME, message.format(value), place, related=names.first_at(first[value]))
+        first.setdefault(value, place)
+
+
 def _report_names(items: Iterable[Item], sink: Diagnostics) -> None:
-    """Report items whose name is taken by what every questionnaire has, and options with one value."""
+    """Report items with a reserved name, and options with the same value."""
     for item in items:
         if item.name in RESERVED:
             message = f"every questionnaire has a column or field '{item.name}' of its own"
@@ -136,7 +158,7 @@ def _report_names(items: Iterable[Item], sink: Diagnostics) -> None:
 
 
 def _report_points(scale: Scale, sink: Diagnostics) -> None:
-    """Report a scale of too many points, and labels at points that it does not have or that have one already."""
+    """Report a scale with too many points, labels at points outside of it, and repeated labels."""
     if scale.most - scale.least >= MOST_POINTS:
         message = f"'{scale.name}' has {scale.most - scale.least + 1} points, but may have at most {MOST_POINTS}"
         sink.add(WRONG_POINTS, message, scale.place_of("to"))
@@ -156,7 +178,7 @@ def _report_empty(what: str, least: float, most: float, place: Place, sink: Diag
 
 
 def _report_shared_names(study: StudyElement, found: Mapping[str, QuestionnaireElement], sink: Diagnostics) -> None:
-    """Report questionnaires that have one name, or that of the study: their data would stand in one table."""
+    """Report questionnaires with the same name, or that of the study, because their data would be in the same table."""
     first: dict[str, str] = {}
     for ask in _asks_of(study):
         name = found[ask.file].name if ask.file in found else ""
@@ -185,7 +207,7 @@ def _asks_of(study: StudyElement) -> Iterator[Ask]:
 
 
 def _questionnaire_in(ask: Ask, folder: Path, sink: Diagnostics) -> QuestionnaireElement | None:
-    """Return the questionnaire of a file; its own faults are reported where they stand."""
+    """Return the questionnaire of a file; its own faults are reported at their places."""
     inner = Diagnostics()
     document = read_document(Path(os.path.normpath(folder / ask.file)), inner)
     if document is None or document.root.tag != QuestionnaireElement.tag():

@@ -49,12 +49,12 @@ class TemplateScope:
 
     Attributes:
         name: Name of the use, empty for the scenario.
-        parent: The scope that the use stands in.
-        ids: Id as this scope knows it, to the id in the whole scenario.
-        all_read: Every id here could be read; else one that is not known may well be there.
-        uses: Names of the uses that stand here.
-        events: Name of an event as this scope knows it, to its name in the whole scenario.
-        numbered: Last number of a part without an id, by what its name begins with.
+        parent: The scope that contains the use.
+        ids: Ids in this scope, with the corresponding ids in the whole scenario.
+        all_read: Whether every id here could be read; otherwise an unknown one is not reported.
+        uses: Names of the uses in this scope.
+        events: Names of events in this scope, with the corresponding names in the whole scenario.
+        numbered: Last number of a part without an id, by the stem of its name.
         places: Where the names of this scope are written: of entities, parts, events and traffic.
         origin: The use or the loop that made the scope; None for the scenario.
     """
@@ -70,7 +70,7 @@ class TemplateScope:
     origin: Origin | None = None
 
     def declare(self, local: str) -> str:
-        """Make an id known here and, behind the names of the uses, in the scopes around; return it in full."""
+        """Register an id here and, with the uses' names as a prefix, in the enclosing scopes; return the full id."""
         name, scope = local, self
         known = [(self, local)]
         while scope.parent is not None:
@@ -81,24 +81,24 @@ class TemplateScope:
         return name
 
     def in_full(self, local: str) -> str:
-        """Return the name in the whole scenario of something that stands here."""
+        """Return the name in the whole scenario of a name in this scope."""
         name, scope = local, self
         while scope.parent is not None:
             name, scope = f"{scope.name}.{name}", scope.parent
         return name
 
     def name_use(self, use: Use, sink: Diagnostics) -> str:
-        """Return the name of a use: its id, else the template's name and the first number that is free."""
+        """Return the name of a use: its id, or else the template's name with the first free number."""
         return self.name_part(use.id, use.template, use.place_of("id"), sink)
 
     def name_part(self, wanted: str, stem: str, place: Place, sink: Diagnostics) -> str:
-        """Return the name of a use or a loop: the one that is wanted, else the stem and the first number that is free.
+        """Return the name of a use or a loop: the wanted one, or else the stem with the first free number.
 
         Args:
             wanted: Its id, or empty.
-            stem: What its name begins with when it has no id.
+            stem: The beginning of its name if it has no id.
             place: Where the id is written.
-            sink: Where an id that is taken goes.
+            sink: Receives the report of a repeated id.
         """
         if wanted in self.uses:
             self.report_taken("part", wanted, place, sink)
@@ -109,7 +109,7 @@ class TemplateScope:
         return name
 
     def report_taken(self, kind: str, name: str, place: Place, sink: Diagnostics) -> None:
-        """Report that a name of this scope is taken, and by what."""
+        """Report that a name of this scope is already used, and where."""
         article = "" if kind == "traffic" else "an " if kind[0] in "aeiou" else "a "
         message = f"{article}{kind} '{name}' is there already"
         sink.add(names.DUPLICATE_NAME, message, place, related=names.first_at(self.places.get((kind, name))))
@@ -122,7 +122,7 @@ class TemplateScope:
         return f"{stem}{number}"
 
     def resolve(self, name: str) -> str | None:
-        """Return the id in the whole scenario that a name means here: the nearest scope that knows it decides."""
+        """Return the id in the whole scenario to which a name refers here; the innermost scope that has it counts."""
         scope: TemplateScope | None = self
         while scope is not None:
             if name in scope.ids:
@@ -135,7 +135,7 @@ class TemplateScope:
         return set(self.ids) | (self.parent.known() if self.parent else set())
 
     def resolved(self, word: AnyWord, sink: Diagnostics) -> AnyWord:
-        """Return the word with every id of an entity, in it and below it, in full; report ids that nobody has."""
+        """Return the word with full ids of all entities in it and below it; report unknown ids."""
 
         def in_full(one: Word) -> Word:
             changes = {}
@@ -161,9 +161,9 @@ class TemplateScope:
         return named
 
     def name_event(self, when: When | EntityWhen, sink: Diagnostics) -> When | EntityWhen:
-        """Make an event's name known here and, behind the names of the uses, around; return it with its name in full.
+        """Register an event's name here and, with the names of the uses as a prefix, in the enclosing scopes.
 
-        An event without a name is returned as it is.
+        Returns the event with its full name. An event without a name is returned unchanged.
         """
         if not when.name:
             return when
@@ -178,7 +178,7 @@ class TemplateScope:
         return when.model_copy(update={"name": full}).written_at(when.origin)
 
     def resolve_event(self, name: str) -> str | None:
-        """Return the name in the whole scenario that the name of an event means here."""
+        """Return the name in the whole scenario to which the name of an event refers here."""
         scope: TemplateScope | None = self
         while scope is not None:
             if name in scope.events:
@@ -204,7 +204,7 @@ class TemplateScope:
 
 @dataclass
 class Contents:
-    """What the items of a scenario come to, in document order, each with the scope that its references mean."""
+    """The expanded items of a scenario in document order, each with the scope of its references."""
 
     actors: list[tuple[Static | Dynamic, TemplateScope]] = field(default_factory=list)
     traffic: dict[str, Traffic] = field(default_factory=dict)
@@ -216,13 +216,13 @@ class Contents:
 
 
 MOST_ITEMS = 20_000
-"""Greatest number of items of a scenario, those of uses and loops counted each time."""
+"""Greatest number of items of a scenario, with those of uses and loops counted each time."""
 
 MOST_ITEMS_TRIED = 1000
-"""Items after which a template has been looked at enough that is used once on its own, to find what is wrong in it."""
+"""Greatest number of items that are read of a template that is checked on its own."""
 
 MOST_NESTED, MOST_NESTED_TRIED = 100, 10
-"""Greatest depth of uses, loops and branches in one another, and that in a template that is looked at on its own."""
+"""Greatest depth of nested uses, loops and branches, and that in a template that is checked on its own."""
 
 LOOPS = ((Repeat.tag(), "as"), (For.tag(), "each"))
 """The loops' tags, and the attribute of each that names its variable."""
@@ -230,17 +230,17 @@ LOOPS = ((Repeat.tag(), "as"), (For.tag(), "each"))
 
 @dataclass(frozen=True)
 class Expander:
-    """Puts items in place: actors get their ids, uses are replaced by what their templates hold.
+    """Expands items: actors get their ids, and uses are replaced by the contents of their templates.
 
     Attributes:
         own: Templates of the file and its includes.
-        complete: `own` has all that the file and its includes hold.
-        trial: A template is used on its own: the items that come after enough of them are left out, which is no fault.
-        contents: Where everything goes.
-        declared: Parameters of the templates that have been used, by where these stand.
-        unread: Ids of actors that are written but cannot be read: references to them are no faults.
-        scopes: The scopes that uses and loops have made, in document order.
-        catalogs: Vehicles and drivers that stand beside the templates that are used.
+        complete: Whether `own` has all templates of the file and its includes.
+        trial: Whether a template is checked on its own; then items beyond a limit are left out without a report.
+        contents: Receives everything.
+        declared: Parameters of the used templates, by the templates' places.
+        unread: Ids of unreadable actors, to which references are not reported.
+        scopes: The scopes of uses and loops, in document order.
+        catalogs: Vehicles and drivers beside the used templates.
     """
 
     own: Mapping[str, Part]
@@ -259,7 +259,7 @@ class Expander:
 
     @property
     def has_too_many(self) -> bool:
-        """True where some items were left out because there are too many."""
+        """Whether items were left out because there are too many."""
         return self.contents.count > self.most
 
     def add_items(
@@ -270,7 +270,7 @@ class Expander:
         scope: TemplateScope,
         chain: tuple[str, ...] = (),
     ) -> None:
-        """Read and add the items of a scenario or template; `chain` names the templates around them."""
+        """Read and add the items of a scenario or template; `chain` names the enclosing templates."""
         self.contents.depth += 1
         for element in elements:
             if not self._counted(element, reading):
@@ -314,7 +314,7 @@ class Expander:
             self._lose(element, scope)
 
     def _counted(self, element: etree._Element, reading: ReadingContext) -> bool:
-        """Count an item; return whether it may be added, and report the first that is too many."""
+        """Count an item and return whether it may be added; report the first one above the limit."""
         self.contents.count += 1
         if self.contents.count == self.most + 1 and not self.trial:
             message = f"more than {self.most} items come together here"
@@ -329,7 +329,7 @@ class Expander:
     def _add_branch(
         self, element: etree._Element, reading: ReadingContext, scope: TemplateScope, chain: tuple[str, ...]
     ) -> None:
-        """Add the items of an `<if>` that its test asks for; look through the others for what is wrong in any case."""
+        """Add the items in the chosen branch of an `<if>`; read the other branch in any case, to report its faults."""
         test = (read_attributes(element, If, reading) or {}).get("test")
         for rule, elements in place_children(element, If, reading):
             if rule.field == "items":
@@ -369,7 +369,7 @@ class Expander:
         scope: TemplateScope,
         chain: tuple[str, ...],
     ) -> None:
-        """Add the items of a `<repeat>` or `<for>` as often as it says, each round with ids of its own."""
+        """Add the items of a `<repeat>` or `<for>` for each round, with ids of their own."""
         before = reading.sink.reported
         fields = read_attributes(element, word, reading)
         faultless = reading.sink.reported == before
@@ -396,7 +396,7 @@ class Expander:
             self.add_items(rule, elements, inside, inner, chain)
 
     def _lose(self, element: etree._Element, scope: TemplateScope) -> None:
-        """Remember what an item that cannot be read would have brought."""
+        """Record the names that an unreadable item would have declared."""
         if element.tag in (Static.tag(), Dynamic.tag()) and re.fullmatch(ENTITY_ID, element.get("id", "")):
             self.unread.add(scope.declare(str(element.get("id"))))
         elif element.tag not in (Markings.tag(), SecondaryMarkings.tag(), LineBeside.tag()):
@@ -439,7 +439,7 @@ class Expander:
         self.add_template(template, inside, inner, (*chain, identity))
 
     def _inside(self, name: str, scope: TemplateScope, origin: Place) -> TemplateScope:
-        """Return the scope of a use or of a round of a loop, and remember it."""
+        """Return and register the scope of a use or of a round of a loop."""
         inner = TemplateScope(name, scope, origin=origin if isinstance(origin, Origin) else None)
         self.scopes.append(inner)
         return inner
@@ -455,7 +455,7 @@ class Expander:
         self.add_items(rule, found, reading, scope, chain)
 
     def find(self, use: Use, sink: Diagnostics) -> Part | None:
-        """Return the template of a use: the file's own, an included one, or one of the folders'."""
+        """Return the template of a use: one of the file, an included one, or one of the folders."""
         if use.template in self.own:
             return self.own[use.template]
         for shelf in map(templates_in, template_folders()):
@@ -471,7 +471,7 @@ class Expander:
 
 
 def _round_values(fields: Mapping[str, Any]) -> Sequence[Value]:
-    """Return what the variable of a loop is in each round."""
+    """Return the value of a loop's variable in each round."""
     if "count" in fields:
         return [float(number) for number in range(fields["count"])]
     return [_meant(text) for text in fields["values"]]
@@ -499,19 +499,19 @@ def template_parameters(part: Part, sink: Diagnostics) -> Declared:
 
 
 def templates_by_name() -> dict[str, Part]:
-    """Return the templates of all folders, as a name is looked for: the first folder that has it decides."""
+    """Return the templates of all folders; for equal names that of the first folder."""
     shelves = [templates_in(folder).templates for folder in template_folders()]
     return {name: part for templates in reversed(shelves) for name, part in templates.items()}
 
 
 @dataclass(frozen=True)
 class Shelf:
-    """What a folder of templates holds.
+    """The contents of a folder of templates.
 
     Attributes:
         templates: Templates by name.
-        catalogs: Vehicles and drivers that stand beside them.
-        faults: What is wrong with the files.
+        catalogs: Vehicles and drivers in the same files.
+        faults: The faults of the files.
     """
 
     templates: Mapping[str, Part]
@@ -521,7 +521,7 @@ class Shelf:
 
 @cache
 def templates_in(folder: Path) -> Shelf:
-    """Return what a folder of templates, and the folders in it, hold; read once a process."""
+    """Return the contents of a folder of templates, including subfolders; read once per process."""
     sink = Diagnostics()
     templates: dict[str, Part] = {}
     catalogs = Catalogs()
@@ -538,7 +538,7 @@ def templates_in(folder: Path) -> Shelf:
 
 
 def _shelve(library: Library, templates: dict[str, Part], sink: Diagnostics) -> None:
-    """Add the templates of a file and of its includes; report one of its own whose name another file's has."""
+    """Add the templates of a file and of its includes; report one of its own with a name that another file uses."""
     for name in library.own_templates:
         part, there = library.templates[name], templates.get(name)
         if there is not None and there.document.path != part.document.path:

@@ -10,7 +10,7 @@ from scenario_compiler.source.conflict import Library, ScenarioElement, Use
 
 
 def report_unused_templates(library: Library, sink: Diagnostics) -> None:
-    """Warn of a file's own templates that no scenario of it reaches; nothing is known where a name is computed."""
+    """Warn of a file's own templates that none of its scenarios uses; nothing is reported if a name is computed."""
     if not library.scenarios:
         return
     reached: set[str] = set()

@@ -23,7 +23,7 @@ BAD_VARIATION = Code(
 
 
 def check_variation(vary: Vary, declared: Declared, sink: Diagnostics) -> None:
-    """Report what is wrong with a scenario's variation."""
+    """Report the faults of a scenario's variation."""
     varied: set[str] = set()
     for axis in vary.axes:
         parameter = declared.known.get(axis.parameter)
@@ -65,7 +65,7 @@ def _check_values(axis: Axis, parameter: Parameter, sink: Diagnostics) -> None:
 
 
 def _counts(axis: Axis) -> bool:
-    """Return whether an axis is a grid of whole numbers."""
+    """Return whether an axis is a grid of integers."""
     return isinstance(axis, Grid) and axis.first % 1.0 == 0.0 == (axis.last - axis.first) % max(axis.count - 1, 1)
 
 

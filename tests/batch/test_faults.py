@@ -59,6 +59,11 @@ def _spec(**settings: object) -> SweepSpec:
     return SweepSpec.model_validate({**base, **settings})
 
 
+def _in_parts(**settings: object) -> SweepSpec:
+    """Return a sweep of short runs in four parts: the interpreted form has 16 variants in a part."""
+    return _spec(interpreted=True, duration=1.0, **settings)
+
+
 def test_a_killed_worker_loses_and_doubles_nothing(conflict: Path, tmp_path: Path) -> None:
     spec = _spec(samples=64)
     run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
@@ -98,7 +103,7 @@ def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, mo
         perception="camera",
         controller="misbehaving:Misbehaving",
         duration=0.2,
-        time_limit=15.0,
+        time_limit=8.0,
     )
     result = run_sweep(conflict, spec, tmp_path / "sweep", workers=2, report=False)
     rows, _ = read_results(tmp_path / "sweep")
@@ -106,7 +111,7 @@ def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, mo
     assert rows["error"] == [
         "",
         "controller 'misbehaving:Misbehaving', misbehaving.py:20: ValueError: too fast for me",
-        "it took longer than 15 s",
+        "it took longer than 8 s",
         "the process ended with code 9",
         "",
     ]
@@ -114,7 +119,7 @@ def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, mo
 
 
 def test_a_full_disk_keeps_what_was_finished(conflict: Path, tmp_path: Path) -> None:
-    spec = _spec(samples=64, interpreted=True)
+    spec = _in_parts()
     run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     done = subprocess.run(
         [sys.executable, "-c", FULL_DISK, str(conflict), str(tmp_path / "full")],
@@ -138,7 +143,7 @@ from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import Progress, Tally
 
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal", interpreted=True)
+spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal", interpreted=True, duration=1.0)
 
 def fill(progress):
     if progress.done == 32:
@@ -212,14 +217,14 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with `whole`, a sweep, and `half`, the same one interrupted when two of its four parts were there."""
     folder = tmp_path_factory.mktemp("swept")
     conflict = conflict_in(folder)
-    run_sweep(conflict, _spec(interpreted=True), folder / "whole", workers=1, report=False)
+    run_sweep(conflict, _in_parts(), folder / "whole", workers=1, report=False)
 
     def interrupt(progress: Progress) -> None:
         if progress.done == 32:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run_sweep(conflict, _spec(interpreted=True), folder / "half", workers=1, progress=interrupt, report=False)
+        run_sweep(conflict, _in_parts(), folder / "half", workers=1, progress=interrupt, report=False)
     assert len(list((folder / "half" / "parts").iterdir())) == 2
     return folder
 
@@ -250,7 +255,7 @@ DAMAGES: dict[str, Callable[[Path], object]] = {
 def test_a_damaged_part_is_done_again(conflict: Path, half: Path, damage: str) -> None:
     DAMAGES[damage](half / "parts" / "00000001.parquet")
     told: list[str] = []
-    run_sweep(conflict, _spec(interpreted=True), half, workers=1, resume=True, report=False, say=told.append)
+    run_sweep(conflict, _in_parts(), half, workers=1, resume=True, report=False, say=told.append)
     assert told[0] == "damaged, and made again: 00000001.parquet"
     assert _bytes_of(half) == _bytes_of(half.parent / "whole")
 
@@ -260,7 +265,7 @@ def test_a_damaged_table_is_made_again(conflict: Path, half: Path, damage: str) 
     whole = half.parent / "whole"
     good = _bytes_of(whole)
     DAMAGES[damage](whole / "results.parquet")
-    run_sweep(conflict, _spec(interpreted=True), whole, workers=1, resume=True, report=False)
+    run_sweep(conflict, _in_parts(), whole, workers=1, resume=True, report=False)
     assert _bytes_of(whole) == good
 
 
@@ -279,13 +284,13 @@ def test_a_damaged_evaluation_of_a_search_is_done_again(conflict: Path, tmp_path
 def test_a_sweep_is_resumed_from_any_folder(conflict: Path, half: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(half)
     target = Path("..") / conflict.name
-    run_sweep(target, _spec(interpreted=True), Path(), workers=1, resume=True, report=False)
+    run_sweep(target, _in_parts(), Path(), workers=1, resume=True, report=False)
     assert _bytes_of(half) == _bytes_of(half.parent / "whole")
 
 
 def test_another_sweep_is_not_resumed(conflict: Path, half: Path) -> None:
     with pytest.raises(SweepError, match="holds another sweep: it differs in spec"):
-        run_sweep(conflict, _spec(interpreted=True, seed=2), half, workers=1, resume=True, report=False)
+        run_sweep(conflict, _in_parts(seed=2), half, workers=1, resume=True, report=False)
 
 
 @pytest.mark.parametrize("resume", [False, True])
@@ -297,7 +302,7 @@ def test_a_second_sweep_in_one_folder_is_refused_at_once(conflict: Path, tmp_pat
             told = [sys.executable, "-c", SECOND, str(conflict), str(folder), str(resume)]
             refused.append(subprocess.run(told, capture_output=True, text=True, timeout=120, check=False).stdout)
 
-    run_sweep(conflict, _spec(interpreted=True), folder, workers=1, progress=try_the_same, report=False)
+    run_sweep(conflict, _in_parts(), folder, workers=1, progress=try_the_same, report=False)
     expected = (
         f"another sweep is writing into {folder} (process {os.getpid()})" if resume else "contains a sweep already"
     )
@@ -318,7 +323,7 @@ from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import Progress, Tally
 
-spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal", interpreted=True)
+spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal", interpreted=True, duration=1.0)
 try:
     run_sweep(sys.argv[1], spec, Path(sys.argv[2]), workers=1, report=False, resume=sys.argv[3] == "True")
 except SweepError as refused:
@@ -331,13 +336,13 @@ def test_two_sweeps_that_begin_together_do_not_mix(conflict: Path, tmp_path: Pat
     both = [subprocess.Popen(words, stdout=subprocess.PIPE, text=True) for _ in range(2)]
     told = [one.communicate(timeout=120)[0] for one in both]
     assert sum("another sweep is writing" in text or "contains a sweep already" in text for text in told) == 1
-    run_sweep(conflict, _spec(interpreted=True), tmp_path / "whole", workers=1, report=False)
+    run_sweep(conflict, _in_parts(), tmp_path / "whole", workers=1, report=False)
     assert _bytes_of(tmp_path / "both") == _bytes_of(tmp_path / "whole")
 
 
 @pytest.mark.slow
 def test_kill_9_keeps_what_was_finished(conflict: Path, tmp_path: Path) -> None:
-    spec = _spec(samples=640, interpreted=True)
+    spec = _in_parts(samples=640)
     run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     folder = tmp_path / "killed"
     script = KILLED.format(target=str(conflict), folder=str(folder))
@@ -358,7 +363,7 @@ from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import Progress, Tally
 
-spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=640, perception="ideal", interpreted=True)
+spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=640, perception="ideal", interpreted=True, duration=1.0)
 run_sweep("{target}", spec, Path("{folder}"), workers=1, report=False)
 """
 

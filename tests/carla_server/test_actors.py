@@ -414,7 +414,7 @@ def test_wheels_can_be_turned_where_physics_does_not_move_the_vehicle(world: Any
     assert car.get_wheel_steer_angle(wheel) == 0.0
 
 
-@pytest.mark.parametrize("name", ["sensor.camera.dvs", "sensor.camera.normals", "sensor.camera.optical_flow"])
+@pytest.mark.parametrize("name", ["sensor.other.rss"])
 def test_what_cannot_be_sensed_is_refused_by_name(spawn: Spawn, name: str) -> None:
     import carla
 

@@ -136,6 +136,71 @@ def test_depth_and_kinds_are_of_the_same_scene(world: Any, scene: Any) -> None:
     del rear
 
 
+def test_normals_are_told_in_the_axes_of_the_world(world: Any, scene: Any) -> None:
+    rear, _, attach = scene
+    normals = attach("sensor.camera.normals", x=2.0, z=0.8, **SMALL)
+    kinds = attach("sensor.camera.semantic_segmentation", x=2.0, z=0.8, **SMALL)
+    world.tick()
+    red_green_blue = pixels(normals.next())[..., 2::-1].astype(float) / 127.5 - 1.0
+    tags = pixels(kinds.next())[..., 2]
+    assert np.median(red_green_blue[tags == Tag.ROAD], axis=0) == pytest.approx([0.0, 0.0, 1.0], abs=0.01)
+    ahead = rear.get_transform().get_forward_vector()
+    assert np.median(red_green_blue[tags == Tag.CAR], axis=0)[:2] == pytest.approx([-ahead.x, -ahead.y], abs=0.2)
+
+
+def test_a_car_that_drives_sees_the_road_flow_apart(world: Any, scene: Any) -> None:
+    """At 8 m/s, the image spreads from its middle; the flow of a picture without a motion is zero."""
+    import carla
+
+    rear, _, attach = scene
+    camera = attach("sensor.camera.optical_flow", x=2.0, z=1.4, **SMALL)
+    depth = attach("sensor.camera.depth", x=2.0, z=1.4, **SMALL)
+    world.tick()
+    image = camera.next()
+    found = np.frombuffer(image.raw_data, np.float32).reshape(image.height, image.width, 2)
+    assert (image.width, image.height, image.fov) == (320, 240, 90.0)
+    assert np.abs(found).max() < 1e-3
+    rear.enable_constant_velocity(carla.Vector3D(8.0, 0.0, 0.0))
+    for _ in range(3):
+        world.tick()
+        image, far = camera.next(), depth.next()
+    raw = pixels(depth.next() if not depth.nothing() else far).astype(np.float64)
+    metres = (raw[..., 2] + 256.0 * raw[..., 1] + 65536.0 * raw[..., 0]) / (2.0**24 - 1) * 1000.0
+    found = np.frombuffer(image.raw_data, np.float32).reshape(240, 320, 2)
+    columns, rows = np.meshgrid(np.arange(320) - 160.0, np.arange(240) - 120.0)
+    expected = np.stack([columns / 160.0, -rows / 120.0], axis=2) / (metres / (8.0 * STEP) + 1.0)[..., None]
+    road = (rows > 60) & (np.abs(columns) > 60)
+    assert np.abs(found - expected)[road].max() < 0.01
+    assert image.get_color_coded_flow().width == 320
+
+
+def test_an_event_camera_tells_where_it_becomes_darker_and_brighter(world: Any, scene: Any) -> None:
+    import carla
+
+    rear, _, attach = scene
+    camera = attach("sensor.camera.dvs", x=2.0, z=1.4, positive_threshold=0.2, negative_threshold=0.2, **SMALL)
+    world.tick()
+    world.tick()
+    assert camera.nothing()  # nothing has moved
+    rear.enable_constant_velocity(carla.Vector3D(8.0, 0.0, 0.0))
+    world.tick()
+    before = world.get_snapshot().timestamp.elapsed_seconds - STEP
+    told = camera.next()
+    events = np.frombuffer(told.raw_data, np.dtype([("x", "<u2"), ("y", "<u2"), ("t", "<i8"), ("pol", "?")]))
+    assert (told.width, told.height, len(told)) == (320, 240, len(events))
+    assert events["x"].max() < 320
+    assert events["y"].max() < 240
+    assert (np.diff(events["t"]) >= 0).all()
+    assert (before * 1e9 - 1000 < events["t"]).all()
+    assert (events["t"] <= (before + STEP) * 1e9 + 1000).all()
+    assert {True, False} == set(events["pol"].tolist())
+    assert (told[0].x, told[0].y, told[0].t, told[0].pol) == tuple(events[0].tolist())
+    image = np.zeros((240, 320), bool)
+    image[events["y"], events["x"]] = True
+    assert image[120:].mean() > 0.01  # the road
+    assert not image[:60].any()  # the sky
+
+
 def test_a_sensor_with_a_tick_of_its_own_delivers_seldom(world: Any, scene: Any) -> None:
     _, _, attach = scene
     slow = attach("sensor.other.imu", sensor_tick=0.2)

@@ -19,7 +19,7 @@ from scenario_compiler.resources import library_folder
 from tests.conformance.esmini import recorded_runs
 from tests.engine.both import Both, run_both
 
-STEP = 0.05
+STEP = 0.1
 LONGEST = 20.0
 """Length of a step and of the longest run, s."""
 

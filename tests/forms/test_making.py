@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.forms import making
 from scenario_compiler.forms.machine_code import library, why_interpreted
-from scenario_compiler.forms.making import BuildError, NoCompilerError, Note, build, compiler, source_files
+from scenario_compiler.forms.making import BuildError, NoCompilerError, build, compiler
+from scenario_compiler.forms.note import PACKAGE, Note, source_files
 
 ONLY_STANDARD_LIBRARY = """
 import sys
@@ -39,7 +39,7 @@ def test_the_engine_is_translated_with_the_standard_library_alone(repository: Pa
 def test_a_library_is_made_of_all_marked_modules() -> None:
     note = Note.read()
     assert note is not None
-    assert set(note.sources) == {path.relative_to(making.PACKAGE).as_posix() for path in source_files()}
+    assert set(note.sources) == {path.relative_to(PACKAGE).as_posix() for path in source_files()}
     assert {"engine/story/step.py", "roads/locate.py", "forms/engine.h", "randomness.py"} <= set(note.sources)
 
 
@@ -88,9 +88,19 @@ def test_the_interpreted_form_serves_without_a_library(repository: Path, tmp_pat
     assert "the engine's machine code has not been built" in done.stderr
 
 
-def test_no_index_leaves_its_column_and_nothing_is_undefined(repository: Path, tmp_path: Path) -> None:
+SANITIZERS = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+
+
+@pytest.mark.parametrize(
+    "sanitizers",
+    [pytest.param((), id="the engine's own checks"), pytest.param(SANITIZERS, id="sanitizers", marks=pytest.mark.slow)],
+)
+def test_no_index_leaves_its_column_and_nothing_is_undefined(
+    repository: Path, tmp_path: Path, sanitizers: tuple[str, ...]
+) -> None:
+    """The engine itself checks indices and overflows; the sanitizers check addresses and all that C leaves open."""
     done = subprocess.run(
-        [sys.executable, str(repository / "tests" / "forms" / "sanitized.py"), str(tmp_path)],
+        [sys.executable, str(repository / "tests" / "forms" / "sanitized.py"), str(tmp_path), *sanitizers],
         capture_output=True,
         text=True,
         check=False,

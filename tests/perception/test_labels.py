@@ -80,11 +80,16 @@ def hilly(corpus: Path) -> tuple[Scene, Network]:
     return scene_of(town), town
 
 
-def agreement(scene: Scene, camera: Camera, pose: Pose, boxes: list[Box]) -> tuple[float, float, float, float]:
-    """Return the shares of pixels, away from edges, whose depth, kind and number rays find too; and their share."""
+def agreement(
+    scene: Scene, camera: Camera, pose: Pose, boxes: list[Box], every: int = 3
+) -> tuple[float, float, float, float]:
+    """Return the shares of pixels, away from edges, whose depth, kind and number rays find too; and their share.
+
+    Every so many-th pixel of each row and column is looked at.
+    """
     looking = RoadCamera(scene, camera, box_offset=0.0)
     labels = looking.draw(pose, boxes, CLEAR)
-    rows, columns = np.mgrid[2 : camera.height - 2 : 3, 2 : camera.width - 2 : 3]
+    rows, columns = np.mgrid[2 : camera.height - 2 : every, 2 : camera.width - 2 : every]
     rows, columns = rows.ravel(), columns.ravel()
     view = looking.view(pose)
     quads = quads_of(scene, boxes, view)
@@ -133,11 +138,46 @@ def test_labels_are_what_rays_meet_among_hills_and_bridges(name: str, number: st
     scene, town = hilly(corpus)
     lane = next(one.lane for one in town.lanes_at(number, s) if one.type == "driving")
     pose = town.lane_pose(number, lane, s)
-    depth, tag, instance, share = agreement(scene, CAMERAS[name], pose, around(pose)[:3])
+    depth, tag, instance, share = agreement(scene, CAMERAS[name], pose, around(pose)[:3], every=6)
     assert share > 0.5
     assert depth > 0.98
     assert tag > 0.98
     assert instance > 0.98
+
+
+def steepest(labels: Drawing, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
+    """Return how parallel each normal is to that of the plane through the neighbours' points, and which are even."""
+    columns, rows = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+    across, down = (columns - camera.width / 2.0) / camera.focal, (rows - camera.height / 2.0) / camera.focal
+    points = np.stack([across, down, np.ones_like(across)], axis=2) * labels.depth[..., None].astype(np.float64)
+    right, below = np.gradient(points, axis=1), np.gradient(points, axis=0)
+    normal = np.cross(right, below)
+    normal /= np.maximum(np.linalg.norm(normal, axis=2, keepdims=True), 1e-12)
+    inner = even(labels) & (labels.depth < 60.0)
+    return np.abs((normal @ labels.view.rotation * labels.normals).sum(axis=2)), inner
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_normals_are_those_of_the_planes_that_the_depths_make(
+    name: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    scene, pose = beside_a_road(tmp_path_factory.getbasetemp())
+    labels = RoadCamera(scene, CAMERAS[name], box_offset=0.0).draw(pose, around(pose), CLEAR)
+    parallel, inner = steepest(labels, CAMERAS[name])
+    assert (parallel[inner] > 0.98).mean() > 0.98
+    length = np.linalg.norm(labels.normals, axis=2)
+    sky = np.isin(labels.semantic, (Tag.SKY, Tag.VEGETATION)) & (labels.instance == 0)
+    assert np.abs(length[~sky] - 1.0).max() < 1e-5
+    assert length[sky].max(initial=0.0) == 0.0
+
+
+def test_a_road_faces_up_and_a_block_its_viewer() -> None:
+    straight = bend(0.0)
+    block = Box(70.0, 0.0, 0.0, 0.0, *BLOCK, MAGENTA, "prop", instance=3)
+    labels = RoadCamera(two_lanes(straight), FRONT, box_offset=0.0).draw(straight.pose(60.0), [block], CLEAR)
+    road, rear = labels.semantic == Tag.ROAD, labels.instance == 3
+    assert np.abs(labels.normals[road] - (0.0, 0.0, 1.0)).max() < 1e-6
+    assert np.median(labels.normals[rear], axis=0) == pytest.approx([-1.0, 0.0, 0.0], abs=1e-6)
 
 
 MAGENTA, BLOCK = (255, 0, 255), (1.6, 1.6, 1.6)

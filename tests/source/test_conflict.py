@@ -259,3 +259,25 @@ def test_checking_a_file_expands_every_scenario_and_template() -> None:
 
 def test_the_same_text_gives_the_same_scenario() -> None:
     assert expanded(DESIGN).model_dump_json() == expanded(DESIGN).model_dump_json()
+
+
+@pytest.mark.parametrize(
+    ("content", "hint"),
+    [
+        ('<when><simulation_time after="5"/><do><weather preset="ClearNoon"/></do></when>', "did you mean 'time'?"),
+        (
+            '<when><simulationTimeCondition after="5"/><do><weather preset="ClearNoon"/></do></when>',
+            "did you mean 'time'?",
+        ),
+        ('<static id="a"><lane road="1" lane="-1" s="9"/></static>', "<lane> stands in <at>, which stands in <static>"),
+        ("<zebra/>", "known: parameter, "),
+    ],
+    ids=["the_standards_term", "the_standards_element", "wrapper_left_out", "nothing_similar"],
+)
+def test_an_unknown_element_is_reported_with_what_was_probably_meant(content: str, hint: str) -> None:
+    text = library_text(content)
+    sink = Diagnostics()
+    expand(parsed(text, sink), None, {}, sink)
+    (found,) = sink
+    assert found.code.id == "SC105"
+    assert found.hint.startswith(hint)

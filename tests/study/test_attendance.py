@@ -11,6 +11,7 @@ import pytest
 from scenario_compiler.compiler import Overrides, StudyCompilation, compile_study, read_source
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.live.session import Picture, Session
+from scenario_compiler.live.wheel import Told
 from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.study.attendance import Attendance, OutOfPlaceError, Rules
 from scenario_compiler.study.tables import read_table
@@ -52,12 +53,18 @@ def watching(attendance: Attendance) -> Callable[[Picture], bool]:
     return show
 
 
-def run_of(attendance: Attendance) -> Session:
-    """Begin the run that an attendance has reached, as its page does, and wait for its end."""
+def run_of(attendance: Attendance, *, taken_over: bool = False) -> Session:
+    """Begin the run that an attendance has reached, as its page does, and wait for its end.
+
+    The participant may take over before any request.
+    """
     assert attendance.cockpit is not None
     session = attendance._begin(watching(attendance))
     assert session is not None
     attendance.cockpit.session = session
+    if taken_over:
+        assert session.wheel is not None
+        session.wheel.tell(Told(seq=1, take_over=True))
     session.start()
     session.join()
     return session
@@ -82,13 +89,15 @@ def test_a_session_goes_step_by_step(rules: Rules) -> None:
         with pytest.raises(OutOfPlaceError):
             one.go_on(3, wrong)
     one.go_on(3, ANSWERS | {"name": "not asked for"})
-    run_of(one)
+    run_of(one, taken_over=True)
     one.go_on(5, ANSWERS)
     assert one.presence == "finished"
     one.close()
     assert "name" not in json.dumps([record for record in one.journal.records if record["kind"] == "done"])
     rows = read_table(one.seat.table("short", "beh"))
-    assert [(row["run"], row["probe_right"], row["marks"]) for row in rows] == [("1", "2", "n/a"), ("2", "2", "n/a")]
+    assert [(row["run"], row["probe_right"], row["marks"]) for row in rows] == [("1", "2", "n/a"), ("2", "1", "n/a")]
+    overrides = [(row["resolution"], row["override_time"], row["takeover_time"]) for row in rows]
+    assert overrides == [("open", "n/a", "n/a"), ("no_request", "0.0", "n/a")]
     assert read_table(rules.root / "participants.tsv")[0]["sessions_done"] == "1"
 
 
@@ -127,6 +136,19 @@ def test_tables_that_are_missing_are_made_when_the_program_starts_again(rules: R
     assert table.read_bytes() == before
 
 
+def test_a_long_session_reads_each_recording_once(rules: Rules) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.go_on(0, {"agree": "yes"})
+    one.go_on(1, {})
+    run_of(one)
+    (one.seat.run_folder(1, 1) / "recording.parquet").unlink()
+    one.go_on(3, ANSWERS)
+    run_of(one)
+    one.close()
+    assert [row["run"] for row in read_table(one.seat.table("short", "beh"))] == ["1", "2"]
+
+
 @pytest.mark.slow
 def test_who_has_finished_a_session_begins_the_next(tmp_path: Path) -> None:
     done = compiled(tmp_path, repetitions="1")
@@ -146,17 +168,16 @@ def test_who_has_finished_a_session_begins_the_next(tmp_path: Path) -> None:
     assert read_table(rules.root / "participants.tsv")[0]["sessions_done"] == "2"
 
 
-@pytest.mark.parametrize(
-    "message",
-    [
-        {"answers": {"speed": "36"}, "seconds": 1.0},
-        {"answers": {"speed": "36", "driver": "my cat"}, "seconds": 1.0},
-        {"answers": {"speed": "36", "driver": "me"}, "seconds": float("nan")},
-        {"answers": [], "seconds": 1.0},
-        {},
-    ],
+NO_ANSWERS: tuple[dict[str, object], ...] = (
+    {"answers": {"speed": "36"}, "seconds": 1.0},
+    {"answers": {"speed": "36", "driver": "my cat"}, "seconds": 1.0},
+    {"answers": {"speed": "36", "driver": "me"}, "seconds": float("nan")},
+    {"answers": [], "seconds": 1.0},
+    {},
 )
-def test_answers_that_are_none_leave_the_run_standing(rules: Rules, message: dict[str, object]) -> None:
+
+
+def test_answers_that_are_none_leave_the_run_standing(rules: Rules) -> None:
     one = Attendance(rules, 1)
     one.start()
     one.go_on(0, {"agree": "yes"})
@@ -164,9 +185,9 @@ def test_answers_that_are_none_leave_the_run_standing(rules: Rules, message: dic
     refused: list[Exception] = []
 
     def show(picture: Picture) -> bool:
-        if picture.about.get("held") == "probe" and not refused:
+        if picture.about.get("held") == "probe" and len(refused) < len(NO_ANSWERS):
             try:
-                one.heard("answers", dict(message))
+                one.heard("answers", dict(NO_ANSWERS[len(refused)]))
             except (ValueError, KeyError, TypeError) as error:
                 refused.append(error)
         elif picture.about.get("held") == "probe":
@@ -180,6 +201,6 @@ def test_answers_that_are_none_leave_the_run_standing(rules: Rules, message: dic
     session.start()
     session.join()
     one.close()
-    assert len(refused) == 1
+    assert len(refused) == len(NO_ANSWERS)
     assert "probe" not in kinds(one)
     assert next(record for record in one.journal.records if record["kind"] == "driven")["marks"] == ["aborted"]

@@ -1,4 +1,4 @@
-"""Cameras for colours, depth, semantic and instance images, drawn by our own renderer."""
+"""Cameras for colours, depth, normals, semantic and instance images, drawn by our own renderer."""
 
 from __future__ import annotations
 
@@ -37,6 +37,9 @@ WIDEST = 170.0
 CLOSE = 0.3
 """How far outside its carrier's box a camera still does not see it, m."""
 
+MIRRORED = np.array([1.0, -1.0, 1.0], np.float32)
+"""What turns OpenDRIVE's axes to CARLA's."""
+
 SEED = 1
 DEPTH_STEPS = (1 << 24) - 1
 """Steps of the depth that three bytes hold, from 0 to 1000 m."""
@@ -48,7 +51,7 @@ SHOWN = {RED: "red", YELLOW: "yellow", GREEN: "green"}
 
 
 class CameraInstrument:
-    """A camera: where it is mounted decides what is prepared for it."""
+    """What all cameras share: where one is mounted decides what is prepared for it."""
 
     def __init__(self, stage: Stage, sensor: Sensor) -> None:
         """Read its attributes.
@@ -61,7 +64,6 @@ class CameraInstrument:
         if self.width * self.height > MOST_PIXELS or not 0.0 < self.fov <= WIDEST:
             raise CallError(f"unable to spawn actor: an image has at most {MOST_PIXELS} pixels and {WIDEST:g} degrees")
         self.town = stage.town
-        self._encode = ENCODINGS[sensor.blueprint.name]
         self._camera: RoadCamera | None = None
         self._mounted: tuple[float, ...] = ()
         self._first = self._mounting(stage, sensor)
@@ -96,14 +98,15 @@ class CameraInstrument:
         height = round(placed.z - below, 3)
         return pose, (0.0, 0.0, height, 0.0, -placed.pitch, placed.roll), 0.0
 
-    def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
-        """Draw the image."""
-        del dt
+    def draw(self, stage: Stage, sensor: Sensor, weather: Weather) -> Drawing:
+        """Return what the camera sees now."""
         pose, mounting, center = self._mounting(stage, sensor)
         camera = self._mount(mounting, center)
         inside = self._is_inside(stage, sensor)
-        drawing = camera.draw(pose, boxes_of(stage, sensor.parent if inside else 0), weather, signals_of(stage))
-        pixels = self._encode(drawing, frame, stage.shapes.at(stage.time))
+        return camera.draw(pose, boxes_of(stage, sensor.parent if inside else 0), weather, signals_of(stage))
+
+    def message(self, pixels: NDArray[np.generic]) -> bytes:
+        """Return the body of a message: width, height and field of view, then what is measured."""
         return IMAGE.pack(self.width, self.height, self.fov) + pixels.tobytes()
 
     @staticmethod
@@ -115,6 +118,20 @@ class CameraInstrument:
         x, y, z, *_ = sensor.relative
         length, width, height = parent.box
         return abs(x) < length + CLOSE and abs(y) < width + CLOSE and -CLOSE < z + parent.up < 2.0 * height + CLOSE
+
+
+class ImageCamera(CameraInstrument):
+    """A camera whose image shows one instant."""
+
+    def __init__(self, stage: Stage, sensor: Sensor) -> None:
+        """Look up what its pixels say; see `CameraInstrument`."""
+        super().__init__(stage, sensor)
+        self._encode = ENCODINGS[sensor.blueprint.name]
+
+    def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
+        """Draw the image."""
+        del dt
+        return self.message(self._encode(self.draw(stage, sensor, weather), frame, stage.shapes.at(stage.time)))
 
 
 def boxes_of(stage: Stage, without: int) -> list[Box]:
@@ -203,9 +220,21 @@ def instances(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
     return image
 
 
+def normals(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
+    """Return the surfaces' normals in CARLA's axes of the world: red, green, blue are x, y, z, 0 to 255 for -1 to 1.
+
+    That is how Unreal shows the normals of the world. CARLA's own material is a binary asset; whether it has the same
+    axes is not verified.
+    """
+    del frame, strokes
+    scaled = np.rint((drawing.normals * MIRRORED + np.float32(1.0)) * np.float32(127.5))
+    return _with_alpha(scaled[..., ::-1].astype(np.uint8))
+
+
 ENCODINGS: dict[str, Callable[[Drawing, int, Sequence[Stroke]], Image]] = {
     "sensor.camera.rgb": colours,
     "sensor.camera.depth": depth,
+    "sensor.camera.normals": normals,
     "sensor.camera.semantic_segmentation": kinds,
     "sensor.camera.instance_segmentation": instances,
 }

@@ -1,4 +1,4 @@
-"""The extent of an entity ahead of and behind its reference point, the middle of the rear axle."""
+"""The extent of an entity before and behind its reference point, the middle of the rear axle."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def front_of(p: Program, i: int) -> float:
-    """Return how far before its reference point an entity's front is, m."""
+    """Return the distance from the reference point forwards to the front of the box, m."""
     return p.const[p.entity_const[i] + slot.E_CENTER] + 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH]
 
 
 @compiled
 def rear_of(p: Program, i: int) -> float:
-    """Return how far behind its reference point an entity's rear is, m."""
+    """Return the distance from the reference point backwards to the rear of the box, m."""
     return 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH] - p.const[p.entity_const[i] + slot.E_CENTER]

@@ -1,4 +1,4 @@
-"""Faults inside a run are values: the first one is kept and stops the run, in both forms alike."""
+"""Faults and events of a run. A fault is a value: the first one is kept and stops the run, in both forms alike."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def fault(st: State, code: int, at: int) -> None:
-    """Store a fault with its subject, and stop the run."""
+    """Store a fault with its subject (an index), and stop the run."""
     if st.flag[0] == op.FAULT_NONE:
         st.flag[0] = code
         st.flag_at[0] = at
@@ -29,7 +29,7 @@ def log_event(st: State, kind: int, value: float) -> None:
 
 @compiled
 def first_logged(st: State, kind: int) -> int:
-    """Return the place in the log of the first event of a kind, -1 where there is none."""
+    """Return the index in the log of the first event of a kind, -1 if there is none."""
     for at in range(min(st.log_count[0], op.LOG_SIZE)):
         if st.log_kind[at] == kind:
             return at

@@ -1,4 +1,4 @@
-"""Guarded arithmetic: the same value interpreted and compiled, and never an exception."""
+"""Guarded arithmetic: the same value in both forms, and never an exception."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from scenario_compiler.marker import compiled
 
 CIRCLE = 2.0 * pi
 LARGEST = 1.0e15
-"""Bound of every number that is still meaningful: a NaN or a greater one is a fault."""
+"""Bound of every meaningful number: NaN or a greater absolute value is a fault."""
 
 
 @compiled
 def is_number(value: float) -> int:
-    """Return 1 for a finite number of sensible size, else 0; a NaN compares false."""
+    """Return 1 if a value is finite and of sensible size, else 0; also 0 for NaN."""
     if value > -LARGEST and value < LARGEST:
         return 1
     return 0
@@ -21,7 +21,7 @@ def is_number(value: float) -> int:
 
 @compiled
 def clip(value: float, low: float, high: float) -> float:
-    """Return the value, no less than `low` and no more than `high`."""
+    """Return the value, limited to the range from `low` to `high`."""
     if value < low:
         return low
     if value > high:
@@ -31,7 +31,7 @@ def clip(value: float, low: float, high: float) -> float:
 
 @compiled
 def ratio(a: float, b: float, otherwise: float) -> float:
-    """Return a / b, or `otherwise` where b is as good as zero."""
+    """Return a / b, or `otherwise` if b is almost zero."""
     if b > 1.0e-9 or b < -1.0e-9:
         return a / b
     return otherwise
@@ -39,7 +39,7 @@ def ratio(a: float, b: float, otherwise: float) -> float:
 
 @compiled
 def safe_sqrt(value: float) -> float:
-    """Return the square root, 0 of anything not positive."""
+    """Return the square root, or 0 for a value that is not positive."""
     if value > 0.0:
         return sqrt(value)
     return 0.0
@@ -47,7 +47,7 @@ def safe_sqrt(value: float) -> float:
 
 @compiled
 def logistic(logit: float) -> float:
-    """Return the probability of a logit, the logistic function; beyond 50 either way it stays as it is there."""
+    """Return the probability of a logit (the logistic function); logits are limited to -50 to 50."""
     return 1.0 / (1.0 + exp(clip(-logit, -50.0, 50.0)))
 
 
@@ -59,7 +59,9 @@ def length_of(x: float, y: float) -> float:
 
 @compiled
 def heading_in_circle(h: float) -> float:
-    """Return an angle in [0, 2 pi)."""
+    """Return an angle reduced to [0, 2 pi); nearly all are there already."""
+    if h >= 0.0 and h < CIRCLE:
+        return h + 0.0  # -0.0 becomes 0.0, as by the modulo
     around = h % CIRCLE
     if around >= CIRCLE:
         return 0.0
@@ -68,7 +70,7 @@ def heading_in_circle(h: float) -> float:
 
 @compiled
 def angle_between(a: float, b: float) -> float:
-    """Return a - b in (-pi, pi]."""
+    """Return a - b reduced to (-pi, pi]."""
     around = (a - b) % CIRCLE
     if around > pi:
         return around - CIRCLE
@@ -77,7 +79,7 @@ def angle_between(a: float, b: float) -> float:
 
 @compiled
 def bearing(x: float, y: float) -> float:
-    """Return the direction of a vector, 0 for the zero vector."""
+    """Return the direction of a vector, rad; 0 for the zero vector."""
     if x == 0.0 and y == 0.0:
         return 0.0
     return atan2(y, x)

@@ -1,4 +1,4 @@
-"""The engine's integer codes. A code's name is unique in the package: all of them meet in one compiled module."""
+"""The engine's integer codes. Their names are unique in the package, because all meet in one compiled library."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ NONE = -1
 """Index that refers to nothing."""
 
 FAR = 1.0e9
-"""Distance or time that stands for "none there": finite, so that it can be compared, subtracted and written."""
+"""Distance or time that stands for "there is none": finite, so that it can be compared, subtracted and written."""
 
 STANDING = 0.05
-"""Speed under which an entity stands, m/s."""
+"""Speed below which an entity stands, m/s."""
 
 TOLERANCE = 1.0e-6
-"""Slack of every comparison of times and condition values (esmini 3.6)."""
+"""Tolerance of every comparison of times and condition values (esmini 3.6)."""
 
 # Motion kinds.
 MOTION_STATIC = 0
@@ -38,13 +38,13 @@ POSITION_KINDS = 10
 
 # Switches of positions, as bits.
 POSITION_ABSOLUTE = 1
-"""The heading is the world's, not relative to what the position gives."""
+"""The heading is that in the world, not relative to that of the position."""
 POSITION_ALONG_LANE = 2
-"""Distances go with the lane's travel, not with the road's s."""
+"""Distances follow the lane's direction of travel, not the road's s."""
 POSITION_WITH_HEIGHT = 4
-"""z is given: of roads above each other the one nearest in height is meant."""
+"""z is given: of roads above each other, the one nearest in height is meant."""
 
-# Who minds an entity, as bits.
+# Observers of an entity, as bits.
 SEEN_IN_PICTURES = 1
 SEEN_BY_SENSORS = 2
 SEEN_BY_TRAFFIC = 4
@@ -67,16 +67,16 @@ PRIORITY_OVERRIDE = 1
 PRIORITY_SKIP = 2
 
 ALL_MARKS = 1 << 20
-"""Lane of a stretch of marks that means every mark of the road."""
+"""Lane of a stretch of marks that stands for every mark of the road."""
 
 # Conditions.
 SIDE_BOTH = 0
 SIDE_LEFT = 1
 SIDE_RIGHT = 2
 SIDE_EITHER = 3
-"""Of which side of the lane a condition on the confidence speaks."""
+"""The side of the lane to which a condition on the confidence refers."""
 
-# How a condition measures: in which system, which part, which angle; and which transition it waits for.
+# How a condition measures: coordinate system, component, angle; and the transition that it waits for.
 FRAME_ENTITY = 0
 FRAME_LANE = 1
 FRAME_ROAD = 2
@@ -107,7 +107,7 @@ KIND_PEDESTRIAN = 2
 KIND_THING = 3
 
 AT_REST = 1.0e-3
-"""Speed under which an entity counts as standing for a condition, m/s (esmini 3.6)."""
+"""Speed below which an entity counts as standing for a condition, m/s (esmini 3.6)."""
 
 RULE_LESS = 0
 RULE_LESS_OR_EQUAL = 1
@@ -122,40 +122,40 @@ EDGE_FALLING = 2
 EDGE_BOTH = 3
 
 DELAY_RECORDS = 256
-"""Changes of value that a delayed condition remembers."""
+"""Number of value changes that a delayed condition remembers."""
 
 # Actions.
 ACTION_ENDS = 1.0
-"""In `State.action_b` of an action on traffic: it has been stopped and ends with its next step."""
+"""Value of `State.action_b` of an action on traffic that was stopped and ends in its next step."""
 
 # Switches of actions, as bits.
 FLAG_CONTINUOUS = 1
-"""What is reached is kept from then on."""
+"""The target is kept after it has been reached."""
 FLAG_FREESPACE = 2
-"""The distance is between the boxes."""
+"""The distance is measured between the boxes."""
 FLAG_TIME_GAP = 4
 """The distance is a time gap."""
 FLAG_PRESENT = 8
-"""The distance is the present one."""
+"""The distance is that at the start of the action."""
 FLAG_LIMITED = 16
-"""The motion is limited; else the entity is put there at once."""
+"""The motion is limited; otherwise the entity is put there at once."""
 FLAG_BEHIND = 32
 """Behind the other entity, or to its right."""
 FLAG_AHEAD = 64
 """Ahead of the other entity, or to its left."""
 
 FLAG_SMOOTH = 128
-"""Speeds are met smoothly."""
+"""Speeds are reached smoothly."""
 FLAG_OWN_PATH = 256
 """The entity moves along points of its own, not along the road."""
 FLAG_ON_TRACK = 1024
-"""These points are a trajectory's."""
+"""These points are those of a trajectory."""
 
-# Whether a value is added to another entity's or multiplied by it.
+# Whether a value is added to that of another entity or multiplied by it.
 MODE_DELTA = 0
 MODE_FACTOR = 1
 
-# The speed on arrival: none given, a number, added to another's, or multiplied by it.
+# The final speed: not given, absolute, a difference to another entity's speed, or a factor of it.
 FINAL_NONE = 0
 FINAL_ABSOLUTE = 1
 FINAL_DELTA = 2
@@ -192,7 +192,7 @@ FAILURE_MISALIGNMENT = 12
 FAILURES = 13
 
 WEATHER_SIZE = 14
-"""Numbers of a weather."""
+"""Number of values of a weather."""
 
 SHAPE_LINEAR = 0
 SHAPE_SINUSOIDAL = 1
@@ -203,13 +203,15 @@ DIMENSION_TIME = 0
 DIMENSION_RATE = 1
 DIMENSION_DISTANCE = 2
 
-# Perception: where the lane confidence comes from, and with it who drives while automated.
+# Perception: the source of the lane confidence, which also determines what drives in the automated state.
 PERCEPTION_IDEAL = 0
 PERCEPTION_CAMERA = 1
 PERCEPTION_SURROGATE = 2
 
 SPREAD_OF_WINDOW = 2
-"""Spread of the lateral position in the window that may be stable; those of the windows after the response are 0, 1."""
+"""Index of the spread of the lateral position in the window that may be stable; 0 and 1 are those of the windows after
+the response.
+"""
 
 SENSOR_CAMERA = 0
 SENSOR_RADAR = 1
@@ -233,16 +235,16 @@ CAUSE_PATH_BLOCKED = 4
 CAUSE_LANE_ENDS = 5
 CAUSE_NO_PROGRESS = 6
 CAUSE_SCHEDULED = 7
-"""An action of the scenario."""
+"""An action of the scenario requests."""
 CAUSES = 8
 
-# What the state of a traffic signal says.
+# Meanings of the state of a traffic signal.
 ASPECT_NONE = 0
-"""Nothing: dark, or not known; and green."""
+"""No restriction: green, dark or unknown."""
 ASPECT_CAUTION = 1
 ASPECT_STOP = 2
 
-# What an object ahead is.
+# Classes of objects ahead.
 AHEAD_NOTHING = 0
 AHEAD_FOLLOWED = 1
 AHEAD_BLOCKING = 2
@@ -252,7 +254,7 @@ DRIVER_FIXED = 1
 DRIVER_NORMAL = 2
 DRIVER_SUMO = 3
 
-# What the automation does before a request and after it.
+# Behaviour of the automation before and after a request.
 BEHAVIOUR_FOLLOW = 0
 BEHAVIOUR_HOLD_SPEED = 1
 BEHAVIOUR_SLOW_DOWN = 2
@@ -265,12 +267,12 @@ STANDS_IN_OTHER_LANE = 2
 STANDS_ON_SHOULDER = 3
 STANDS_OFF_ROAD = 4
 
-# What a driver does about something in the way.
+# What a driver does about an obstacle.
 STYLE_BRAKES = 0
 STYLE_STEERS = 1
 STYLE_BOTH = 2
 
-# Reference drivers; the three readings of the careful and competent one: by time, by way, by overlap.
+# Reference drivers; the careful and competent one in three readings of a cut-in: by time, by distance, by overlap.
 REFERENCE_NONE = 0
 REFERENCE_CAREFUL = 1
 REFERENCE_CAREFUL_WAY = 2
@@ -284,7 +286,7 @@ WISH_TAKE_OVER = 1
 WISH_HAND_BACK = 2
 WISH_LEAVE = 3
 WISH_REQUEST = 4
-"""What the person at the wheel wants of the automation."""
+"""What the person at the wheel wants from the automation; the last one is an experimenter's wish."""
 
 MANOEUVRE_KEEP = 0
 MANOEUVRE_BRAKE = 1
@@ -306,7 +308,7 @@ EVENT_MERGE_ABORTED = 10
 EVENT_BRAKE = 11
 EVENT_EVADE = 12
 EVENT_ACTION = 13
-"""An action has started that the log tells of; the value is its row."""
+"""An action with an event in the log has started; the value is its row."""
 EVENT_STORYBOARD_START = 14
 EVENT_STORYBOARD_END = 15
 EVENT_WARNING_OVER = 16
@@ -321,7 +323,7 @@ EVENT_OVERRIDE = 24
 EVENT_OBSTRUCTION = 25
 EVENT_OUTSIDE_DOMAIN = 26
 LOG_SIZE = 128
-"""Events that a run remembers; later ones are counted but not kept."""
+"""Number of events that a run keeps; later ones are only counted."""
 
 # Why a run stopped.
 STOP_NONE = 0
@@ -355,13 +357,12 @@ TIMING_RELATIVE = 1
 TIMING_ABSOLUTE = 2
 
 FOLLOW_SMOOTHLY = 1
-"""Flag of an action that follows a trajectory: its heading turns evenly, not at the corners alone."""
+"""Flag of an action that follows a trajectory: its heading changes linearly, not only near the corners."""
 
 RANDOM_GUIDE = -2
-"""In place of a guide: turns at random."""
+"""Stands in place of a guide for random turns."""
 
 # Streams of the counter hash inside a run.
-STREAM_STEERING = 1
 STREAM_PLACE = 2
 STREAM_TURN = 3
 STREAM_FAILURE = 4
@@ -373,26 +374,26 @@ STREAM_SURROGATE = 9
 
 # Sizes of scratch columns.
 BUCKETS = 128
-"""Chains of the list of entities by road."""
+"""Number of chains of the list of entities by road."""
 
 DRIVES_BY_RULES = 1 << 30
-"""In place of an action in `State.lateral`: a vehicle of traffic changes its lane by itself."""
+"""Stands in place of an action in `State.lateral`: a vehicle of background traffic changes its lane by itself."""
 
 PLACE_ATTEMPTS = 200
-"""Places that are drawn for an entity before there is no room for it."""
+"""Number of places that are drawn for an entity before it is reported that there is no room."""
 
 WAY_SIZE = 16
-"""Roads that a look ahead crosses at most."""
+"""Greatest number of roads of a way."""
 
 ROUTE_REACH = 40
-"""How far ahead the ego's controller knows the way, m: what a camera sees of the ground, and some more."""
+"""Distance for which the ego's controller knows the route ahead, m: what a camera sees of the ground, and some more."""
 
 OUTLOOK_HEAD = 3
-"""Numbers of an outlook before its points: gap to the leader, its speed, and the distance to the next junction."""
+"""Number of values of an outlook before its points: gap to the leader, its speed, and distance to the next junction."""
 
 OUTLOOK_SIZE = OUTLOOK_HEAD + 2 * (ROUTE_REACH + 1)
 
 DRAW_PERSON = 0
 DRAW_SEED = 1
 DRAWS_PER_RUN = 2
-"""The standard normal number of the driver as a person, and the seed of the counter hash."""
+"""Number of draws: the standard normal number of the driver as a person, and the seed of the counter hash."""

@@ -8,7 +8,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def there_for(st: State, j: int, who: int) -> int:
-    """Return 1 if an entity is in the world and is visible to the observers of a SEEN_... bit."""
+    """Return 1 if an entity is in the world and visible to the observers of a SEEN_... bit."""
     if st.present[j] == 0 or st.visible[j] & who == 0:
         return 0
     return 1

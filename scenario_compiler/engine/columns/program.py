@@ -63,7 +63,7 @@ WEATHER = Of("weather", lambda p: p.weather_count[0])
 NUMBER = Of("number", lambda p: len(p.const))
 
 SLOT = Allowed(Of("place of a number", lambda p: len(p.const) + 1))
-"""Slot of a number in `const`, or of the first of several; a block without numbers may begin behind the last."""
+"""Slot of a number in `const`, or of the first of several; a block without numbers may begin after the last slot."""
 
 COUNT = whole(0)
 
@@ -73,38 +73,39 @@ class Program(Columns):
     """The columns of a plan: SI units, radians, indices into other columns, codes of `opcodes`."""
 
     const: list[float] = column(NUMBER, written=True)
-    """Every number, by the slots of `slots`; replaced row by row in a sweep."""
+    """All numbers of the plan, at the slots of `slots`; a sweep replaces them row by row."""
 
     # The run.
     entity_count: list[int] = column(RUN, 0, COUNT)
     ego: list[int] = column(RUN, op.NONE, index_or_none(ENTITY))
-    """Number of the vehicle that the takeover is about, or NONE."""
+    """Index of the automated vehicle, or NONE."""
     perception: list[int] = column(RUN, 0, codes(op.PERCEPTION_SURROGATE + 1))
     surrogate_const: list[int] = column(RUN, 0, SLOT)
-    """Slot of the first number of surrogate perception; it is not read with another perception."""
+    """Slot of the first coefficient of surrogate perception; not read with another perception."""
     forward_sensor: list[int] = column(RUN, op.SENSOR_CAMERA, codes(op.SENSOR_LIDAR + 1))
     control_every: list[int] = column(RUN, 1, whole(1))
+    """Number of time steps between two control steps."""
     image_every: list[int] = column(RUN, 1, whole(1))
-    """Number of time steps between two images of the camera, whole control steps."""
+    """Number of time steps between two images of the camera, a multiple of `control_every`."""
     driver_reference: list[int] = column(RUN, 0, codes(op.REFERENCES))
-    """Reference driver that drives once the request is answered, REFERENCE_NONE for the model of a person."""
+    """Reference driver that drives after the response, or REFERENCE_NONE for the model of a human driver."""
     replaced_by: list[int] = column(RUN, 0, codes(op.REFERENCES))
-    """Reference driver that drives from the start in place of automation and driver, or REFERENCE_NONE."""
+    """Reference driver that drives from the start instead of automation and driver, or REFERENCE_NONE."""
     driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_SUMO + 1))
     person: list[int] = column(RUN, 0, FLAG)
-    """1 where a person is at the wheel, whose inputs Python writes."""
+    """1 if a person is at the wheel, whose inputs Python writes."""
     minimum_risk: list[int] = column(RUN, 1, FLAG)
-    """1 where there is a minimum-risk manoeuvre."""
+    """1 if there is a minimum-risk manoeuvre."""
     hazard_lights: list[int] = column(RUN, 1, FLAG)
-    """1 where the hazard lights flash from the minimum-risk manoeuvre on."""
+    """1 if the hazard lights flash from the beginning of the minimum-risk manoeuvre."""
     destination_road: list[int] = column(RUN, op.NONE, index_or_none(ROAD))
     destination_lane: list[int] = column(RUN)
     road_count: list[int] = column(RUN, 0, COUNT)
     watches: list[int] = column(RUN, 0, COUNT)
-    """WATCH_... bits: what is measured of entities because some condition asks for it."""
+    """WATCH_... bits: quantities of entities that conditions use and that are therefore measured."""
     stop_trigger: list[int] = column(RUN, op.NONE, index_or_none(TRIGGER))
 
-    # How many there are of what.
+    # Numbers of rows.
     route_count: list[int] = column(RUN, 0, COUNT)
     stretch_count: list[int] = column(RUN, 0, COUNT)
     position_count: list[int] = column(RUN, 0, COUNT)
@@ -129,75 +130,76 @@ class Program(Columns):
     # Entities.
     entity_motion: list[int] = column(ENTITY, 0, codes(op.MOTION_WALKER + 1))
     entity_type: list[int] = column(ENTITY, 0, codes(op.KIND_THING + 1))
-    """KIND_... of what the entity is."""
+    """KIND_... code of the entity."""
     entity_present: list[int] = column(ENTITY, 0, FLAG)
-    """1 where it is there from the start, 0 where an action lets it appear."""
+    """1 if the entity is present from the start, 0 if an action lets it appear."""
     entity_const: list[int] = column(ENTITY, 0, SLOT)
-    """First slot of the entity's block."""
+    """First slot of the entity's block of numbers."""
     entity_position: list[int] = column(ENTITY, 0, index_or_none(POSITION))
-    """Position that it starts at, or NONE: off every road."""
+    """Start position, or NONE for one off every road."""
     entity_follows: list[int] = column(ENTITY, 0, FLAG)
-    """1 where it follows the vehicle ahead."""
+    """1 if it follows the vehicle ahead."""
     entity_guide: list[int] = column(ENTITY, 0, index_or_none(GUIDE))
     """Guide to the entity's destination, or NONE."""
     entity_seed: list[int] = column(ENTITY, 0, whole(op.NONE, 1 << 32))
-    """Seed of traffic's turns, or NONE for the run's."""
+    """Seed of the random turns of background traffic, or NONE for the run's."""
     entity_order: list[int] = column(ENTITY, 0, index(ENTITY))
-    """Entities so that each comes after the one that its start is relative to."""
+    """Entities in an order in which each comes after the one that its start position is relative to."""
 
     # Trajectories: corners are vertices, pieces of clothoids or control points.
     track_kind: list[int] = column(TRACK, 0, codes(op.TRACK_NURBS + 1))
     track_closed: list[int] = column(TRACK, 0, FLAG)
-    """1 where a trajectory goes on at its begin."""
+    """1 if a trajectory continues at its beginning."""
     track_raised: list[int] = column(TRACK, 0, FLAG)
-    """1 where positions of a trajectory give heights."""
+    """1 if positions of a trajectory have heights."""
     track_order: list[int] = column(TRACK, 0, whole(0, 1000))
     """Order of a NURBS."""
     track_corner: list[int] = row_starts(TRACK, CORNER)
     track_vertex: list[int] = row_starts(TRACK, VERTEX)
-    """Row starts of vertices, which are columns of the state."""
+    """Row starts of the vertices, which are columns of the state."""
     track_sample: list[int] = row_starts(TRACK, SAMPLE)
-    """Row starts of a NURBS' samples."""
+    """Row starts of the samples of a NURBS."""
     corner_position: list[int] = column(CORNER, 0, index_or_none(POSITION))
-    """Position of a corner, or NONE for a piece that begins where the one before ends."""
+    """Position of a corner, or NONE for a piece that begins at the end of the previous one."""
     corner_const: list[int] = column(CORNER, 0, SLOT)
     corner_samples: list[int] = column(CORNER, 0, Allowed(Of("vertex", lambda p: p.vertex_count[0] + 1)))
     vertex_heading: list[int] = column(VERTEX, 0, FLAG)
-    """1 where the heading of a vertex is given."""
+    """1 if the heading of a vertex is given."""
     sample_corner: list[int] = column(SAMPLE, 0, Allowed(Of("corner", lambda p: len(p.corner_const) + 1)))
-    """First of the control points that a sample is made of."""
+    """First of the control points that contribute to a sample."""
     sample_const: list[int] = column(SAMPLE, 0, SLOT)
-    """Their shares, and then its place between the control points, counted from 0, for its time."""
+    """Weights of these control points, then the sample's fractional index among the control points, counted from 0."""
 
-    # Ways.
+    # Routes.
     guide_next: list[int] = column(TURN, 0, index_or_none(ROAD))
-    """By guide, road and sense (against s, along s): the road that comes next, or NONE."""
+    """By guide, road and direction of travel (against s, along s): the next road, or NONE."""
     guide_last: list[int] = column(GUIDE, 0, index_or_none(ROAD))
-    """Road with which a guide ends, or NONE where it goes round."""
+    """Last road of a guide, or NONE if it is a circuit."""
     conflict_first: list[int] = row_starts(CONFLICT_OWNER, CONFLICT)
-    """Row starts by road, with background traffic alone."""
+    """Row starts by road; empty without background traffic."""
     conflict_road: list[int] = column(CONFLICT, 0, index(ROAD))
-    """Connecting roads that the road crosses."""
+    """Connecting roads that cross the road."""
     route_road: list[int] = column(ROUTE, 0, index(ROAD))
-    """Roads of the ego's way in order, each once a pass."""
+    """Roads of the ego's route in order, once for each time they are driven."""
 
     # Positions.
     position_op: list[int] = column(POSITION, 0, codes(op.POSITION_KINDS))
     position_road: list[int] = column(POSITION, 0, index_or_none(ROAD))
     position_lane: list[int] = column(POSITION)
-    """Lane id; for relative positions the number of lanes to the left, on a trajectory its number."""
+    """Lane id; for relative positions the number of lanes to the left, for one on a trajectory the trajectory's index.
+    """
     position_entity: list[int] = column(POSITION, 0, index_or_none(ENTITY))
     position_const: list[int] = column(POSITION, 0, SLOT)
     position_flags: list[int] = column(POSITION, 0, COUNT)
-    """Switches as bits: POSITION_ABSOLUTE and those after it."""
+    """Switches as bits: POSITION_ABSOLUTE and the following ones."""
     position_guide: list[int] = column(POSITION, 0, index_or_none(GUIDE))
-    """Guide of the route that it lies on, which an entity that is put there takes, or NONE."""
+    """Guide of the route on which the position lies, which an entity placed there follows, or NONE."""
     position_seed: list[int] = column(POSITION, 0, whole(op.NONE, 1 << 32))
     """Seed of a random position, or NONE for the run's."""
     position_first: list[int] = column(POSITION, 0, Allowed(Of("span", lambda p: p.span_count[0] + 1)))
-    """First stretch that a random position is drawn from."""
+    """First of the stretches from which a random position is drawn."""
     position_last: list[int] = column(POSITION, 0, Allowed(Of("span", lambda p: p.span_count[0] + 1)))
-    """The stretch after its last."""
+    """The stretch after the last one."""
     span_road: list[int] = column(SPAN, 0, index(ROAD))
     span_lane: list[int] = column(SPAN, 0, whole(-1000, 1000))
     span_const: list[int] = column(SPAN, 0, SLOT)
@@ -220,7 +222,7 @@ class Program(Columns):
     """Greatest number of executions of a group or event."""
     element_priority: list[int] = column(ELEMENT, 0, codes(op.PRIORITY_SKIP + 1))
     element_action: list[int] = column(ELEMENT, 0, index_or_none(ACTION))
-    """Action of an ELEMENT_ACTION, or op.NONE."""
+    """Action of an ELEMENT_ACTION, or NONE."""
     trigger_first: list[int] = row_starts(TRIGGER, GROUP)
     group_first: list[int] = row_starts(GROUP, CONDITION)
 
@@ -230,50 +232,50 @@ class Program(Columns):
     condition_edge: list[int] = column(CONDITION, 0, codes(op.EDGE_BOTH + 1))
     condition_const: list[int] = column(CONDITION, 0, SLOT)
     condition_other: list[int] = column(CONDITION, 0, whole(op.NONE))
-    """The reference entity, element, takeover state or side of the lane, by kind."""
+    """Reference entity, element, takeover state or side of the lane, depending on the condition."""
     condition_mode: list[int] = column(CONDITION, 0, COUNT)
-    """A choice between ways to measure, by kind."""
+    """What is measured and how, depending on the condition."""
     condition_flags: list[int] = column(CONDITION, 0, COUNT)
-    """Switches as bits, by kind."""
+    """Switches as bits, depending on the condition."""
     condition_position: list[int] = column(CONDITION, 0, index_or_none(POSITION))
-    """Position that it speaks of, or NONE."""
+    """Position of the condition, or NONE."""
     condition_all: list[int] = column(CONDITION, 0, FLAG)
-    """1 where all triggering entities must fulfil it, 0 where any does."""
+    """1 if all triggering entities must fulfil the condition, 0 if any of them suffices."""
     condition_first: list[int] = row_starts(CONDITION, TRIGGERING)
     condition_entity: list[int] = column(TRIGGERING, 0, index(ENTITY))
     condition_owner: list[int] = column(CONDITION, 0, index_or_none(ELEMENT))
-    """Element whose trigger it stands in, NONE for the stop trigger of the storyboard."""
+    """Element to whose trigger the condition belongs, NONE for the stop trigger of the storyboard."""
     condition_ring: list[int] = column(CONDITION, 0, index_or_none(RING))
-    """Number of its record of past values, or NONE for a condition without delay."""
+    """Index of its record of past values, or NONE for a condition without delay."""
     set_first: list[int] = row_starts(SET, MEMBER)
     set_member: list[int] = column(MEMBER)
-    """Members of the sets of whole numbers that conditions look into."""
+    """Members of the sets of integers that conditions use."""
 
     # Actions.
     action_op: list[int] = column(ACTION, 0, COUNT)
     action_entity: list[int] = column(ACTION, 0, index_or_none(ENTITY))
-    """The entity that does it, NONE for an action on the run as a whole without an ego."""
+    """Actor of the action, NONE for an action on the run as a whole without an ego."""
     action_shape: list[int] = column(ACTION, 0, codes(op.SHAPE_STEP + 1))
     action_dimension: list[int] = column(ACTION, 0, codes(op.DIMENSION_DISTANCE + 1))
     action_lanes: list[int] = column(ACTION)
-    """Lanes to the left, the lane's id, the number of entries or an entity, by kind."""
+    """Number of lanes to the left, lane id, number of entries or entity, depending on the action."""
     action_other: list[int] = column(ACTION, 0, whole(op.RANDOM_GUIDE))
-    """The failure that an action begins, the kind that it ends, the weather or the message; by kind."""
+    """The failure that begins, the kind of failure that ends, the weather or the message, depending on the action."""
     action_mode: list[int] = column(ACTION, 0, COUNT)
-    """A choice between ways to do it, by kind."""
+    """Variant of the action, depending on the action."""
     action_flags: list[int] = column(ACTION, 0, COUNT)
-    """Switches as bits, or the entity in the middle of a swarm, by kind."""
+    """Switches as bits, or the central entity of a swarm, depending on the action."""
     action_position: list[int] = column(ACTION, 0, index_or_none(POSITION))
-    """Position that it speaks of, or NONE."""
+    """Position of the action, or NONE."""
     action_const: list[int] = column(ACTION, 0, SLOT)
     action_point: list[int] = column(ACTION, 0, Allowed(Of("point", lambda p: len(p.point_position) + 1)))
     """First point of a path."""
     action_points: list[int] = column(ACTION, 0, Allowed(Of("point", lambda p: len(p.point_position) + 1)))
     """Number of its points."""
     action_drives_on: list[int] = column(ACTION, 0, FLAG)
-    """1 where the entity goes on along the lane at the end of its path."""
+    """1 if the entity continues along the lane at the end of its path."""
     action_piece: list[int] = row_starts(ACTION, PIECE)
-    """Pieces of the plan of a speed profile."""
+    """Row starts of the pieces of a speed profile's plan."""
     point_position: list[int] = column(POINT, 0, index(POSITION))
     point_const: list[int] = column(POINT, 0, SLOT)
     init_action: list[int] = column(INIT, 0, index(ACTION))
@@ -282,42 +284,42 @@ class Program(Columns):
     # The camera, the weather, variables and traffic signals.
     failure_kind: list[int] = column(FAILURE, 0, codes(op.FAILURES))
     failure_waits: list[int] = column(FAILURE, 0, FLAG)
-    """1 where the failure waits for the action that begins it, 0 where it counts from the start."""
+    """1 if the failure waits for an action to begin it, 0 if it counts from the start."""
     failure_const: list[int] = column(FAILURE, 0, SLOT)
     weather_const: list[int] = column(WEATHER, 0, SLOT)
     """Blocks of 14 numbers: the weather at the start, then those of actions."""
     variable_const: list[int] = column(VARIABLE, 0, SLOT)
-    """Slot of the value that each variable begins with."""
+    """Slot of each variable's start value."""
     controller_reference: list[int] = column(SIGNAL_CONTROLLER, 0, index_or_none(SIGNAL_CONTROLLER))
-    """By controller of signals the one that its delay counts from, or NONE."""
+    """For each traffic signal controller the one from which its delay counts, or NONE."""
     controller_const: list[int] = column(SIGNAL_CONTROLLER, 0, SLOT)
     phase_first: list[int] = row_starts(SIGNAL_CONTROLLER, PHASE)
     phase_name: list[int] = column(PHASE)
-    """Place of the phase's name in the list of texts."""
+    """Index of the phase's name in the list of texts."""
     phase_const: list[int] = column(PHASE, 0, SLOT)
     light_first: list[int] = row_starts(PHASE, LIGHT)
     light_signal: list[int] = column(LIGHT, 0, index(SIGNAL))
     light_state: list[int] = column(LIGHT, 0, COUNT)
 
     head_count: list[int] = column(RUN)
-    """Number of heads: a signal where it stands, and where another road refers to it."""
+    """Number of heads: one where a signal stands, and one where another road refers to it."""
     head_signal: list[int] = column(HEAD, 0, index(SIGNAL))
     head_road: list[int] = column(HEAD, 0, index(ROAD))
     head_const: list[int] = column(HEAD, 0, SLOT)
-    """Slot of its s."""
+    """Slot of the head's s."""
     head_sense: list[int] = column(HEAD, 0, whole(-1, 2))
-    """1 for travel along s, -1 against it, 0 for both."""
+    """1 if it applies to travel along s, -1 against s, 0 to both."""
     head_from: list[int] = column(HEAD)
-    """First and last lane that it is meant for."""
+    """First and last lane to which it applies."""
     head_to: list[int] = column(HEAD)
     text_aspect: list[int] = column(TEXT, 0, codes(op.ASPECT_STOP + 1))
-    """By text what it says as the state of a signal, ASPECT_...; as long as there are texts."""
+    """ASPECT_... code of each text as the state of a signal."""
 
     # The takeover.
     before_request: list[int] = column(RUN, op.BEHAVIOUR_FOLLOW)
-    """BEHAVIOUR_... of the automation before a request, and after it."""
+    """BEHAVIOUR_... code of the automation before and after a request."""
     after_request: list[int] = column(RUN, op.BEHAVIOUR_FOLLOW)
     cause_on: list[int] = column(CAUSE, 0, FLAG)
     """1 for each cause of a takeover request that is switched on."""
     cause_order: list[int] = column(ASKING, 0, whole(1, op.CAUSES))
-    """The causes that are switched on; where several ask at once, the first is named."""
+    """The causes that are switched on; if several ask at the same time, the first one is reported."""

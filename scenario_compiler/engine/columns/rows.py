@@ -1,7 +1,7 @@
-"""The rows that words become in a program, and the tools for making them.
+"""The rows of a program that words are lowered to, and the interface for making them.
 
-A row is made by the function that is declared beside what executes the word (`moves`, `story.conditions`). That
-function gets the word and a `ProgramDraft`, the program under construction, and knows neither files nor models.
+A row is made by the function that is declared next to the code that executes the word (`moves`, `story.conditions`).
+This function receives the word and a `ProgramDraft`, the program under construction; it knows neither files nor models.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from scenario_compiler.vocabulary.word import Word
 
 Slot: TypeAlias = "float | Expression"
-"""A number of a plan."""
+"""A number of a plan: a constant, or an expression of the scenario's parameters."""
 
 SHAPES = {
     "linear": op.SHAPE_LINEAR,
@@ -53,10 +53,10 @@ class PositionRow:
         road: Index of its road, or NONE.
         lane: Id of the lane, or a number of lanes.
         entity: Entity that it is relative to, or NONE.
-        flags: Switches as bits: POSITION_ABSOLUTE and those after it.
-        guide: Guide of the route that it lies on, or NONE.
+        flags: Switches as bits: POSITION_ABSOLUTE and the following ones.
+        guide: Guide of the route on which it lies, or NONE.
         seed: Seed of a random position, or NONE for the run's.
-        spans: First stretch that a random position is drawn from, and the one after its last.
+        spans: First stretch from which a random position is drawn, and the one after the last.
     """
 
     kind: int
@@ -79,14 +79,14 @@ class ActionRow:
         shape: SHAPE_... code of its dynamics.
         dimension: DIMENSION_... code of its dynamics.
         lanes: Number of lanes to the left.
-        other: What it refers to, or NONE; by kind.
-        mode: A choice between ways to do it; by kind.
-        flags: Switches as bits; by kind.
+        other: What it refers to, or NONE; depends on the action.
+        mode: Variant of the action; depends on the action.
+        flags: Switches as bits; depends on the action.
         position: Row of its position, or NONE.
         point: First point of its path.
         points: Number of its points.
-        drives_on: 1 where the entity goes on along the lane at the end of its path.
-        pieces: Number of pieces that a plan of speeds has room for.
+        drives_on: 1 if the entity continues along the lane at the end of its path.
+        pieces: Greatest number of pieces of a plan of speeds.
     """
 
     const: tuple[Slot, ...] = ()
@@ -109,15 +109,15 @@ class ConditionRow:
 
     Attributes:
         rule: RULE_... code of the comparison.
-        value: What is compared with.
+        value: The value to compare with.
         entity: Id of the triggering entity that the word names, empty for a condition on the run.
-        other: What it refers to, or NONE; by kind.
-        mode: A choice between ways to measure; by kind.
-        flags: Switches as bits; by kind.
+        other: What it refers to, or NONE; depends on the condition.
+        mode: What is measured and how; depends on the condition.
+        flags: Switches as bits; depends on the condition.
         position: Row of its position, or NONE.
         const: Numbers beside value and delay.
-        awaits: Kind and name of the elements whose state it watches; `other` becomes the first of them and `flags` how
-            many follow.
+        awaits: Kind and name of the elements whose state it watches; `other` becomes the first of them and `flags` the
+            number of those that follow.
     """
 
     rule: int = op.RULE_LESS
@@ -138,10 +138,10 @@ class ProgramDraft(Protocol):
         plan: The plan that is lowered.
         program: The columns so far.
         numbers: Every number, by its slot.
-        entities: Number of each entity, by its id.
-        texts: Place of every text that is compared, in the order of the texts.
-        variables: Number and word of each variable, by its name.
-        controllers: Number of each controller of traffic signals, by its name.
+        entities: Index of each entity, by its id.
+        texts: Index of every text that is compared, in the order of the texts.
+        variables: Index and word of each variable, by its name.
+        controllers: Index of each traffic signal controller, by its name.
         messages: Number of messages so far.
     """
 
@@ -163,39 +163,39 @@ class ProgramDraft(Protocol):
         ...
 
     def random_position(self) -> int:
-        """Append a position that vehicles of traffic are put at by draw; return its row."""
+        """Append a position for the random placement of traffic; return its row."""
         ...
 
     def track(self, trajectory: Trajectory) -> int:
-        """Append a trajectory; return its number."""
+        """Append a trajectory; return its index."""
         ...
 
     def route(self, route: RouteWord) -> int:
-        """Append the guide of a route; return its number."""
+        """Append the guide of a route; return its index."""
         ...
 
     def goal(self, position: Word) -> int:
-        """Append the guide to a position; return its number."""
+        """Append the guide to a position; return its index."""
         ...
 
     def failure(self, failure: Failure) -> int:
-        """Append a failure of the camera that waits for its action; return its number."""
+        """Append a camera failure that an action begins; return its index."""
         ...
 
     def weather(self, weather: WeatherAction) -> int:
-        """Append a weather; return its number."""
+        """Append a weather; return its index."""
         ...
 
     def signal(self, name: str) -> int:
-        """Return the number of a traffic signal."""
+        """Return the index of a traffic signal."""
         ...
 
     def variable_value(self, variable: Variable, text: str) -> float:
-        """Return a value of a variable as the engine has it."""
+        """Return the number that represents a variable's value, given as a text."""
         ...
 
     def members(self, values: Iterable[int]) -> int:
-        """Append a set of whole numbers; return its row."""
+        """Append a set of integers; return its row."""
         ...
 
     def seconds_of(self, date_time: str) -> float:
@@ -203,23 +203,23 @@ class ProgramDraft(Protocol):
         ...
 
     def traffic_number(self, name: str) -> int:
-        """Return the number of a name among those of actions on traffic, from 1; 0 for no name."""
+        """Return the index of a name among those of actions on traffic, from 1; 0 for an empty name."""
         ...
 
     def vehicles_of(self, word: KeepsVehicles) -> tuple[int, int]:
-        """Return the first of the entities that an action on traffic keeps, and their number."""
+        """Return the first entity that an action on traffic uses, and the number of its entities."""
         ...
 
 
 def dynamics_of(over_time: Slot, instead: AtRate | OverDistance | None) -> tuple[Slot, int]:
-    """Return the number of a change's dynamics and its DIMENSION_... code."""
+    """Return the value and the DIMENSION_... code of a change's dynamics."""
     if instead is None:
         return over_time, op.DIMENSION_TIME
     return instead.value, op.DIMENSION_RATE if instead.word == "at_rate" else op.DIMENSION_DISTANCE
 
 
 def limits_of(limits: Limits | None) -> tuple[Slot, ...]:
-    """Return the numbers of a motion's limits, in the order of `slots`, negative for those left out."""
+    """Return the numbers of a motion's limits, in the order of `slots`; negative for absent limits."""
     if limits is None:
         return (-1.0,) * 5
     given = (limits.acceleration, limits.acceleration_rate, limits.deceleration, limits.deceleration_rate, limits.speed)

@@ -10,7 +10,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def run_seed(st: State, own: int) -> int:
-    """Return a seed of the counter hash: one of its own, else the run's."""
+    """Return the seed `own` of the counter hash, or the run's if it is negative."""
     if own >= 0:
         return own
     return int(clip(st.draw[op.DRAW_SEED], 0.0, 4294967295.0))

@@ -69,7 +69,7 @@ K_SDLP = 60
 K_SDLP_AT_FIRST = 61
 K_SETTLED_AFTER = 62
 K_RISK_AFTER = 63
-"""First of the times to the minimum-risk manoeuvre, one a cause by its code."""
+"""First of the times to the minimum-risk manoeuvre, one for each cause in the order of the codes."""
 K_WARNING_LEAD = 71
 K_WARNING_AFTER = 72
 K_WARNING_LEAST = 73
@@ -80,7 +80,7 @@ K_BLOCKED_BUDGET = 77
 K_BLOCKED_WARNING = 78
 K_LANE_END_BUDGET = 79
 K_LANE_END_WARNING = 80
-"""The budgets of requests and warnings, s; negative where the policy's hold."""
+"""Time budgets of requests and warnings, s; negative if the policy's value applies."""
 K_SLOW_DOWN = 81
 K_HEADLIGHTS = 82
 K_SENSOR_NOISE = 83
@@ -106,15 +106,16 @@ E_MINIMUM_GAP = 12
 E_ACCELERATION = 13
 E_DECELERATION = 14
 E_SHARE = 15
-"""Share of the speed limit that a driver of traffic aims for."""
+"""Share of the speed limit that a driver of background traffic aims for."""
 E_HITCH = 16
+"""x of the hitch, relative to the reference point, and of the trailer's coupler, m."""
 """x of the hitch ahead of the reference point, and of the trailer's coupler."""
 E_COUPLER = 17
 E_PITCH_GRADIENT = 18
-"""How far the body pitches in braking, rad per m/s2."""
+"""Pitch of the body per deceleration, rad per m/s2."""
 
-# A position's block: s, the distance ahead or the least distance to others, the lateral offset and the heading, in the
-# world or relative to what the position gives. Of a point of the world x, y and z take their places.
+# A position: s, or the distance ahead, or the least distance to others; the lateral offset; and the heading, in the
+# world or relative to that of the position. For a point of the world these are x, y, the heading and z.
 P_S = 0
 P_OFFSET = 1
 P_TURN = 2
@@ -132,16 +133,16 @@ M_SIZE = 5
 C_VALUE = 0
 C_DELAY = 1
 C_TOLERANCE = 2
-"""Of an angle."""
+"""Tolerance of an angle, rad."""
 C_FORWARD = 2
 C_BACKWARD = 3
-"""Ranges of a clearance."""
+"""Ranges of a clearance, m."""
 
 # An action: the target and the value of its dynamics.
 A_TARGET = 0
 A_DYNAMICS = 1
 
-# Limits of a motion, negative for none; then a speed profile's entries, each a speed and a time (negative for none).
+# Limits of a motion, negative if absent; then the entries of a speed profile: a speed and a time (negative if absent).
 A_ACCELERATION = 2
 A_ACCELERATION_RATE = 3
 A_DECELERATION = 4
@@ -149,14 +150,14 @@ A_DECELERATION_RATE = 5
 A_MOST_SPEED = 6
 A_ENTRIES = 7
 
-# What counts as there, and the last stretch of an arrival.
+# A synchronized arrival: the tolerances for being there, and the final stretch at constant speed.
 A_TOLERANCE = 2
 A_MASTER_TOLERANCE = 3
 A_STEADY_TIME = 4
 A_STEADY_DISTANCE = 5
 
-# A failure of the camera: when it begins after the start or its action, how long it lasts (negative: for good), in
-# which time it grows and goes, how severe it is, and by what angles a misaligned camera is turned.
+# A failure of the camera: its onset after the start or its action, its duration (negative: until the end), the
+# duration of its ramps, its severity, and the angles of a misaligned camera.
 F_ONSET = 0
 F_DURATION = 1
 F_RAMP = 2
@@ -165,8 +166,8 @@ F_YAW = 4
 F_PITCH = 5
 F_ROLL = 6
 
-# A swarm of traffic: its inner radius, half its extents along and across the entity, how far ahead of it its middle is,
-# and the weights of those who drive with the entity and against it.
+# A swarm of traffic: inner radius, half extents along and across the entity, distance of its centre ahead of it,
+# and weights of vehicles in the entity's direction and in the opposite one.
 W_INNER = 0
 W_MAJOR = 1
 W_MINOR = 2
@@ -174,26 +175,26 @@ W_OFFSET = 3
 W_SAME = 4
 W_OPPOSITE = 5
 
-# A source or sink of traffic: its radius, and the vehicles in a second, not positive for no limit.
+# A source or sink of traffic: its radius, and the vehicles per second (not positive: no limit).
 U_RADIUS = 0
 U_RATE = 1
 
-# A stretch that random positions are drawn from.
+# A stretch from which random positions are drawn.
 L_FROM = 0
 L_TO = 1
 
-# A point of a path: the time since its begin, negative for none.
+# A point of a path: the time since the path began, negative if absent.
 G_TIME = 0
 
-# A corner of a trajectory: its time (negative for none), and of a clothoid the curvatures at begin and end, the length
-# and the heading relative to the end before.
+# A corner of a trajectory: its time (negative if absent); for a clothoid also the curvatures at its beginning and end,
+# its length, and its heading relative to the end of the previous piece.
 T_TIME = 0
 T_CURVATURE = 1
 T_CURVATURE_END = 2
 T_LENGTH = 3
 T_TURN = 4
 
-# An action that follows a trajectory: the distance to begin at, and the offset and scale of its times.
+# An action that follows a trajectory: the start distance, and the offset and scale of its times.
 J_BEGIN = 0
 J_OFFSET = 1
 J_SCALE = 2

@@ -1,6 +1,7 @@
 """State: everything that changes during a run, as flat columns of a fixed size.
 
-`put_to_start` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
+`put_to_start` resets every column to its declared start value, except the kept ones, so that one state serves all
+variants of a sweep.
 """
 
 from __future__ import annotations
@@ -40,77 +41,86 @@ LOOKED = fixed("piece of the way in which paint is looked at", SAMPLES)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
 STEER_RATE = 0.7
-"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
-driver's.
+"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, as a quick
+driver.
 """
 
 
 @container("st", 2, written=True)
 class State(Columns):
-    """The columns of a run: SI units, radians, OpenDRIVE axes; codes of `opcodes`."""
+    """The columns of a run: SI units, radians, OpenDRIVE axes; codes are those of `opcodes`."""
 
     # The run, one element each.
     clock: list[float] = column(RUN)
     """Time, s: the number of steps times the step, so that equal times are equal numbers."""
     steps: list[int] = column(RUN)
-    """Number of steps that were taken."""
+    """Number of steps taken."""
     frame: list[int] = column(RUN)
-    """Number of the frame; 0 is the one of length 0."""
+    """Number of the frame; frame 0 has no duration."""
     stop: list[int] = column(RUN, op.STOP_NONE)
-    """STOP_... as soon as the run is over."""
+    """STOP_... code once the run is over."""
     flag: list[int] = column(RUN, op.FAULT_NONE)
-    """FAULT_...; a fault stops the run."""
+    """FAULT_... code; a fault stops the run."""
     flag_at: list[int] = column(RUN, op.NONE)
-    """The entity, condition or action that the fault is about."""
+    """Entity, condition or action of the fault."""
     draw: list[float] = column(DRAW, kept=True)
     """Draws made before the run: DRAW_PERSON and DRAW_SEED."""
 
     # Entities.
     present: list[int] = column(ENTITY)
-    """1 while the entity is in the world; an absent one does not move, collide or hide, and is not seen."""
+    """1 while the entity is in the world; an absent one does not move, collide or hide others, and is not seen."""
     x: list[float] = column(ENTITY)
+    """World coordinates of the reference point, m."""
     y: list[float] = column(ENTITY)
     z: list[float] = column(ENTITY)
     h: list[float] = column(ENTITY)
+    """Heading, rad."""
     pitch: list[float] = column(ENTITY)
-    """Of the road below and of the body on its springs."""
+    """Pitch of the road below plus that of the body on its springs, rad."""
     body_pitch: list[float] = column(ENTITY)
-    """What the body adds to the pitch of the road, of a vehicle that is driven by commands."""
+    """Pitch of the body relative to the road, rad, of a vehicle that is driven by commands."""
     roll: list[float] = column(ENTITY)
     v: list[float] = column(ENTITY)
+    """Speed along the heading, m/s; negative backwards."""
     a: list[float] = column(ENTITY)
+    """Acceleration along the heading, m/s2."""
     steer: list[float] = column(ENTITY)
-    """Angle of the front wheels, positive to the left."""
+    """Angle of the front wheels, rad, positive to the left."""
     steer_rate: list[float] = column(ENTITY, STEER_RATE)
     """Greatest rate of that angle, rad/s."""
     throttle: list[float] = column(ENTITY)
+    """Applied throttle and brake, 0 to 1."""
     brake: list[float] = column(ENTITY)
     road: list[int] = column(ENTITY)
     """Index of the road, -1 off every road."""
     lane: list[int] = column(ENTITY)
+    """Id of the lane that contains the reference point, 0 off every lane."""
     s: list[float] = column(ENTITY)
+    """Position along the road's reference line, m."""
     off: list[float] = column(ENTITY)
-    """Left of the lane's centre in the road's s direction."""
+    """Offset to the left of the lane's centre, in the direction of s, m."""
     t: list[float] = column(ENTITY)
-    """Left of the reference line."""
+    """Offset to the left of the reference line, m."""
     facing: list[int] = column(ENTITY, 1)
-    """1 where the entity's forward direction goes along s, else -1."""
+    """1 if the entity's forward direction goes along s, else -1."""
     turn: list[float] = column(ENTITY)
-    """Heading relative to `facing` along the lane."""
+    """Heading relative to the lane in the direction `facing`, rad."""
     kept_lane: list[int] = column(ENTITY)
-    """Lane that a scripted entity is led by: the one it belongs to, or the target of a lane change."""
+    """Lane that a scripted entity follows: the one it belongs to, or the target of a lane change."""
     kept_off: list[float] = column(ENTITY)
+    """Offset to the left of that lane's centre, in the direction of s, m."""
     changing: list[int] = column(ENTITY)
-    """1 where a lane change leads the entity, until it settles: it belongs to the lane that its point is in."""
+    """1 during a lane change and until the entity has settled in the lane that contains its reference point."""
     here_road: list[int] = column(ENTITY, op.NONE)
-    """Where the lane's row and the road's piece below were found last: road and lane."""
+    """Road and lane for which the lane's row and the road's piece below the entity were found last."""
     here_lane: list[int] = column(ENTITY)
     here_from: list[float] = column(ENTITY)
-    """They hold for every s from here to before `here_to`."""
+    """Row and piece are valid for s from `here_from` to before `here_to`, m."""
     here_to: list[float] = column(ENTITY, -1.0)
     here_row: list[int] = column(ENTITY, op.NONE)
     here_piece: list[int] = column(ENTITY)
     odometer: list[float] = column(ENTITY)
+    """Distance travelled, m."""
     still: list[float] = column(ENTITY, -1.0)
     """How long the entity has stood, s; negative while it moves."""
     at_end: list[float] = column(ENTITY, -1.0)
@@ -118,23 +128,24 @@ class State(Columns):
     off_road: list[float] = column(ENTITY, -1.0)
     """How long it has been off every lane, s; negative while it is on one."""
     velocity_x: list[float] = column(ENTITY)
-    """Velocity and acceleration in the world, where a condition asks for them."""
+    """Velocity, m/s, and acceleration, m/s2, in the world's axes, if a condition uses them."""
     velocity_y: list[float] = column(ENTITY)
     velocity_z: list[float] = column(ENTITY)
     acceleration_x: list[float] = column(ENTITY)
     acceleration_y: list[float] = column(ENTITY)
     acceleration_z: list[float] = column(ENTITY)
     before_x: list[float] = column(ENTITY)
+    """Position at the last measurement of the velocity, m."""
     before_y: list[float] = column(ENTITY)
     before_z: list[float] = column(ENTITY)
     follows: list[int] = column(ENTITY)
     """1 while it follows the vehicle ahead."""
     controller: list[int] = column(ENTITY)
-    """CONTROLLER_... that it has."""
+    """CONTROLLER_... code of its controller."""
     desired: list[float] = column(ENTITY)
-    """Speed that it aims for while it follows."""
+    """Speed that it aims for while it follows, m/s."""
     ended: list[int] = column(ENTITY)
-    """1 when the entity stands at the end of its road."""
+    """1 if the entity stands at the end of its road."""
     lights: list[int] = column(ENTITY)
     """Lights that actions have switched on, as bits: the first of `moves.appearance.LIGHTS` is the lowest."""
     visible: list[int] = column(ENTITY, op.SEEN_BY_ALL)
@@ -142,96 +153,109 @@ class State(Columns):
     towed: list[int] = column(ENTITY, op.NONE)
     """Trailer that it tows, or NONE."""
     towed_by: list[int] = column(ENTITY, op.NONE)
+    """Entity that tows it, or NONE."""
     trains: list[int] = column(RUN)
-    """1 from the first trailer that is connected on; one element."""
+    """1 once a trailer has been connected."""
     moved: list[int] = column(ENTITY)
-    """1 when an action has moved the entity in this step; taking stock clears it."""
+    """1 if an action has moved the entity in this step; `take_stock` clears it."""
     longitudinal: list[int] = column(ENTITY, op.NONE)
     """Action that changes the entity's speed, or -1."""
     lateral: list[int] = column(ENTITY, op.NONE)
     """Action that changes the entity's lane, or -1."""
     last_x: list[float] = column(ENTITY)
+    """Position, m, and speed, m/s, after the last step."""
     last_y: list[float] = column(ENTITY)
     last_v: list[float] = column(ENTITY)
     order: list[int] = column(ENTITY)
-    """Entities by the x of their boxes' left ends."""
+    """Entities sorted by the smallest x of their boxes."""
     reach: list[float] = column(ENTITY)
-    """Half diagonal of the entity's box."""
+    """Half the diagonal of the entity's box, m."""
     middle_x: list[float] = column(ENTITY)
-    """Centre of the entity's box."""
+    """Centre of the entity's box, m."""
     middle_y: list[float] = column(ENTITY)
     box_h: list[float] = column(ENTITY)
-    """Heading of the box, its cosine and its sine."""
+    """Heading of the box, rad, with its cosine and sine."""
     box_cos: list[float] = column(ENTITY, 1.0)
     box_sin: list[float] = column(ENTITY)
 
     # Positions of the plan.
     position_x: list[float] = column(POSITION, op.FAR)
+    """World coordinates of each position of the conflict language, m; FAR if it lies nowhere."""
     position_y: list[float] = column(POSITION, op.FAR)
-    position_at_road: list[int] = column(POSITION)
-    position_at_lane: list[int] = column(POSITION)
-    position_at_s: list[float] = column(POSITION)
+
+    destination_x: list[float] = column(RUN)
+    """The ego's destination."""
+    destination_y: list[float] = column(RUN)
 
     # Variables, traffic signals, the time of day and the road.
     variable: list[float] = column(VARIABLE)
+    """Present value of each variable."""
     signal_state: list[int] = column(SIGNAL, op.NONE)
-    """State of each signal as the place of a text, NONE for an unknown one."""
+    """State of each signal as the index of a text, NONE if unknown."""
     phase_now: list[int] = column(SIGNAL_CONTROLLER, op.NONE)
-    """Phase of each controller of signals, NONE before its begin."""
+    """Phase of each traffic signal controller, NONE before it begins."""
     phase_since: list[float] = column(SIGNAL_CONTROLLER)
-    """When that phase began, or the controller's begin."""
+    """When that phase began, or when the controller begins, s."""
     day_known: list[int] = column(RUN)
-    """1 when there is a time of day."""
+    """1 if there is a time of day."""
     day_runs: list[int] = column(RUN)
+    """1 if the time of day advances."""
     day_from: list[float] = column(RUN)
     """Date and time at `day_since`, s since 1970."""
     day_since: list[float] = column(RUN)
+    """Time of the run at which the time of day was set, s."""
     friction: list[float] = column(RUN, 1.0)
-    """Factor of the road's friction."""
+    """Friction factor of the road."""
     held_on: list[int] = column(HELD_INPUT)
     """1 for each input of the ego that an action holds."""
     held_value: list[float] = column(HELD_INPUT)
+    """Value at which it is held."""
 
     # Storyboard.
     acting: list[int] = column(RUN)
-    """1 where an event runs in this frame; one element."""
+    """1 if an event runs in this frame."""
     init_acting: list[int] = column(RUN, 1)
-    """1 until no action of the init runs any more; one element."""
+    """1 until no action of the init runs any more."""
     element_state: list[int] = column(ELEMENT, op.STANDBY)
+    """STANDBY, RUNNING or COMPLETE."""
     element_runs: list[int] = column(ELEMENT)
-    """Executions so far."""
+    """Number of executions so far."""
     element_busy: list[int] = column(ELEMENT)
-    """Of a maneuver, how many of its events run."""
+    """Number of running events of a maneuver."""
     element_started: list[int] = column(ELEMENT, -1)
-    """Frame from which the last start transition is seen; -1 before."""
+    """Frame in which the last start transition is visible, -1 before the first; likewise end, stop and skip."""
     element_ended: list[int] = column(ELEMENT, -1)
     element_stopped: list[int] = column(ELEMENT, -1)
     element_skipped: list[int] = column(ELEMENT, -1)
     condition_before: list[int] = column(CONDITION, op.NONE)
-    """What a condition with an edge was at its last evaluation, NONE before the first and after the edge has fired."""
+    """Value of a condition with an edge at its last evaluation; NONE before the first and after the edge has fired."""
     ring_time: list[float] = column(RECORD)
+    """Records of past values of delayed conditions: times, s, and values, in rings with a first index and a size."""
     ring_value: list[int] = column(RECORD)
     ring_first: list[int] = column(RING)
     ring_size: list[int] = column(RING)
     action_state: list[int] = column(ACTION, op.STANDBY)
+    """STANDBY, RUNNING or COMPLETE."""
     action_element: list[int] = column(ACTION, op.NONE)
-    """Element that an action stands in, or -1 for an action of the init."""
+    """Storyboard element of an action, or -1 for an action of the init."""
     action_progress: list[float] = column(ACTION)
+    """Progress of a transition, from 0 to `action_span`, s or m."""
     action_span: list[float] = column(ACTION)
     action_from: list[float] = column(ACTION)
+    """Start value of a transition and its total change."""
     action_change: list[float] = column(ACTION)
     action_phase: list[int] = column(ACTION)
-    """Phase that an action is in, of those that go through several."""
+    """Present phase of an action that has several."""
     action_a: list[float] = column(ACTION)
-    """Memory for the function that executes the action; so is `action_b`."""
+    """Memory of the function that executes the action, like `action_b`."""
     action_b: list[float] = column(ACTION)
     piece_time: list[float] = column(PIECE)
-    """Plans of speed profiles: from when a piece holds, its speed and acceleration then, and its jerk."""
+    """Plans of speed profiles: start time of a piece, speed and acceleration then, and its jerk."""
     piece_speed: list[float] = column(PIECE)
     piece_slope: list[float] = column(PIECE)
     piece_jerk: list[float] = column(PIECE)
     track_x: list[float] = column(VERTEX)
-    """Vertices of trajectories, as they lay when their action began last."""
+    """Vertices of trajectories, as computed when their action last began."""
     track_y: list[float] = column(VERTEX)
     track_h: list[float] = column(VERTEX)
     track_z: list[float] = column(VERTEX)
@@ -239,54 +263,57 @@ class State(Columns):
     track_s: list[float] = column(VERTEX)
     track_time: list[float] = column(VERTEX)
     track_v: list[float] = column(VERTEX)
-    """Speed behind a vertex, and `track_a` the acceleration, of polylines that are followed by their times."""
+    """Speed after a vertex, m/s, and in `track_a` the acceleration, for polylines that are followed by their times."""
     track_a: list[float] = column(VERTEX)
     track_bend: list[float] = column(VERTEX)
-    """Curvature of a clothoid at a vertex, and its change with length."""
+    """Curvature of a clothoid at a vertex, 1/m, and its rate of change with length, 1/m2."""
     track_bend_rate: list[float] = column(VERTEX)
     guide: list[int] = column(ENTITY)
-    """Guide that the entity takes its turns by, RANDOM_GUIDE for turns at random, or NONE."""
+    """Guide that determines the entity's turns, RANDOM_GUIDE for random turns, or NONE."""
     turn_from: list[int] = column(ENTITY)
-    """Road at whose end the turn below is taken; NONE before it is drawn. This and what follows is of traffic."""
+    """Road at whose end the turn `turn_to` is taken, NONE before it is drawn. This and the columns up to `along_way`
+    belong to background traffic.
+    """
     turn_to: list[int] = column(ENTITY)
-    """Road that the vehicle turns into, NONE where there is no choice."""
+    """Road that the vehicle turns into, NONE if there is no choice."""
     turns: list[int] = column(ENTITY)
     """Number of turns drawn so far."""
     claim: list[int] = column(ENTITY, op.NONE)
-    """Connecting road of a junction that the vehicle may drive on, or NONE."""
+    """Connecting road of a junction that the vehicle may enter, or NONE."""
     entered: list[int] = column(ENTITY)
-    """1 after the entity has reached that road."""
+    """1 once the vehicle has reached that road."""
     asked: list[int] = column(ENTITY)
     """Frame since which it waits for a connecting road, or NONE."""
     wish: list[float] = column(ENTITY)
-    """Speed that the driver aims for, negative before the first decision."""
+    """Speed that the driver aims for, m/s, negative before the first decision."""
     lane_rest: list[float] = column(ENTITY)
-    """How far the lane goes on."""
+    """Distance to the end of the lane, m."""
     change_at: list[float] = column(ENTITY)
-    """When the last lane change began."""
+    """Time at which the last lane change began, s."""
     change_from: list[float] = column(ENTITY)
-    """Offset from the new lane's centre at its begin."""
+    """Offset from the new lane's centre when it began, m."""
     bucket_next: list[int] = column(ENTITY)
     """Next entity in the chain of its road."""
     bucket_head: list[int] = column(BUCKET)
     """First entity of each chain."""
     along_way: list[int] = column(RUN)
-    """1 when the way was last walked ahead, -1 when back."""
+    """1 if the last way was walked forwards, -1 if backwards."""
     action_keeps_traffic: list[int] = column(ACTION)
-    """1 from when a swarm, source or sink has begun."""
+    """1 once a swarm, source or sink has begun."""
     action_x: list[float] = column(ACTION)
-    """Where the entity was when it began to follow a path."""
+    """World coordinates of the entity when it began to follow a path, m."""
     action_y: list[float] = column(ACTION)
 
     # Inputs from outside: the controller and the detector, or ideal perception.
     even_row: list[int] = column(RUN, op.NONE)
-    """Row of the path's lane whose marks on both sides are known to stay as they are for a while, or NONE."""
+    """Row of the path's lane whose marks on both sides are known not to change for a while, or NONE."""
     even_from: list[float] = column(RUN)
-    """Between which s on that row, and the marks' qualities."""
+    """Range of s on that row in which they do not change, and the qualities of the marks."""
     even_to: list[float] = column(RUN)
     even_left: list[float] = column(RUN)
     even_right: list[float] = column(RUN)
     conf_left: list[float] = column(RUN, 1.0)
+    """Confidence in the left and right boundary of the lane, and health of the sensor, 0 to 1."""
     conf_right: list[float] = column(RUN, 1.0)
     health: list[float] = column(RUN, 1.0)
     view: list[float] = column(VIEW)
@@ -296,10 +323,10 @@ class State(Columns):
     unit: list[float] = column(UNIT)
     """What the features give to the hidden units and the outputs of the left side, then of the right, without bias."""
     view_row: list[int] = column(RUN, op.NONE)
-    """Row and piece of the path for which the view is kept while nothing changes, NONE where it is not to be kept."""
+    """Row and piece of the path for which the view is kept while nothing changes; NONE if it must not be kept."""
     view_piece: list[int] = column(RUN)
     view_speed: list[float] = column(RUN)
-    """What that view was written for: speed, offset, heading, the body's pitch and the camera's noise."""
+    """State at which that view was computed: speed, offset, heading, the body's pitch and the camera's noise."""
     view_off: list[float] = column(RUN)
     view_heading: list[float] = column(RUN)
     view_pitch: list[float] = column(RUN)
@@ -337,194 +364,224 @@ class State(Columns):
     hides_to: list[float] = column(RUN)
     hides_at: list[float] = column(RUN)
     seen_logit: list[float] = column(SIDE)
-    """Logit of the confidence in each side, as of that view, and how far both together draw the path to the left, m."""
+    """Logit of the confidence in each side for that view."""
     seen_drawn: list[float] = column(RUN)
+    """How far both sides together shift the path to the left, m."""
     path_error: list[float] = column(RUN)
-    """How far left of the lane's centre the path lies that surrogate perception follows, m."""
+    """Offset to the left of the lane's centre of the path that surrogate perception follows, m."""
     slow_square: list[float] = column(RUN)
-    """Squared speed at which the bend is driven that limits the speed, m2/s2, and the odometer where it begins."""
+    """Squared speed in the bend that limits the speed, m2/s2."""
     slow_at: list[float] = column(RUN)
+    """Odometer at which that bend begins, m."""
     slow_row: list[int] = column(RUN, op.NONE)
-    """Row of the path for which that is known."""
+    """Row of the path for which that bend is known."""
     slow_until: list[float] = column(RUN, -1.0)
-    """Odometer up to which that bend is known to be the one that limits the speed."""
+    """Odometer up to which that bend is known to be the one that limits the speed, m."""
     auto_throttle: list[float] = column(RUN)
+    """Commands of the controller: throttle and brake, 0 to 1."""
     auto_steer: list[float] = column(RUN)
-    """-1 .. 1 of the greatest steering angle, positive to the left."""
+    """Steering command, -1 to 1 of the greatest angle of the front wheels, positive to the left."""
     auto_brake: list[float] = column(RUN)
     auto_request: list[int] = column(RUN)
+    """1 if the controller requests a takeover."""
 
     # The ego.
     sigma: list[float] = column(RUN)
-    """Camera noise now, grey levels."""
+    """Present noise of the camera, grey levels."""
     noise: list[float] = column(RUN)
-    """Noise of the camera itself, without its failures."""
+    """Noise of the camera itself, without its failures, grey levels."""
     image_health: list[float] = column(RUN)
-    """What noise, blackout, blur and dirt leave of the camera's health, 0 to 1."""
+    """Share of the camera's health that noise, blackout, blur and dirt leave, 0 to 1."""
     failure_now: list[float] = column(FAILURE_KIND)
-    """By kind, how severe the camera's failures are, 0 to 1."""
+    """Severity of each kind of camera failure, 0 to its amount."""
     failure_since: list[float] = column(FAILURE)
-    """Time from which a failure's onset counts, -1 while it waits or is over."""
+    """Time from which a failure's onset counts, s; -1 while it waits or is over."""
     failure_active: list[int] = column(FAILURE)
+    """1 while the failure has an effect."""
     missing: list[int] = column(RUN)
-    """1 where the image of this frame does not arrive."""
+    """1 if the image of this frame does not arrive."""
     frozen: list[int] = column(RUN)
-    """1 where the image before is delivered again."""
+    """1 if the previous image is delivered again."""
     weather: list[float] = column(WEATHER_NUMBER)
-    """The 14 numbers now."""
+    """The 14 numbers of the present weather."""
     paint_seen: list[float] = column(RUN)
-    """What the weather leaves of the confidence in a line, 0 to 1."""
+    """Share of the confidence in a line that the weather leaves, 0 to 1."""
     reach_known: list[int] = column(RUN)
-    """1 while the weather is the one for which the forward sensor's reach was worked out."""
+    """1 while the weather has not changed since the forward sensor's reach was computed."""
     reach_health: list[float] = column(RUN)
-    """The camera's health for which it was, and the reach, m."""
+    """Health of the camera for which it was computed."""
     sensor_reach: list[float] = column(RUN)
+    """Reach of the forward sensor, m."""
     sight_known: list[int] = column(RUN)
-    """1 while the weather is that for which `driver_sight`, m, was worked out."""
+    """1 while the weather has not changed since `driver_sight` was computed."""
     driver_sight: list[float] = column(RUN)
+    """How far the driver sees, m."""
     weather_from: list[float] = column(WEATHER_NUMBER)
     """The numbers when the present change began."""
     weather_to: list[int] = column(RUN, op.NONE)
-    """The weather that it goes to, NONE when it does not change."""
+    """Weather at the end of the change, NONE if the weather does not change."""
     weather_since: list[float] = column(RUN)
+    """Start and duration of the change, s."""
     weather_over: list[float] = column(RUN)
     target_speed: list[float] = column(RUN)
-    """Speed that the automation aims for; a speed action on the ego changes it."""
+    """Speed that the automation aims for, m/s; a speed action on the ego changes it."""
     path_road: list[int] = column(RUN, op.NONE)
+    """Road, lane and s of the ego's path."""
     path_lane: list[int] = column(RUN)
     path_s: list[float] = column(RUN)
     path_row: list[int] = column(RUN, op.NONE)
-    """Row of that lane there, -1 where the road has no such lane."""
+    """Row of that lane there, -1 if the road has no such lane."""
     path_piece: list[int] = column(RUN)
     """Piece of the road's reference line there."""
     path_from: list[float] = column(RUN)
-    """Between which s that row and that piece hold."""
+    """Range of s in which that row and that piece are valid."""
     path_to: list[float] = column(RUN)
     path_sense: list[int] = column(RUN, 1)
-    """1 where the path's lane is driven along s, else -1."""
+    """1 if the path's lane is driven along s, else -1."""
     path_off: list[float] = column(RUN)
-    """Offset from the path lane's centre, positive to the left of the travel."""
+    """Offset from the path lane's centre, m, positive to the left in the direction of travel."""
     path_heading: list[float] = column(RUN)
-    """Heading of the ego relative to the path's direction."""
+    """Heading of the ego relative to the path's direction, rad."""
     limit_time: list[float] = column(RUN, op.FAR)
-    """Time that the last request left, where it was not about an obstacle, s."""
+    """Time that the last request left if it was not about an obstacle, s; otherwise FAR."""
     used_beside: list[int] = column(RUN)
-    """1 where there was a vehicle in the lane beside that was looked at last."""
+    """1 if there was a vehicle in the neighbouring lane when it was last checked."""
     looks_beside: list[float] = column(RUN, -1.0)
-    """Since when the driver has looked at a lane with traffic beside, s; -1 while he does not."""
+    """Time since which the driver has watched a neighbouring lane with traffic, s; -1 if none."""
     traffic_density: list[float] = column(RUN)
-    """Vehicles per kilometre that went the ego's way at the last request."""
+    """Vehicles per kilometre in the ego's direction at the last request."""
     lane_time: list[float] = column(RUN, op.FAR)
-    """Least time to collision along the lane at the ego's place in it, s."""
+    """Least time to collision along the lane at the ego's lateral position, s."""
     lane_width: list[float] = column(RUN)
-    """Width of the lane that the ego's point is in, 0 off every lane."""
+    """Width of the lane that contains the ego's reference point, m; 0 off every lane."""
     on_road: list[int] = column(RUN)
-    """1 where that lane is one for motor traffic, or a shoulder or parking lane beside it."""
+    """1 if that lane is one for motor traffic, or a shoulder or parking lane beside it."""
     path_found: list[int] = column(RUN)
+    """1 if the ego is on a lane."""
     route_at: list[int] = column(RUN)
     """Row of `Program.route_road` that the ego has reached."""
     command_throttle: list[float] = column(ENTITY)
+    """Commands: throttle and brake, 0 to 1; steering, -1 to 1 of the greatest angle, positive to the left."""
     command_steer: list[float] = column(ENTITY)
     command_brake: list[float] = column(ENTITY)
     command_reverse: list[int] = column(ENTITY)
-    """1 where the throttle drives the vehicle backwards."""
+    """1 if the throttle drives the vehicle backwards."""
     pedal: list[float] = column(RUN)
-    """Acceleration asked for at the last control step, for limiting jerk."""
+    """Acceleration commanded at the last control step, m/s2, used to limit the jerk."""
     shift_begin: list[float] = column(RUN)
-    """Odometer at which the planned move to the side begins; see `lane_keeping`."""
+    """Odometer at which the planned lateral move begins, m (see `motion.steering`)."""
     shift_end: list[float] = column(RUN)
+    """Odometer at which it ends, m."""
     shift_from: list[float] = column(RUN)
-    """Offset from the path lane's centre before it, positive to the left of the direction of travel."""
+    """Offset from the path lane's centre before it, m, positive to the left in the direction of travel."""
     shift_to: list[float] = column(RUN)
+    """Offset after it, m."""
 
     aside: list[float] = column(RUN)
-    """How far left of the planned offset is steered for, m; 0 but while a driver steers."""
+    """Lateral deviation from the planned offset that is steered for, m, positive to the left; 0 unless a driver steers.
+    """
 
-    # What lies ahead: the way, then each entity as seen along it.
+    # What lies ahead: the way (see `motion.ahead`), then each entity relative to it.
     way_road: list[int] = column(WAY)
+    """Road, lane, and s at which each road of the way begins."""
     way_lane: list[int] = column(WAY)
     way_row: list[int] = column(WAY)
-    """Row of that lane at the way's place, -1 where there is no such lane."""
+    """Row of that lane at this s, -1 if there is no such lane."""
     way_s: list[float] = column(WAY)
     way_sign: list[int] = column(WAY)
+    """1 if the way goes along s there, else -1."""
     way_from: list[float] = column(WAY)
+    """Distance along the way to this s, m."""
     way_count: list[int] = column(RUN)
+    """Number of roads of the way."""
     eye_x: list[float] = column(RUN)
-    """The sensor of the present look: where it is, cosine and sine of its heading, its range and its edge, the cosine
-    of half its angle of view.
+    """The sensor of the present look: its position, cosine and sine of its heading, its range, and the cosine of half
+    its angle of view.
     """
     eye_y: list[float] = column(RUN)
     eye_cos: list[float] = column(RUN)
     eye_sin: list[float] = column(RUN)
     eye_reach: list[float] = column(RUN)
+    eye_view: list[float] = column(RUN, -1.0)
+    """Full angle of view, rad, and the cosine of its half."""
     eye_edge: list[float] = column(RUN)
     seen: list[int] = column(ENTITY)
-    """1 when the entity is ahead on the way and the forward sensor (or the driver) sees it."""
+    """1 if the entity is ahead on the way and the forward sensor (or the driver) sees it."""
     on_way: list[int] = column(ENTITY)
+    """1 if the entity is on the way; only then the following columns hold."""
     near: list[float] = column(ENTITY)
-    """Distance along the way from the ego's reference point to the nearest part of the entity's box."""
+    """Distance along the way from the ego's reference point to the near end of the entity's box, m."""
     far: list[float] = column(ENTITY)
+    """Distance to the far end of the box, m."""
     low: list[float] = column(ENTITY)
-    """Right end of the box across the way, relative to the lane's centre, positive to the left."""
+    """Offset of the right end of the box from the lane's centre, m, positive to the left."""
     high: list[float] = column(ENTITY)
+    """Offset of its left end, m."""
     along: list[float] = column(ENTITY)
-    """Speed along the way."""
+    """Speed along the way, m/s."""
     across: list[float] = column(ENTITY)
-    """Speed to the left of the way."""
+    """Speed to the left of the way, m/s."""
     border_left: list[float] = column(ENTITY)
-    """Left border of the lane at the entity, relative to its centre."""
+    """Offset of the lane's left border at the entity from its centre, m."""
     border_right: list[float] = column(ENTITY)
+    """Offset of the right border, m."""
     ahead_is: list[int] = column(ENTITY)
-    """AHEAD_...: what the entity is to the ego."""
+    """AHEAD_... code: the entity's class for the ego."""
     led_at: list[float] = column(ENTITY, -op.FAR)
-    """When an entity last led the ego: moved ahead of it in its path."""
+    """Time at which an entity was last a moving leader of the ego, s."""
     red_line: list[float] = column(RUN, op.FAR)
-    """Distance along the way from the reference point to the line of the next red signal, FAR without one."""
+    """Distance along the way from the reference point to the line of the next red signal, m; FAR if there is none."""
     blocked_distance: list[float] = column(RUN, op.FAR)
-    """From the front bumper to where the path is blocked, FAR when it is free."""
+    """Distance from the front bumper to where the path is blocked, m; FAR if it is free."""
     blocked_speed: list[float] = column(RUN)
-    """Speed at which what blocks the path comes towards the ego along the way, m/s; 0 for what does not."""
+    """Speed along the way at which what blocks the path approaches the ego, m/s; 0 if it does not."""
     blocked_far: list[float] = column(RUN, op.FAR)
-    """From the front bumper to the far end of the row that stands in the path and begins with what blocks it."""
+    """Distance from the front bumper to the far end of the block, which may consist of several objects, m."""
     clear_row: list[int] = column(RUN, op.NONE)
-    """Row of the path's lane that has been seen not to end soon, NONE without one."""
+    """Row of the path's lane that is known not to end soon, or NONE."""
     clear_s: list[float] = column(RUN)
-    """Up to where on that row this is known."""
+    """s on that row up to which this is known, m."""
     lane_end_distance: list[float] = column(RUN, op.FAR)
-    """From the front bumper to the end of the driving lane, FAR when none is near."""
+    """Distance from the front bumper to the end of the driving lane, m; FAR if no end is near."""
     through_lane: list[int] = column(RUN)
-    """Lane beside an ending one that goes on; 0 when there is none."""
+    """Neighbouring lane that continues when the path's lane ends; 0 if there is none."""
     through_side: list[int] = column(RUN)
-    """1 when that lane is on the left in the direction of travel, -1 on the right."""
+    """1 if that lane is on the left in the direction of travel, -1 if on the right."""
     gap_free: list[int] = column(RUN, 1)
+    """1 if the gap in that lane is free."""
     contact: list[int] = column(ENTITY)
-    """1 while the entity's box overlaps that of the vehicle that is reported."""
+    """1 while the entity's box overlaps that of the reported vehicle."""
     struck: list[int] = column(ENTITY)
-    """1 from when the entity's box has overlapped that of another one."""
+    """1 once the entity's box has overlapped that of another one."""
     crashed: list[int] = column(RUN)
+    """1 once the reported vehicle has had a collision."""
 
     # Takeover.
     takeover_state: list[int] = column(RUN, op.TAKEOVER_AUTOMATED)
+    """TAKEOVER_... code."""
     cause: list[int] = column(RUN)
+    """CAUSE_... code of the present warning or request."""
     requests: list[int] = column(RUN)
     """Number of requests so far."""
     history: list[int] = column(CAUSE)
-    """By cause, the last 32 control steps as bits, the latest lowest."""
+    """For each cause, the last 32 control steps as bits, the latest in the lowest bit."""
     quiet: list[int] = column(RUN)
-    """Number of control steps for which no cause has had a reason."""
+    """Number of successive control steps in which no cause had a reason."""
     asking: list[int] = column(CAUSE)
-    """By cause, 1 where it asks for a takeover at this control step."""
+    """For each cause, 1 if it asks for a takeover at this control step."""
     warning_reason_since: list[float] = column(RUN, -1.0)
-    """Since when there is a reason to warn, -1 while there is none; since when there is none, -1 while there is."""
+    """Time since which there has been a reason to warn, s; -1 if there is none."""
     warning_clear_since: list[float] = column(RUN, -1.0)
+    """Time since which there has been no reason to warn, s; -1 if there is one."""
     warning_since: list[float] = column(RUN, -1.0)
-    """Time of the present warning."""
+    """Time of the present warning, s."""
     ordered_request: list[int] = column(RUN, op.CAUSE_NONE)
-    """Cause of the request that an action orders for the next control step, CAUSE_NONE for none."""
+    """Cause of the request that an action orders for the next control step, or CAUSE_NONE."""
     ordered_warning: list[int] = column(RUN)
+    """1 if an action orders a warning, or a hand-back, for the next control step."""
     ordered_hand_back: list[int] = column(RUN)
     time_warning: list[float] = column(RUN, -1.0)
-    """Time of the first of each, -1 before."""
+    """Time of the first event of each kind, s; -1 before it."""
     time_request: list[float] = column(RUN, -1.0)
     time_escalation: list[float] = column(RUN, -1.0)
     time_response: list[float] = column(RUN, -1.0)
@@ -534,93 +591,106 @@ class State(Columns):
     time_outside_domain: list[float] = column(RUN, -1.0)
     time_obstruction: list[float] = column(RUN, -1.0)
     request_at: list[float] = column(RUN, -1.0)
-    """Time of the present request."""
+    """Time of the present request, s."""
     answer_at: list[float] = column(RUN, op.FAR)
-    """Time at which the driver answers the present request, FAR for never."""
+    """Time at which the driver responds to the present request, s; FAR for never."""
     looking: list[int] = column(RUN)
-    """1 while the driver's eyes are on the road: from a request on, and while he drives."""
+    """1 while the driver's eyes are on the road: after a request, and while driving."""
     style: list[int] = column(RUN, op.STYLE_STEERS)
-    """STYLE_... of the driver at this takeover."""
+    """STYLE_... code of the driver at this takeover."""
     noticed_at: list[float] = column(ENTITY, -1.0)
-    """Time since which the entity has called for a reaction of the driver, -1 where it does not."""
+    """Time since which the entity has required a reaction of the driver, s; -1 if it does not."""
     called_at: list[float] = column(ENTITY, -1.0)
-    """Time at which it did so last."""
+    """Time at which it last did so, s."""
     place_known: list[int] = column(ENTITY)
-    """1 from when a reference driver knows where the entity drives while it keeps its place in the lane."""
+    """1 once a reference driver knows the entity's lateral position while it keeps its place in the lane."""
     place_before: list[float] = column(ENTITY)
-    """That place, m to the left of the way's lane."""
+    """That lateral position, m to the left of the centre of the way's lane."""
     in_lane_before: list[int] = column(ENTITY)
-    """1 where that is in the ego's lane."""
+    """1 if that position is in the ego's lane."""
     minded_at: list[float] = column(ENTITY, -1.0)
-    """Time since which a reference driver perceives that the entity comes in, -1 where he does not."""
+    """Time since which a reference driver has perceived the entity's cut-in, s; -1 if there is none."""
     danger_at: list[float] = column(ENTITY, -1.0)
-    """Time since which it is dangerous by the reference driver's condition, -1 where it is not."""
+    """Time since which it has been dangerous under the reference driver's condition, s; -1 if it is not."""
     was_danger: list[int] = column(ENTITY)
-    """1 from when it has been."""
+    """1 once it has been dangerous."""
     evaded: list[int] = column(RUN, op.NONE)
-    """Moving entity that the driver goes around, NONE without one."""
+    """Moving entity that the driver evades, or NONE."""
     person_throttle: list[float] = column(RUN)
-    """What the person at the wheel does, written between steps: throttle and brake, 0 to 1."""
+    """Inputs of the person at the wheel, written between steps: throttle and brake, 0 to 1."""
     person_brake: list[float] = column(RUN)
     person_steer: list[float] = column(RUN)
-    """-1 to 1 of the greatest steering angle, positive to the left."""
+    """Steering input of the person, -1 to 1 of the greatest angle, positive to the left."""
     person_wish: list[int] = column(RUN)
-    """What the person wants of the automation, a WISH code."""
+    """What the person wants from the automation, a WISH_... code."""
     eyes_on_at: list[float] = column(RUN, op.FAR)
-    """Time at which the driver will look at the road, FAR where that is not to come."""
+    """Time at which the driver will look at the road, s; FAR for never or done."""
     hands_on_at: list[float] = column(RUN, op.FAR)
+    """Time at which the driver will have the hands on the wheel, s; FAR for never or done."""
     time_eyes_on: list[float] = column(RUN, -1.0)
-    """When the driver's eyes were on the road first after a request, and the hands on the wheel; -1 before."""
+    """Time at which the eyes were first on the road after a request, s; -1 before."""
     time_hands_on: list[float] = column(RUN, -1.0)
+    """Time at which the hands were first on the wheel after a request, s; -1 before."""
     manual_since: list[float] = column(RUN, -1.0)
+    """Time since which the driver has driven, s; -1 before the first response."""
     still_since: list[float] = column(RUN, -1.0)
-    """Time since which the ego stands, -1 while it moves."""
+    """Time since which the ego has stood, s; -1 while it moves."""
     still_noted: list[int] = column(RUN)
-    """1 from when a stop by hand was logged until the ego has driven on."""
+    """1 from the logging of a stop by the driver until the ego has driven on."""
     held_up_since: list[float] = column(RUN, -1.0)
-    """Time since which the automated ego stands without a reason, -1 while it does not."""
+    """Time since which the automated ego has stood without a reason, s; -1 while it does not."""
     held_up: list[int] = column(RUN)
-    """1 where it has done so for too long; and where this stop has been logged."""
+    """1 if it has done so for too long."""
     held_up_logged: list[int] = column(RUN)
+    """1 if this stop has been logged."""
     hazard_lights: list[int] = column(RUN)
+    """1 while the hazard lights are on."""
     lane_lost: list[int] = column(RUN)
-    """1 from when neither side of the lane is seen until it is recognised again; and how often that was."""
+    """1 from when neither side of the lane is seen until it is recognised again."""
     lane_losses: list[int] = column(RUN)
+    """Number of times that the lane was lost."""
     lane_seen_since: list[float] = column(RUN, -1.0)
-    """Time since which a side of the lane is seen, -1 while neither is."""
+    """Time since which a side of the lane has been seen, s; -1 while neither is."""
     recall_off: list[float] = column(RUN)
-    """What the ego believes of its place while the lane is lost, less what is true: offset to the left, m, ..."""
+    """Error of the estimated offset while the lane is lost, estimated minus true, m, positive to the left."""
     recall_heading: list[float] = column(RUN)
-    """... heading, rad, ..."""
+    """Error of the estimated heading, rad."""
     recall_along: list[float] = column(RUN)
-    """... distance along the lane, m; and the rates of the last two: rad/s, and per metre."""
+    """Error of the estimated distance along the lane, m."""
     recall_bias: list[float] = column(RUN)
+    """Rate of the heading's error, rad/s: the gyroscope's bias."""
     recall_share: list[float] = column(RUN)
+    """Rate of the distance's error per metre driven."""
     path_anew: list[int] = column(RUN)
-    """1 where the ego has left its path for another place since this was last put to 0."""
+    """1 if the ego has left its path for another lane since this was last reset."""
     manoeuvre: list[int] = column(RUN, op.MANOEUVRE_KEEP)
+    """MANOEUVRE_... code of the driver."""
     merging: list[int] = column(RUN)
+    """1 during a merge."""
     merge_from_lane: list[int] = column(RUN)
+    """Lane and road on which the merge began."""
     merge_from_road: list[int] = column(RUN, op.NONE)
     seeks_gap: list[int] = column(RUN)
-    """1 while a lane beside would serve the driver but for the traffic in it."""
+    """1 while only the traffic in a neighbouring lane prevents an evasion into it."""
     evade_until: list[float] = column(RUN)
-    """Odometer at which the driver may go back to the lane's centre."""
+    """Odometer from which the driver may return to the lane's centre, m."""
     evade_commit: list[float] = column(RUN)
-    """Odometer at which the move to the side has gone too far to be given up."""
+    """Odometer from which the evasion is no longer given up, m."""
     log_time: list[float] = column(LOG)
+    """Event log: time, s, EVENT_... code and value of each event."""
     log_kind: list[int] = column(LOG, op.NONE)
     log_value: list[float] = column(LOG)
     log_count: list[int] = column(RUN)
+    """Number of events so far, which may exceed the size of the log."""
 
 
 def new_state(program: Program) -> State:
-    """Return a state of the right sizes for a program, at its declared start."""
+    """Return a state of the right sizes for a program, with its declared start values."""
     return at_start(State, program)
 
 
 def make_draws(seed: int, variant: int = 0) -> list[float]:
-    """Return DRAWS_PER_RUN numbers for `State.draw` that depend on the seed and the variant's index alone."""
+    """Return DRAWS_PER_RUN numbers for `State.draw` that depend only on the seed and the variant's index."""
     drawn = [0.0] * op.DRAWS_PER_RUN
     drawn[op.DRAW_PERSON] = normal(seed, variant, "driver/person")
     drawn[op.DRAW_SEED] = float(hash_bits(seed, variant, "steps") & 0xFFFFFFFF)

@@ -1,7 +1,7 @@
-"""Totals: the sums and extremes that the measures of a run add up while it runs, as flat columns.
+"""Totals: sums and extremes of a run's measures, updated while it runs, as flat columns.
 
-A sweep judges its runs by them, so that it keeps no traces. A total that still has its start value is undefined: what
-it measures did not happen. `MEASURES` in `recording` says what each means and computes the same from whole recordings.
+A sweep judges its runs by them and therefore keeps no traces. A total that still has its start value is undefined: the
+measured event did not occur. `MEASURES` in `recording` defines each measure and computes it from whole recordings too.
 """
 
 from __future__ import annotations
@@ -19,28 +19,31 @@ SPREAD = fixed("spread of the lateral position", 3)
 VARIANT = fixed("variant of the steering reversal rate", 2)
 
 TAKEOVERS = 8
-"""Takeovers of a run that are kept, the first ones; all are counted."""
+"""Number of takeovers of a run that are described, the first ones; all are counted."""
 TAKEOVER = fixed("takeover", TAKEOVERS)
 
 
 TRAIL_ROWS = 256
-"""Rows that are kept of where each entity was."""
+"""Number of rows for which the poses of all entities are kept."""
 TRAIL = Of("place on an entity's trail", lambda program: TRAIL_ROWS * ENTITY.count(program))
 
 
 @container("m", 3, written=True)
 class Totals(Columns):
-    """The columns of the measures: SI units; times of what never happened are -1, least values FAR before the first."""
+    """The columns of the measures, in SI units.
 
-    # What the run came to.
+    The times of events that did not occur are -1; least values start at FAR.
+    """
+
+    # The outcome of the run.
     rows: list[int] = column(RUN)
-    """Number of rows, that of t = 0 included."""
+    """Number of rows, including that of t = 0."""
     stop: list[int] = column(RUN, op.STOP_NONE)
     flag: list[int] = column(RUN, op.FAULT_NONE)
     flag_at: list[int] = column(RUN, op.NONE)
     flag_time: list[float] = column(RUN, -1.0)
     flag_x: list[float] = column(RUN)
-    """Of the entity that the fault is about, at that time: its place, heading, speed and steering angle."""
+    """Position, heading, speed and steering angle, at that time, of the entity of the fault."""
     flag_y: list[float] = column(RUN)
     flag_h: list[float] = column(RUN)
     flag_v: list[float] = column(RUN)
@@ -62,7 +65,7 @@ class Totals(Columns):
     events: list[int] = column(RUN)
     """Number of events so far."""
     asked_for: list[float] = column(RUN, -1.0)
-    """Cause of the first request, as it was made."""
+    """Cause of the first request when it was made."""
 
     # Of all rows.
     least_distance: list[float] = column(RUN, op.FAR)
@@ -70,85 +73,95 @@ class Totals(Columns):
     least_lane_time: list[float] = column(RUN, HORIZON)
     least_headway: list[float] = column(RUN, HORIZON)
     least_room: list[float] = column(RUN, op.FAR)
-    """Twice the gap over the square of the closing speed, s2/m: the inverse of the deceleration that would do."""
+    """Twice the gap divided by the square of the closing speed, s2/m: the inverse of the deceleration that would
+    suffice.
+    """
     encroachment_rows: list[int] = column(RUN)
-    """Least number of kept rows between one vehicle's being at a place and the ego's, or the other way."""
+    """Least number of kept rows between the presence of one vehicle at a place and that of the ego, in either order."""
     touched: list[int] = column(RUN)
-    """1 from when the ego's box has overlapped that of another entity; all these least values are 0 then."""
+    """1 once the ego's box has overlapped that of another entity; then all these least values are 0."""
     least_confidence: list[float] = column(RUN, op.FAR)
     greatest_offset: list[float] = column(RUN, -1.0)
-    """Distance from the lane's centre, m."""
+    """Greatest distance from the lane's centre, m."""
     time_off_lanes: list[float] = column(RUN, -1.0)
     rows_off_lanes: list[int] = column(RUN)
     rows_off_road: list[int] = column(RUN)
     departures: list[int] = column(RUN)
-    """Times that the ego came out of its lane, rows of the longest, and how far a side was beyond the edge, m."""
+    """Number of times that the ego left its lane."""
     longest_departure: list[int] = column(RUN)
+    """Rows of the longest departure."""
     deepest_departure: list[float] = column(RUN, -1.0)
+    """Greatest distance of a side beyond the lane's edge, m."""
     speed_before_collision: list[float] = column(RUN, op.FAR)
 
     # From the first request on.
     request_cause: list[int] = column(RUN, op.CAUSE_NONE)
-    """Cause in the first row behind the request that has one, and the limit's distance in the same row; the speed in
-    the row of the request."""
+    """Cause in the first row after the request that has one."""
     request_blocked: list[float] = column(RUN, op.FAR)
+    """Distance and speed of the block, and distance of the lane's end, in the same row, m and m/s."""
     request_blocked_speed: list[float] = column(RUN, op.FAR)
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
+    """Speed in the row of the request, m/s."""
     asked: list[int] = column(RUN)
-    """1 from the first request on."""
+    """1 from the first request."""
     request_density: list[float] = column(RUN, op.FAR)
     request_limit_time: list[float] = column(RUN, op.FAR)
-    """Time that it left, where it was not about an obstacle."""
+    """Time that the request left if it was not about an obstacle, s."""
     time_departed: list[float] = column(RUN, -1.0)
-    """Time of the first row behind the request in which the ego was out of its lane."""
+    """Time of the first row after the request in which the ego was outside its lane, s."""
     time_first_brake: list[float] = column(RUN, -1.0)
     driving: list[int] = column(RUN)
-    """1 while the driver drives who took over first, 2 from when control was handed back."""
+    """1 while the driver drives after the first response, 2 from the following hand-back."""
     response_seen: list[int] = column(RUN)
-    """1 from the first row from the response on, with the angle of the front wheels in it, rad."""
+    """1 from the first row after the response."""
     response_steer: list[float] = column(RUN)
+    """Angle of the front wheels in that row, rad."""
     time_steered: list[float] = column(RUN, -1.0)
-    """Time of the driver's first steering and of the first braking."""
+    """Time of the driver's first steering and of the first braking, s."""
     time_braked: list[float] = column(RUN, -1.0)
     greatest_longitudinal: list[float] = column(RUN, -1.0)
-    """Acceleration or deceleration along the heading, m/s2, and the lateral one."""
+    """Greatest acceleration or deceleration along the heading and greatest lateral acceleration, m/s2."""
     greatest_lateral: list[float] = column(RUN, -1.0)
     greatest_offset_after: list[float] = column(RUN, -1.0)
-    """Distance from the centre of the lane at the request, m."""
+    """Greatest distance from the centre of the lane of the request, m."""
 
     offset_at_response: list[float] = column(RUN, op.FAR)
-    """Distance to the left of the centre of the lane at the request, m."""
+    """Offset to the left of the centre of the lane of the request, m."""
     heading_at_response: list[float] = column(RUN, op.FAR)
-    """Heading against the lane's direction, rad."""
+    """Heading relative to the lane's direction, rad."""
     least_crossing: list[float] = column(RUN, HORIZON)
-    """Time until a side crosses the lane's edge, s: the least, the sum and the number of rows that have one."""
+    """Time until a side crosses the lane's edge, s: the least value, the sum, and the number of rows that have one."""
     crossing_sum: list[float] = column(RUN)
     crossing_rows: list[int] = column(RUN)
 
-    # The steering wheel while the driver drives who took over first: coarse reversals, and fine ones.
+    # The steering wheel while the driver drives after the first response: coarse and fine reversals.
     driven_rows: list[int] = column(RUN)
     coarse_reversals: list[float] = column(RUN)
     fine_reversals: list[float] = column(RUN)
     wheel_before: list[float] = column(VARIANT)
-    """Angle in the row before, and in the one before that, rad, as it was and filtered."""
+    """Angle in the previous row and in the one before it, rad, raw and filtered."""
     wheel_long_before: list[float] = column(VARIANT)
     smooth_before: list[float] = column(VARIANT)
     smooth_long_before: list[float] = column(VARIANT)
+    raw_weight: list[float] = column(VARIANT)
+    """Weights of the filter: of the raw angle, and of the filtered one in the previous row and in the one before it."""
+    smooth_weight: list[float] = column(VARIANT)
+    smooth_long_weight: list[float] = column(VARIANT)
     wheel_high: list[float] = column(VARIANT)
     """Greatest and least filtered angle since the last reversal, rad."""
     wheel_low: list[float] = column(VARIANT)
     wheel_sense: list[int] = column(VARIANT)
-    """1 where the wheel is turned to the left, -1 to the right, 0 before it was turned by the gap."""
+    """1 if the wheel was last turned to the left, -1 to the right, 0 before it was turned by the gap."""
     wheel_count: list[float] = column(VARIANT)
 
     # The takeovers, each by its request.
     requests: list[int] = column(RUN)
     """Number of requests."""
     state: list[int] = column(RUN)
-    """State of the takeover in the row before."""
+    """State of the takeover in the previous row."""
     undescribed: list[int] = column(RUN)
-    """1 where there was no row with a cause behind the last request."""
+    """1 if no row after the last request has had a cause."""
     takeover_request: list[float] = column(TAKEOVER, -1.0)
     takeover_cause: list[float] = column(TAKEOVER, -1.0)
     takeover_blocked: list[float] = column(TAKEOVER, op.FAR)
@@ -163,23 +176,25 @@ class Totals(Columns):
     takeover_limit_time: list[float] = column(TAKEOVER, op.FAR)
     takeover_density: list[float] = column(TAKEOVER, op.FAR)
     takeover_lane_time: list[float] = column(TAKEOVER, HORIZON)
-    """Least time to collision along the lane from the request to the next, s, and greatest accelerations, m/s2."""
+    """Least time to collision along the lane from this request to the next, s."""
     takeover_longitudinal: list[float] = column(TAKEOVER, -1.0)
+    """Greatest longitudinal and lateral acceleration in the same period, m/s2."""
     takeover_lateral: list[float] = column(TAKEOVER, -1.0)
 
-    # Lane keeping after the response: of the two windows, and of the one that may be stable.
+    # Lane keeping after the response: in the two windows, and in the one that may be stable.
     spread_count: list[int] = column(SPREAD)
     spread_mean: list[float] = column(SPREAD)
-    """Mean of the lateral position, and the sum of squared distances from it."""
+    """Mean of the lateral position, m, and the sum of squared deviations from it, m2."""
     spread_squares: list[float] = column(SPREAD)
     spread_broken: list[int] = column(SPREAD)
-    """1 from when the lane was changed, or the ego was gone, in the window."""
+    """1 once the lane was changed, or the ego was absent, in the window."""
     settling_deviation: list[float] = column(RUN, -1.0)
-    """Standard deviation of the first window, m, and of the second."""
+    """Standard deviation in the first window and in the second, m."""
     settled_deviation: list[float] = column(RUN, -1.0)
     windows: list[int] = column(RUN)
-    """Windows that are over, and the first of those that were stable up to the last one, or NONE."""
+    """Number of windows that are over."""
     stable_from: list[int] = column(RUN, op.NONE)
+    """First window from which all windows up to the last one were stable, or NONE."""
 
     # The ego in the last row.
     row_time: list[float] = column(RUN, -1.0)
@@ -196,7 +211,7 @@ class Totals(Columns):
     row_state: list[int] = column(RUN)
     row_cause: list[int] = column(RUN)
     row_confidence: list[float] = column(RUN)
-    """Of the better side."""
+    """Confidence in the better side."""
     row_blocked: list[float] = column(RUN, op.FAR)
     row_blocked_speed: list[float] = column(RUN)
     row_lane_end: list[float] = column(RUN, op.FAR)
@@ -204,23 +219,24 @@ class Totals(Columns):
     row_density: list[float] = column(RUN)
     row_lane_time: list[float] = column(RUN, op.FAR)
     row_width: list[float] = column(RUN)
-    """Width of the lane, 0 off the lanes, and the heading against its direction."""
+    """Width of the lane, m, 0 off the lanes."""
     row_heading: list[float] = column(RUN)
+    """Heading relative to the lane's direction, rad."""
     row_on_road: list[int] = column(RUN)
     curvature: list[float] = column(RUN)
-    """Curvature that was driven to the last row, 1/m, positive to the left; known from the second row on."""
+    """Curvature driven up to the last row, 1/m, positive to the left; defined from the second row on."""
 
-    # The row that lane keeping adds when the next one is there, and the one that it added last.
+    # Lane keeping adds a row when the next one is known: the row to be added, and the one added last.
     before_road: list[int] = column(RUN, op.NONE)
     before_s: list[float] = column(RUN)
     before_off: list[float] = column(RUN)
     before_present: list[int] = column(RUN)
     before_inside: list[int] = column(SPREAD)
-    """1 where it lies in the window."""
+    """1 if the row lies in the window."""
     before_driven: list[int] = column(RUN)
-    """1 where the driver drove who took over first."""
+    """1 if the driver of the first response drove."""
     added_left: list[float] = column(RUN)
-    """Offset to the left in the direction of travel."""
+    """Offset to the left in the direction of travel, m."""
     added_inside: list[int] = column(SPREAD)
     before_lane: list[int] = column(RUN)
     before_time: list[float] = column(RUN)
@@ -228,31 +244,34 @@ class Totals(Columns):
     before_width: list[float] = column(RUN)
     before_heading: list[float] = column(RUN)
     before_after: list[int] = column(RUN)
-    """1 where it lies behind the request."""
+    """1 if the row is after the request."""
     added_after: list[int] = column(RUN)
     before_answered: list[int] = column(RUN)
-    """1 where it lies behind the response."""
+    """1 if the row is after the response."""
     added_count: list[int] = column(RUN)
     added_step: list[float] = column(RUN)
-    """Change of the offset from one row to the next, the last that was no change of lane."""
+    """Last change of the offset between two rows that was not a lane change, m."""
     aside: list[float] = column(RUN)
-    """Distance from the centre of the present lane to that of the lane at the request, by the changes of lane since."""
+    """Distance from the centre of the present lane to that of the lane of the request, summed over the lane changes, m.
+    """
     sense: list[int] = column(RUN)
-    """Sign of the last step along the road, 0 where there was none, and of the last that had one."""
+    """Sign of the last step along the road, 0 if there was none."""
     sense_kept: list[int] = column(RUN)
+    """Sign of the last step that was not 0."""
 
     # The present departure from the lane.
     departed: list[int] = column(RUN)
-    """1 while the ego is out of its lane."""
+    """1 while the ego is outside its lane."""
     departed_rows: list[int] = column(RUN)
     departed_width: list[float] = column(RUN)
-    """Width of the lane that was left, the offset in the row before, its change to there, and what changes of lane made
-    of it since."""
+    """Width of the lane that was left, m; the offset in the row before; its change in that step; and the sum of the
+    lane changes since.
+    """
     departed_left: list[float] = column(RUN)
     departed_step: list[float] = column(RUN)
     departed_aside: list[float] = column(RUN)
 
-    # Where everybody was: middle of the box, height, cosine and sine of the heading, and whether it was there.
+    # Past poses of all entities: centre of the box, height, cosine and sine of the heading, and presence.
     trail_x: list[float] = column(TRAIL, kept=True)
     trail_y: list[float] = column(TRAIL, kept=True)
     trail_z: list[float] = column(TRAIL, kept=True)
@@ -260,43 +279,45 @@ class Totals(Columns):
     trail_sin: list[float] = column(TRAIL, kept=True)
     trail_there: list[int] = column(TRAIL, kept=True)
     trail_count: list[int] = column(RUN)
-    """Number of rows that have been kept."""
+    """Number of kept rows."""
     trail_at: list[int] = column(RUN)
-    """Where in the rings the next row goes."""
+    """Index of the next row in the rings."""
     trail_square: list[float] = column(ENTITY)
-    """Square of the greatest way from one row to the next, m2."""
+    """Square of the greatest displacement from one row to the next, m2."""
     trail_way: list[float] = column(ENTITY)
-    """Way from the row before, m."""
+    """Displacement since the previous row, m."""
     free_before: list[float] = column(ENTITY)
-    """How far the ego and the entity may drive together until it may be where the ego was, and the other way, m."""
+    """Distance that the ego and the entity may travel together before the entity may be where the ego was, m."""
     free_behind: list[float] = column(ENTITY)
+    """The same before the ego may be where the entity was, m."""
     trail_every: list[int] = column(RUN, 1)
-    """Steps from one kept row to the next, and the number of rows that are looked back at, and one."""
+    """Number of steps from one kept row to the next."""
     trail_limit: list[int] = column(RUN, 1)
+    """Number of rows that are compared, plus one."""
     movers: list[int] = column(RUN)
     """Number of other entities that may move."""
 
     # Boxes.
     seen_h: list[float] = column(ENTITY)
-    """Heading as it is recorded, in [0, 2 pi), with its cosine and sine."""
+    """Heading as recorded, rad, in [0, 2 pi), with its cosine and sine."""
     seen_cos: list[float] = column(ENTITY, 1.0)
     seen_sin: list[float] = column(ENTITY)
     corner_x: list[float] = column(CORNERS)
-    """Corners of the ego's box, then of another one."""
+    """Corners of the ego's box, then of another one, m."""
     corner_y: list[float] = column(CORNERS)
     corner_along: list[float] = column(CORNER)
-    """The other one's along the circle that the ego drives on, and across it."""
+    """Corners of the other box along and across the circle on which the ego drives, m."""
     corner_across: list[float] = column(CORNER)
 
 
 SUMMARY: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is RUN)
-"""What a sweep writes for a run, in this order."""
+"""The columns that a sweep writes for a run, in this order."""
 
 TAKEOVER_FIELDS: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is TAKEOVER)
-"""What it writes for each takeover, in this order, after that."""
+"""The columns that it writes after them for each takeover, in this order."""
 
 SUMMARY_SIZE = len(SUMMARY) + TAKEOVERS * len(TAKEOVER_FIELDS)
-"""Numbers that a sweep writes for a run."""
+"""Number of values that a sweep writes for a run."""
 
 TAKEOVERS_AT = len(SUMMARY)
-"""Where the takeovers begin in them."""
+"""Index of the first takeover in these values."""

@@ -1,9 +1,9 @@
 """The time of the driver's response: its distribution, the person of a run, effects, and stages.
 
-A person is one standard normal number a run, and each request adds one of its own, so that the requests of a run are
-correlated (`person` is the correlation of their normal numbers) and each by itself follows the law. An effect adds
-seconds to the law's mean. The whole time is multiplied by what that makes of the mean, because the standard deviation
-of takeover times grows with their mean: r = 0.82 over the studies of Zhang et al. 2019, as quoted there.
+Each run draws one standard normal number for the person, and each request another, so that the requests of a run are
+correlated (`person` is the correlation of their normal numbers) while each of them follows the distribution. An effect
+adds seconds to the distribution's mean. The whole time is then scaled by the ratio of the new mean to the old, because
+the standard deviation of takeover times grows with their mean: r = 0.82 over the studies quoted in Zhang et al. 2019.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from scenario_compiler.marker import compiled
 from scenario_compiler.randomness import random_unit
 
 LEAST_SHARE = 0.2
-"""Share of the takeover time that is left however much the effects take off it; chosen."""
+"""Share of the takeover time that remains however much the effects reduce it; chosen."""
 
 LEAST_BUDGET = 4.0
 GREATEST_BUDGET = 10.0
-"""Budgets beyond these count as these for the effect of the budget, s; chosen, after the budgets that studies use."""
+"""Time budgets outside this range are clipped to it for the effect of the budget, s; chosen from those of studies."""
 
 REDRAWS = 32
-"""How often a normal law is drawn again for a positive time; chosen: even of a law that is half negative less than one
-time in 10^9 is left.
+"""How often a normal distribution is drawn again for a positive time; chosen. Even if half of the distribution is
+negative, the probability that no draw is positive is below 10^-9.
 """
 
-# What the numbers of a request are drawn for: each place of the counter hash, a normal number takes two.
+# Purposes of a request's random numbers, as positions of the counter hash; a normal number takes two positions.
 DRAW_REQUEST = 0
 DRAW_LAPSE = 2
 DRAW_LATE = 3
@@ -45,13 +45,13 @@ DRAW_AGAIN = 16
 
 @compiled
 def drawn_unit(st: State, what: int) -> float:
-    """Return the present request's number in (0, 1) for a purpose."""
+    """Return the present request's random number in (0, 1) for a purpose (`DRAW_...`)."""
     return random_unit(run_seed(st, -1), op.STREAM_DRIVER, what, st.requests[0])
 
 
 @compiled
 def drawn_normal(st: State, what: int) -> float:
-    """Return the present request's standard normal number for a purpose (Box and Muller 1958)."""
+    """Return the present request's standard normal number for a purpose (`DRAW_...`; Box and Muller 1958)."""
     return safe_sqrt(-2.0 * log(max(drawn_unit(st, what), 1.0e-12))) * cos(CIRCLE * drawn_unit(st, what + 1))
 
 
@@ -64,7 +64,7 @@ def person_and_request(p: Program, st: State) -> float:
 
 @compiled
 def law_mean(p: Program) -> float:
-    """Return the mean takeover time without effects, s; of a normal law before it is cut at 0."""
+    """Return the mean takeover time without effects, s; for a normal distribution before it is cut at 0."""
     kind = p.driver_kind[0]
     if kind == op.DRIVER_SUMO:
         budget = max(p.const[slot.K_BUDGET], 0.0)
@@ -84,7 +84,7 @@ def law_mean(p: Program) -> float:
 
 @compiled
 def late_stretch(p: Program) -> float:
-    """Return the logarithm of how many times the median the longest late time is, 0 where it is no longer."""
+    """Return the logarithm of the ratio of the longest late time to the median, or 0 if it is not longer."""
     latest = p.const[slot.K_DRIVER_LATEST]
     if latest <= 0.0:
         return 0.0
@@ -93,7 +93,7 @@ def late_stretch(p: Program) -> float:
 
 @compiled
 def drawn_positive(p: Program, st: State, mean: float, deviation: float) -> float:
-    """Return a draw of a normal law, drawn again for itself until it is positive; a small time where it never is."""
+    """Return a draw of a normal distribution, repeated until it is positive, s; 0.01 if all draws are negative."""
     time = mean + deviation * person_and_request(p, st)
     for k in range(REDRAWS):
         if time <= 0.0:
@@ -103,7 +103,7 @@ def drawn_positive(p: Program, st: State, mean: float, deviation: float) -> floa
 
 @compiled
 def drawn_time(p: Program, st: State, mean: float) -> float:
-    """Return a takeover time by the law, whose mean is given, without effects, s."""
+    """Return a takeover time without effects from the distribution with the given mean, s."""
     kind = p.driver_kind[0]
     if kind == op.DRIVER_SUMO:
         spread = (p.const[slot.K_BUDGET] - mean) * p.const[slot.K_DRIVER_SIGMA]
@@ -133,7 +133,7 @@ def added_time(p: Program, st: State) -> float:
 
 @compiled
 def takeover_time(p: Program, st: State) -> float:
-    """Return the driver's takeover time for the present request, s; FAR for no answer."""
+    """Return the driver's takeover time for the present request, s; FAR if the driver does not respond."""
     if p.driver_kind[0] == op.DRIVER_FIXED:
         return max(p.const[slot.K_DRIVER_TIME], 0.0)
     if drawn_unit(st, DRAW_LAPSE) < p.const[slot.K_DRIVER_LAPSE]:
@@ -145,7 +145,7 @@ def takeover_time(p: Program, st: State) -> float:
 
 @compiled
 def drawn_share(p: Program, st: State, median: float, what: int) -> float:
-    """Return a share whose logit is normal about that of the median."""
+    """Return a share whose logit is normally distributed around that of the median."""
     middle = clip(median, 0.01, 0.99)
     logit = (
         log(max(middle, 0.01)) - log(max(1.0 - middle, 0.01)) + p.const[slot.K_STAGE_SPREAD] * drawn_normal(st, what)
@@ -155,7 +155,7 @@ def drawn_share(p: Program, st: State, median: float, what: int) -> float:
 
 @compiled
 def plan_answer(p: Program, st: State) -> None:
-    """Plan when the driver looks at the road, has the hands on the wheel, and takes over, and what he does then."""
+    """Plan when the driver looks at the road, has the hands on the wheel and takes over, and the style of evasion."""
     now = st.clock[0]
     time = takeover_time(p, st)
     style = drawn_unit(st, DRAW_STYLE)
@@ -176,7 +176,7 @@ def plan_answer(p: Program, st: State) -> None:
 
 @compiled
 def note_stages(st: State) -> None:
-    """Log that the eyes are on the road and the hands on the wheel, once these are."""
+    """Log once that the eyes are on the road, and once that the hands are on the wheel."""
     now = st.clock[0]
     if now >= st.eyes_on_at[0] - 1.0e-6:
         st.eyes_on_at[0] = op.FAR

@@ -14,15 +14,15 @@ from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
 AROUND = 500.0
-"""How far ahead and behind vehicles are counted for the traffic density, m; chosen: a kilometre in all."""
+"""Distance ahead and behind in which vehicles are counted for the traffic density, m; chosen: a kilometre in all."""
 
 
 @compiled
 def count_on_way(n: RoadTables, p: Program, st: State, i: int, along: int) -> tuple[int, float]:
-    """Return (vehicles, length) of the way that was walked last, ahead of the ego (1) or behind it (-1).
+    """Return (vehicles, length in m) of the last measured path, ahead of the ego (`along` 1) or behind it (-1).
 
-    Counted are vehicles on all its lanes that go the ego's way at 2 m/s or more; the length is AROUND, or less where
-    the way ends.
+    Vehicles on all lanes count if they drive in the ego's direction with 2 m/s or more. The length is AROUND, or less
+    if the path ends before.
     """
     count = 0
     for j in range(p.entity_count[0]):
@@ -42,7 +42,7 @@ def count_on_way(n: RoadTables, p: Program, st: State, i: int, along: int) -> tu
 
 @compiled
 def note_density(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Note how many vehicles go the ego's way, per kilometre; the way ahead has to be looked at again after it."""
+    """Write the number of vehicles per kilometre in the ego's direction; overwrites the way ahead."""
     walk_route(n, p, st, AROUND)
     ahead, far = count_on_way(n, p, st, i, 1)
     road = st.path_road[0]
@@ -53,7 +53,7 @@ def note_density(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def note_lane_time(p: Program, st: State, i: int) -> None:
-    """Note the least time to collision along the lane with what is ahead and seen, at the ego's place in the lane."""
+    """Write the least time to collision along the lane with seen entities ahead, at the ego's lateral position, s."""
     base = p.entity_const[i]
     front = front_of(p, i)
     half = 0.5 * p.const[base + slot.E_WIDTH]

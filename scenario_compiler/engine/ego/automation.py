@@ -30,22 +30,22 @@ from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
 MERGES_FROM = 150.0
-"""How far before the end of his lane a driver looks for a gap in the lane beside, m; chosen."""
+"""Distance before the end of the lane from which a driver looks for a gap in the neighbouring lane, m; chosen."""
 
 AUTOMATION_ACCELERATION = 4.0
-"""Bound of the lateral acceleration that the automation steers for, m/s2."""
+"""Greatest lateral acceleration that the automation steers for, m/s2."""
 
 
 @compiled
 def driven_by_hand(st: State) -> int:
-    """Return 1 while the driver drives."""
+    """Return 1 while the driver drives, including the control step of the hand-back."""
     state = st.takeover_state[0]
     return 1 if state in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK) else 0
 
 
 @compiled
 def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
-    """Look ahead with the forward sensor, or with the eyes of the driver who drives; return what blocks the path."""
+    """Look ahead, with the forward sensor or the driving driver's eyes, and return the entity that blocks the path."""
     if driven_by_hand(st) == 1:
         look_with_eyes(n, p, st, i)
     else:
@@ -58,7 +58,7 @@ def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
 
 @compiled
 def steer_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Steer by memory where the lane is lost; else by the map, as the surrogate sees the lane, or by the controller."""
+    """Steer by memory if the lane is lost; otherwise by the map, by the surrogate's lane, or as the controller says."""
     if steers_by_memory(p, st) == 1:
         command_angle(p, st, i, remembered_angle(n, p, st, i, AUTOMATION_ACCELERATION))
     elif p.perception[0] == op.PERCEPTION_IDEAL or st.merging[0] == 1:
@@ -71,9 +71,9 @@ def steer_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Keep lane and distance by the map, or pass on the controller's commands; slow down where the policy says so.
+    """Keep lane and distance by the map, or apply the controller's commands; slow down if the takeover policy says so.
 
-    An automation that has let go leaves the wheel straight and the pedals free.
+    An automation that has let go keeps the wheel straight and applies no pedal.
     """
     if behaviour(p, st) == op.BEHAVIOUR_LET_GO:
         st.command_steer[i] = 0.0
@@ -100,14 +100,14 @@ def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def drive_to_stop(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Drive the minimum-risk manoeuvre, or hold the ego where it stands."""
+    """Steer as before, and brake with the deceleration of the minimum-risk manoeuvre."""
     steer_automated(n, p, st, i)
     command_acceleration(p, st, i, -p.const[slot.K_MINIMUM_RISK_DECELERATION])
 
 
 @compiled
 def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Let the automation merge within the time budget if lane ends are a cause, or the driver within sight."""
+    """Let the automation merge within its time budget if lane ends are a cause, or the driver within MERGES_FROM."""
     st.gap_free[0] = 1
     if st.through_lane[0] == 0 and st.merging[0] == 0:
         return
@@ -123,7 +123,7 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Do one control step: sense, merge where it is due, step the takeover machine, drive."""
+    """Do one control step of the ego: sense, merge if it is due, advance the takeover, drive."""
     if p.replaced_by[0] != op.REFERENCE_NONE:
         look_with_eyes(n, p, st, i)
         note_lane_time(p, st, i)

@@ -1,8 +1,8 @@
-"""The loss of a camera's health by each kind of fault, one curve for each, for engine and detector.
+"""The loss of a camera's health by each kind of fault: one curve for each, used by the engine and the lane detector.
 
-With `--perception camera` the detector estimates each quantity in the image and applies these curves; with
-`--perception ideal` the engine applies them to what the scenario says. The health is their product, and it multiplies
-the confidence in both sides of the lane.
+With `--perception camera`, the detector estimates each quantity from the image and applies these curves; with
+`--perception ideal`, the engine applies them to the faults that the scenario states. The health is the product of the
+curves, and it multiplies the confidence in both sides of the lane.
 
     kind        quantity                                       amount 1 means            health is one half at
     noise       standard deviation, grey levels                80                        30
@@ -12,10 +12,10 @@ the confidence in both sides of the lane.
     dropout     the image is missing                           every image               missing: health 0
     freeze      the image before is repeated while moving      every image               repeated: health 0
 
-Impulse noise, overexposure, dead rows and coarse grey levels have no curve: of these the detector's estimators see the
-strongest alone, as noise, blur or dirt, and ideal perception sees none.
+Impulse noise, overexposure, dead rows and coarse grey levels have no curve. The detector's estimators recognise only
+strong cases of them, as noise, blur or dirt; ideal perception does not recognise them.
 
-The numbers are policy, not measurement: they say from where on a camera counts as failing. 220 grey levels are white
+The numbers are policy, not measurement: they define from where on a camera counts as failing. 220 grey levels are white
 paint at a clear noon; a darker scene counts as black sooner in the image than in the engine.
 """
 
@@ -37,7 +37,7 @@ BLUR_MIDDLE = 4.5
 BLUR_WIDTH = 0.5
 
 IMPULSES_AT_ONE = 0.5
-"""Share of the pixels that impulse noise of amount 1 strikes."""
+"""Share of the pixels that impulse noise of amount 1 changes."""
 
 DIRT_MIDDLE = 0.5
 DIRT_WIDTH = 0.05
@@ -51,7 +51,7 @@ def falling(value: float, middle: float, width: float) -> float:
 
 @compiled
 def noise_health(sigma: float) -> float:
-    """Return the health under noise, grey levels."""
+    """Return the health under noise with the standard deviation `sigma`, grey levels."""
     return falling(sigma, NOISE_MIDDLE, NOISE_WIDTH)
 
 
@@ -69,5 +69,5 @@ def blur_health(radius: float) -> float:
 
 @compiled
 def dirt_health(share: float) -> float:
-    """Return the health of an image of which `share` is covered."""
+    """Return the health of an image of which the share `share` is covered."""
     return falling(share, DIRT_MIDDLE, DIRT_WIDTH)

@@ -1,7 +1,7 @@
-"""Controllers that actions assign to entities, switch on and off, or override.
+"""Controllers that actions assign to entities, activate and deactivate, or override.
 
-An entity that the storyboard moves has the default controller, which leaves its speed as it is; the only other one
-that drives it is car following. Held pedals and a held wheel act on the ego vehicle, which is driven by such.
+An entity that the storyboard moves has the default controller, which keeps its speed; the only other controller that
+drives such an entity is car following. Overridden pedals and an overridden steering wheel affect only the ego.
 """
 
 from __future__ import annotations
@@ -16,11 +16,12 @@ from scenario_compiler.marker import compiled
 SWITCHES_SPEED = 1
 SPEED_ON = 2
 HOLDS_INPUT = 4
-"""Bits of the flags of actions on controllers: whether the motion along the road is switched, and how; whether an input
-is held from now on."""
+"""Bits of the flags of controller actions: whether the longitudinal domain is switched, whether it is switched on, and
+whether an input is held from now on.
+"""
 
 STEERING_RATIO = 16.0
-"""Angle of the steering wheel over that of the front wheels, usual for cars."""
+"""Angle of the steering wheel divided by that of the front wheels; usual for cars."""
 
 
 @compiled
@@ -34,9 +35,9 @@ def reset_controllers(p: Program, st: State) -> None:
 
 @compiled
 def switch_controller(p: Program, st: State, k: int) -> None:
-    """Switch the controller of an action's entity on or off along the road, where it is said.
+    """Switch the longitudinal domain of an entity's controller on or off, if the action says so.
 
-    Car following aims for the speed that the entity then has, if it was given none.
+    A car-following controller without a given speed aims for the speed that the entity has at this moment.
     """
     i = p.action_entity[k]
     if p.action_flags[k] & SWITCHES_SPEED == 0:
@@ -50,7 +51,7 @@ def switch_controller(p: Program, st: State, k: int) -> None:
 
 @compiled
 def assign_controller(p: Program, st: State, k: int) -> None:
-    """Give an action's entity a controller, with the speed that it aims for, negative for none."""
+    """Give an action's entity a controller and the speed that it aims for, which is negative if none is given."""
     i = p.action_entity[k]
     st.controller[i] = p.action_mode[k]
     st.desired[i] = p.const[p.action_const[k] + slot.A_TARGET]
@@ -61,7 +62,7 @@ def assign_controller(p: Program, st: State, k: int) -> None:
 
 @compiled
 def override_controller(p: Program, st: State, k: int) -> None:
-    """Hold an input of the ego, or let go of it."""
+    """Hold an input of the ego, or release it."""
     if p.action_entity[k] != p.ego[0]:
         return
     held = p.action_mode[k]
@@ -71,7 +72,7 @@ def override_controller(p: Program, st: State, k: int) -> None:
 
 @compiled
 def hold_inputs(p: Program, st: State, ego: int) -> None:
-    """Put what is held in the place of the ego's commands; the automation gives no gas against a held brake."""
+    """Replace the ego's commands by the held inputs; while a brake is held, there is no throttle."""
     if st.held_on[op.HELD_BRAKE] == 1:
         st.command_brake[ego] = clip(st.held_value[op.HELD_BRAKE], 0.0, 1.0)
         st.command_throttle[ego] = 0.0

@@ -1,9 +1,9 @@
-"""The driver who has taken over: keeps the lane by preview, brakes before a blocked path, evades or merges.
+"""The simulated driver who has taken over: keeps the lane, brakes before a blocked path, evades or merges.
 
-He acts on something new after the times of perception and reaction of `foresight`, and never steers perfectly: the
-place in the lane that he steers for wanders, at first more than once he has settled. Awareness is 0.5 at first and
-rises by 0.1 a second, as in SUMO's ToC device: until then the hands turn slower. The jerk of braking is that of the
-careful and competent driver after UN R157 (annex, table 1).
+The driver acts on something new only after the perception and reaction times (`foresight`). Steering is never perfect:
+the lateral position that the driver steers for wanders, at first more than after the driver has settled. Awareness is
+0.5 at the response and rises by 0.1 per second, as in SUMO's ToC device; with less awareness the hands turn the
+steering wheel more slowly. The jerk of braking is that of the careful and competent driver of UN R157 (annex, table 1).
 """
 
 from __future__ import annotations
@@ -61,73 +61,74 @@ from scenario_compiler.roads.lanes import lane_direction, lane_type, lane_width
 from scenario_compiler.roads.tables import RoadTables
 
 VIEW = 3.490658503988659
-"""Full angle that a driver looks over, rad; chosen: 200 degrees, about the human field of view with both eyes."""
+"""Full horizontal angle that a driver sees, rad; chosen: 200 degrees, about the human field of view with both eyes."""
 
 AWARENESS_AT_FIRST = 0.5
 AWARENESS_RATE = 0.1
-"""Awareness after the answer and its rise per second (SUMO's ToC device: initialAwareness, recoveryRate)."""
+"""Awareness at the response, and its rise per second (SUMO's ToC device: initialAwareness, recoveryRate)."""
 
 BRAKE_JERK = 12.65
-"""Jerk of braking, m/s3: 0.774 g in 0.6 s, the careful and competent driver's after UN R157."""
+"""Jerk of braking, m/s3: 0.774 g in 0.6 s, that of the careful and competent driver of UN R157."""
 
 LATE_BRAKE = 2.5
-"""Deceleration needed to stop in time at which a driver gives up smooth braking, m/s2; chosen."""
+"""Deceleration needed to stop in time above which a driver gives up smooth braking, m/s2; chosen."""
 
 GAP_BRAKE = 3.5
-"""Deceleration needed to stop in time up to which a driver waits for a gap in a lane beside, before he brakes, m/s2;
-chosen, after what is called comfortable.
+"""Deceleration needed to stop in time up to which a driver waits for a gap in a neighbouring lane before braking, m/s2;
+chosen from what is usually called comfortable.
 """
 
 GAP_ROOM = 2.0
-"""Distance before a block at which a driver means to stop who has waited for a gap, m; chosen, as the automation's."""
-
-LEADER_WAIT = 5.0
-"""Time for which a driver who can stop in comfort waits behind a leader that has come to a stop, before he passes it,
-s; chosen.
+"""Distance before a block at which a driver who has waited for a gap wants to stop, m; chosen, as for the automation.
 """
 
+LEADER_WAIT = 5.0
+"""Time that a driver who can stop comfortably waits behind a leader that has stopped, before passing it, s; chosen."""
+
 STANDOFF = 7.0
-"""Distance that a driver who stops keeps to what blocks the path beyond the standstill gap, m: room to pull out
-later; chosen.
+"""Distance to a block that a stopping driver keeps in addition to the standstill gap, m: room to pull out later;
+chosen.
 """
 
 STEER_ACCELERATION = 6.0
-"""Bound of the lateral acceleration that a driver steers for, m/s2; chosen."""
+"""Greatest lateral acceleration that a driver steers for, m/s2; chosen."""
 
 BOTH_SHARE = 0.5
-"""Share of the hardest braking with which a driver brakes who steers at the same time; chosen."""
+"""Share of the hardest braking that a driver uses while steering at the same time; chosen."""
 
 EVASION_SHARE = 0.6
-"""Share of the way to a block over which an evasion is spread at most, where that is not too sudden; chosen."""
+"""Greatest share of the distance to a block over which an evasion is spread, unless that would be too sudden; chosen.
+"""
 
 WANDER_INTERVAL = 2.0
-"""Time from one drawn place in the lane to the next, s; a cosine between. Chosen."""
+"""Time from one drawn lateral position to the next, s; a cosine connects them. Chosen."""
 
 SQRT_12 = 3.4641016151377544
-"""The width of an even distribution over its standard deviation."""
+"""Width of a uniform distribution divided by its standard deviation."""
 
 WANDER_GAIN = 1.22
-"""Standard deviation of the drawn places over that of the lateral position that comes of them: 0.75 of their variance
-is left between them, and the preview rounds them off. Measured: see tests/engine/test_driver.py.
+"""Standard deviation of the drawn positions divided by that of the resulting lateral position.
+
+Interpolation leaves 0.75 of the variance, and the preview smooths the rest. Measured: see tests/engine/test_driver.py.
 """
 
 CONCENTRATION = 0.3
-"""Share of the wandering that is left while the driver evades; chosen."""
+"""Share of the wandering that remains while the driver evades; chosen."""
 
 HAND_RATE = 0.6
-"""Greatest rate of the front wheels' angle that an aware driver asks for, rad/s; chosen."""
+"""Greatest rate of the front wheels' angle that a fully aware driver applies, rad/s; chosen."""
 
 
 @compiled
 def look_with_eyes(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Look ahead as far as the driver sees."""
+    """Look ahead as far as the driver can see in the present weather."""
     reach = driver_sight(p, st)
     look_ahead(n, p, st, i, reach, VIEW)
 
 
 @compiled
 def look_far(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Look ahead as far as the driver sees what comes towards him, or what stands where that is further."""
+    """Look ahead as far as the driver can see, but at least over PASSING_SIGHT, where oncoming traffic matters."""
     reach = max(PASSING_SIGHT, driver_sight(p, st))
     look_ahead(n, p, st, i, reach, VIEW)
 
@@ -140,13 +141,13 @@ def awareness(st: State) -> float:
 
 @compiled
 def drawn_place(st: State, k: int) -> float:
-    """Return an evenly distributed number of mean 0 and standard deviation 1 for a place in the lane."""
+    """Return the k-th drawn lateral position: uniformly distributed, with mean 0 and standard deviation 1."""
     return SQRT_12 * (random_unit(run_seed(st, -1), op.STREAM_WANDER, st.requests[0], k) - 0.5)
 
 
 @compiled
 def wandering(p: Program, st: State) -> float:
-    """Return how far left of where he means to be the driver steers for, m."""
+    """Return how far to the left of the intended position the driver steers now, m."""
     driven = max(st.clock[0] - st.manual_since[0], 0.0)
     place = min(driven / WANDER_INTERVAL, 1.0e6)
     k = int(place)
@@ -162,7 +163,7 @@ def wandering(p: Program, st: State) -> float:
 
 @compiled
 def steer_by_hand(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Steer for the path with the driver's wandering and no faster than the hands turn."""
+    """Steer for the path plus the driver's wandering, no faster than the hands turn."""
     st.aside[0] = wandering(p, st)
     wanted = pursuit_angle(n, p, st, i, STEER_ACCELERATION)
     st.aside[0] = 0.0
@@ -174,7 +175,7 @@ def steer_by_hand(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def beside_width(n: RoadTables, road: int, lane: int, s: float, side: int) -> float:
-    """Return the width of the lane on a side of the path's lane where motor traffic may drive, else 0."""
+    """Return the width of the neighbouring lane on a side (1 left, -1 right), m; 0 if motor traffic may not use it."""
     beside = neighbour_lane(n, road, lane, s, side, lane_direction(n, road, lane))
     if beside == 0 or is_drivable(lane_type(n, road, beside, s)) == 0:
         return 0.0
@@ -183,16 +184,17 @@ def beside_width(n: RoadTables, road: int, lane: int, s: float, side: int) -> fl
 
 @compiled
 def same_direction(n: RoadTables, road: int, lane: int, s: float, side: int) -> int:
-    """Return 1 where the lane on a side goes in the same direction."""
+    """Return 1 if the neighbouring lane on a side has the same direction of travel."""
     beside = neighbour_lane(n, road, lane, s, side, lane_direction(n, road, lane))
     return 1 if beside != 0 and lane_direction(n, road, beside) == lane_direction(n, road, lane) else 0
 
 
 @compiled
 def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> int:
-    """Return 1 where the lane of the same direction on a side has a free gap; the way ahead is then measured again.
+    """Return 1 if the neighbouring lane on a side, of the same direction, has a free gap.
 
-    Where there is traffic in it the driver looks at it for a while before he finds one.
+    If that lane carries traffic, the gap counts only after the driver has watched it for the time `K_LOOK_BESIDE`. The
+    measurements of the path ahead are made again afterwards.
     """
     beside = neighbour_lane(
         n, st.path_road[0], st.path_lane[0], st.path_s[0], side, lane_direction(n, st.path_road[0], st.path_lane[0])
@@ -209,9 +211,9 @@ def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> 
 
 @compiled
 def room_to_move(p: Program, st: State, i: int, blocker: int, centre: float) -> float:
-    """Return the distance to the first thing that stands where the ego moves to a corridor past a block, m.
+    """Return the distance in which the ego must have moved over to a corridor past a block, m.
 
-    That is the block, or what stands less than a `row_gap` before it beside the lane.
+    It ends 1 m before the first obstacle outside the corridor: the block, or an object less than a `row_gap` before it.
     """
     front = front_of(p, i)
     half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH]
@@ -228,7 +230,8 @@ def room_to_move(p: Program, st: State, i: int, blocker: int, centre: float) -> 
 def evasion_over(p: Program, st: State, i: int, blocker: int, centre: float) -> float:
     """Return the distance over which the move to a corridor past a block is spread, m.
 
-    It is over well before the block: who has little time moves faster, up to the greatest lateral acceleration.
+    The move ends well before the block. With little time it is faster, up to the driver's greatest lateral
+    acceleration.
     """
     change = centre - st.path_off[0]
     room = room_to_move(p, st, i, blocker, centre)
@@ -238,7 +241,7 @@ def evasion_over(p: Program, st: State, i: int, blocker: int, centre: float) -> 
 
 @compiled
 def meets_standing(p: Program, st: State, i: int, centre: float, out: float, begin: float) -> int:
-    """Return 1 where a move to an offset over a distance leads into something that stands nearer than `begin`, m."""
+    """Return 1 if a move to `centre` over the distance `out` hits an obstacle that ends nearer than `begin`, m."""
     front = front_of(p, i)
     base = p.entity_const[i]
     half = 0.5 * p.const[base + slot.E_WIDTH]
@@ -257,7 +260,7 @@ def meets_standing(p: Program, st: State, i: int, centre: float, out: float, beg
 
 @compiled
 def evasion_length(p: Program, st: State, i: int) -> float:
-    """Return how far the ego goes until what blocks the path is behind it, m."""
+    """Return the distance after which the block is behind the ego, m."""
     return st.blocked_far[0] + p.const[p.entity_const[i] + slot.E_LENGTH] + 2.0
 
 
@@ -265,9 +268,10 @@ def evasion_length(p: Program, st: State, i: int) -> float:
 def corridor_beside(
     n: RoadTables, p: Program, st: State, i: int, blocker: int, road: int, lane: int, s: float, side: int, against: int
 ) -> tuple[int, float]:
-    """Return (found, centre) of a corridor past what blocks the path with the help of the lane on a side.
+    """Return (found, centre) of a corridor past the block that uses the neighbouring lane on a side.
 
-    `side` 0 is the own lane alone; `against` tells whether lanes of oncoming traffic are looked for, or the others.
+    `side` is 0 for the ego's own lane alone. `against` is 1 if neighbouring lanes of oncoming traffic are looked for, 0
+    for those of the same direction. `centre` is the offset from the path lane's centre, m, positive to the left.
     """
     base = p.entity_const[i]
     front = front_of(p, i)
@@ -307,10 +311,10 @@ def corridor_beside(
 
 @compiled
 def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> tuple[int, float]:
-    """Return (found, centre) of a corridor past what blocks the path, relative to the path lane's centre.
+    """Return (found, centre) of a corridor past what blocks the path; the centre is an offset from the path lane's, m.
 
-    First within the own lane, then with the lane beside on the left and on the right, of the same direction before one
-    of oncoming traffic. It must be wide enough, near enough for a planned evasion before the block, and safe.
+    The own lane is tried first, then the lanes of the same direction on the left and right, then those of oncoming
+    traffic. A corridor must be wide enough, safe, and reachable by an evasion that ends before the block.
     """
     look_far(n, p, st, i)
     front = front_of(p, i)
@@ -328,7 +332,7 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
 
 @compiled
 def evade(p: Program, st: State, i: int, blocker: int, centre: float) -> None:
-    """Plan the move to a corridor past a block, and how far it is kept."""
+    """Plan the move to a corridor past a block, and how long the ego stays in it."""
     plan_shift(st, i, centre, evasion_over(p, st, i, blocker, centre))
     st.evade_until[0] = st.odometer[i] + evasion_length(p, st, i)
     st.evade_commit[0] = 0.5 * (st.shift_begin[0] + st.shift_end[0])
@@ -347,7 +351,7 @@ def come_back(st: State, i: int, manoeuvre: int) -> None:
 
 @compiled
 def is_past(p: Program, st: State, i: int, j: int) -> int:
-    """Return 1 where the ego may come back: well before a moving vehicle, behind it, or where that has gone."""
+    """Return 1 if the ego may come back: the vehicle j has left the path, or the ego is clear of all vehicles."""
     if st.on_way[j] == 0:
         return 1
     if is_clear_of(p, st, i, j, st.v[i], 0.0) == 0:
@@ -358,7 +362,7 @@ def is_past(p: Program, st: State, i: int, j: int) -> int:
 
 @compiled
 def way_back_free(p: Program, st: State, i: int) -> int:
-    """Return 1 where nothing that stands is met on the move back to the lane's centre."""
+    """Return 1 if the move back to the lane's centre hits nothing that stands."""
     base = p.entity_const[i]
     front = front_of(p, i)
     rear = front - p.const[base + slot.E_LENGTH]
@@ -381,7 +385,7 @@ def shift_time(p: Program, st: State, target: float) -> float:
 
 @compiled
 def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
-    """Come back when what was evaded is past and nothing stands in between; early where an oncoming vehicle is met."""
+    """Come back once the obstacle is past and the way back is free, or early if an oncoming vehicle would be met."""
     out = max(st.shift_end[0] - st.odometer[i], 0.1)
     early = st.odometer[i] < st.evade_commit[0]
     if st.evaded[0] >= 0:
@@ -407,7 +411,7 @@ def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
 
 @compiled
 def moving_threat(p: Program, st: State, i: int) -> int:
-    """Return the nearest moving entity that calls for braking and that the driver acts on, NONE without one."""
+    """Return the nearest moving entity that requires braking and that the driver reacts to, or NONE."""
     found = op.NONE
     for j in range(p.entity_count[0]):
         if st.along[j] < SLOW or reacts_to(p, st, j) == 0 or called_for(p, st, i, j, 0.0, SLOW) >= -CALL:
@@ -419,7 +423,7 @@ def moving_threat(p: Program, st: State, i: int) -> int:
 
 @compiled
 def free_behind(n: RoadTables, p: Program, st: State, i: int, lane: int) -> int:
-    """Return 1 where nobody in a lane beside closes up from behind too soon; the way ahead is then measured again."""
+    """Return 1 if nobody in a neighbouring lane approaches too fast from behind; measures the path ahead again."""
     road = st.path_road[0]
     walk(n, st, road, lane, st.path_s[0], -1, GAP_HORIZON, preferred_road(p, st, road))
     for j in range(p.entity_count[0]):
@@ -435,10 +439,11 @@ def free_behind(n: RoadTables, p: Program, st: State, i: int, lane: int) -> int:
 def clear_offset(
     p: Program, st: State, i: int, threat: int, whole: float, low: float, high: float
 ) -> tuple[int, float, int]:
-    """Return (found, offset, braking) of a move towards a lane beside, `whole` away, in which the ego meets nothing.
+    """Return (found, offset, braking) of a move towards a neighbouring lane, `whole` metres away, that meets nothing.
 
-    Until it is clear of `threat` and back it meets nothing oncoming either; the lane between `low` and `high` is one of
-    oncoming traffic. Half the way there is tried before the whole, and steering alone before braking at the same time.
+    Oncoming traffic must not be met either, until the ego has passed `threat` and is back. The lane between the offsets
+    `low` and `high` carries oncoming traffic. Half the distance is tried before the whole, and steering alone before
+    steering with braking.
     """
     braking = BOTH_SHARE * p.const[slot.K_DRIVER_DECELERATION]
     for choice in range(4):
@@ -456,7 +461,7 @@ def clear_offset(
 
 @compiled
 def way_out(n: RoadTables, p: Program, st: State, i: int, threat: int) -> tuple[int, float, int]:
-    """Return (found, offset, braking) of a way around what braking in the own lane would meet, `threat` first."""
+    """Return (found, offset, braking) of an evasion of what braking alone in the own lane would hit, `threat` first."""
     if meets(p, st, i, 0.0, 1.0, p.const[slot.K_DRIVER_DECELERATION], BRAKE_JERK) >= op.FAR:
         return 0, 0.0, 0
     road = st.path_road[0]
@@ -486,7 +491,7 @@ def way_out(n: RoadTables, p: Program, st: State, i: int, threat: int) -> tuple[
 
 @compiled
 def evade_moving(p: Program, st: State, i: int, j: int, target: float) -> None:
-    """Plan the move to the lane beside, around a moving entity."""
+    """Plan the move to the neighbouring lane, around the moving entity j."""
     plan_shift(st, i, target, shift_distance(st.v[i], target - st.path_off[0], p.const[slot.K_DRIVER_LATERAL]))
     st.evaded[0] = j
     st.evade_commit[0] = 0.5 * (st.shift_begin[0] + st.shift_end[0])
@@ -496,7 +501,7 @@ def evade_moving(p: Program, st: State, i: int, j: int, target: float) -> None:
 
 @compiled
 def begin_braking(st: State, distance: float) -> None:
-    """Brake from now on; log it where that is new."""
+    """Switch to the manoeuvre "brake", and log it if it is new."""
     if st.manoeuvre[0] != op.MANOEUVRE_BRAKE:
         log_event(st, op.EVENT_BRAKE, distance)
     st.manoeuvre[0] = op.MANOEUVRE_BRAKE
@@ -504,9 +509,9 @@ def begin_braking(st: State, distance: float) -> None:
 
 @compiled
 def waits_behind(p: Program, st: State, i: int, blocker: int) -> int:
-    """Return 1 where what blocks the path led the ego until just now, and can be stopped behind in comfort.
+    """Return 1 if what blocks the path was followed until just now, and the ego can stop behind it comfortably.
 
-    It is followed on to its standstill, as any leader.
+    Such a leader is followed to its standstill like any other.
     """
     needed = 0.5 * st.v[i] * st.v[i] / max(st.blocked_distance[0] - GAP_ROOM, 0.1)
     return 1 if st.clock[0] - st.led_at[blocker] < LEADER_WAIT and needed <= GAP_BRAKE else 0
@@ -514,7 +519,7 @@ def waits_behind(p: Program, st: State, i: int, blocker: int) -> int:
 
 @compiled
 def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
-    """Decide between going on, braking, evading and coming back."""
+    """Decide whether to go on, brake, evade or come back."""
     st.seeks_gap[0] = 0
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
         go_on_evading(p, st, i, blocker)
@@ -548,7 +553,7 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
 
 @compiled
 def stop_within(p: Program, st: State, i: int, distance: float, standoff: float) -> float:
-    """Return the acceleration that stops the ego before something a distance ahead: smoothly while there is time."""
+    """Return the acceleration that stops the ego before something `distance` ahead, smoothly if possible, m/s2."""
     v = st.v[i]
     smooth = idm_acceleration(p, i, v, max(st.target_speed[0], 1.0), max(distance - standoff, 0.1), 0.0)
     needed = 0.5 * v * v / max(distance - 1.0, 0.1)
@@ -559,9 +564,9 @@ def stop_within(p: Program, st: State, i: int, distance: float, standoff: float)
 
 @compiled
 def stop_before_block(p: Program, st: State, i: int) -> float:
-    """Return the acceleration that stops the ego before what blocks its path.
+    """Return the acceleration that stops the ego before what blocks its path, m/s2.
 
-    Who looks for a gap beside only lifts his foot until he has to brake harder than he likes.
+    A driver who looks for a gap in a neighbouring lane only lifts off the accelerator until harder braking is needed.
     """
     room = st.blocked_distance[0] - GAP_ROOM
     if st.seeks_gap[0] == 0 or room < 0.1:
@@ -573,7 +578,10 @@ def stop_before_block(p: Program, st: State, i: int) -> float:
 
 @compiled
 def follow_all(p: Program, st: State, i: int, corridor: float, slowest: float) -> float:
-    """Return the acceleration that all that is ahead in a corridor allows; what is new is not braked for yet."""
+    """Return the acceleration that everything ahead in a corridor allows, m/s2.
+
+    The driver does not yet brake for something new, but only lifts off the accelerator.
+    """
     wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], op.FAR, 0.0)
     front = front_of(p, i)
     for j in range(p.entity_count[0]):
@@ -592,9 +600,10 @@ def follow_all(p: Program, st: State, i: int, corridor: float, slowest: float) -
 
 @compiled
 def press_pedals(p: Program, st: State, i: int) -> None:
-    """Follow the leader in the corridor, stop before a block or the lane's end, with limited jerk.
+    """Follow the leader in the corridor and stop before a block, a red signal or the lane's end, with limited jerk.
 
-    While evading, oncoming vehicles are not followed: the driver has judged that there is time, and drives on.
+    While evading, the driver does not slow down for oncoming vehicles: the evasion was only begun because there is
+    time.
     """
     hardest = p.const[slot.K_DRIVER_DECELERATION]
     corridor = 0.0
@@ -619,7 +628,7 @@ def press_pedals(p: Program, st: State, i: int) -> None:
 
 @compiled
 def drive_by_hand(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
-    """Do what the driver does at a control step."""
+    """Drive the ego for one control step as the simulated driver."""
     choose_manoeuvre(n, p, st, i, blocker)
     press_pedals(p, st, i)
     steer_by_hand(n, p, st, i)

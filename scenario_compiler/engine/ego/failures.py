@@ -1,8 +1,8 @@
 """Failures of the camera: how severe each is now, and which images do not arrive.
 
-A failure grows in its ramp from its onset, lasts, and goes in the same ramp before its end. Where several of a kind
-overlap, the most severe counts; noise adds to the camera's own by its square. Images that are missing or repeated are
-drawn image by image with the counter hash.
+The severity of a failure rises linearly over its ramp from its onset, stays, and falls over the same ramp before its
+end. If several of a kind overlap, the most severe counts; noise adds to the camera's own as a sum of variances. The
+counter hash decides for each image whether it is missing or repeated.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from scenario_compiler.marker import compiled
 from scenario_compiler.randomness import random_unit
 
 MOST = 1.6
-"""Largest amount: ImageNet-C's severity 5 of blur is 1.52 of what amount 1 means."""
+"""Largest amount: severity 5 of ImageNet-C's blur corresponds to an amount of 1.52."""
 
 CREEPING = 0.5
-"""Speed under which a repeated image is no sign of a fault, m/s."""
+"""Speed below which a repeated image is no sign of a fault, m/s."""
 
 
 @compiled
 def severity_of(p: Program, st: State, f: int) -> float:
-    """Return how severe a failure is now, 0 to its amount."""
+    """Return how severe a failure is now, from 0 to its amount."""
     since = st.failure_since[f]
     if since < 0.0:
         return 0.0
@@ -56,7 +56,7 @@ def severity_of(p: Program, st: State, f: int) -> float:
 
 @compiled
 def update_camera(p: Program, st: State) -> None:
-    """Work out what is wrong with the camera now, and log what begins and ends."""
+    """Compute the camera's present failures, and log those that begin and end."""
     if p.failure_count[0] == 0:
         if st.sigma[0] != st.noise[0]:
             st.sigma[0] = st.noise[0]
@@ -83,7 +83,7 @@ def update_camera(p: Program, st: State) -> None:
 
 @compiled
 def image_fails(st: State, kind: int) -> int:
-    """Return 1 where the image of this frame is struck by a failure that strikes a share of the images."""
+    """Return 1 if the image of this frame is affected by a kind of failure that affects a share of the images."""
     share = st.failure_now[kind]
     if share <= 0.0:
         return 0
@@ -93,7 +93,7 @@ def image_fails(st: State, kind: int) -> int:
 
 @compiled
 def health_of_camera(p: Program, st: State) -> float:
-    """Return the camera's health as the engine knows it, 0 to 1 (see `camera_health`, the module)."""
+    """Return the camera's health as the engine knows it, 0 to 1 (see the module `camera_health`)."""
     if st.missing[0] == 1:
         return 0.0
     ego = p.ego[0]
@@ -104,7 +104,7 @@ def health_of_camera(p: Program, st: State) -> float:
 
 @compiled
 def health_of_image(st: State) -> float:
-    """Return what the failures of now leave of the health of an image that arrives and is new."""
+    """Return the health of an image that arrives and is new, under the present failures."""
     dark = TONES_AT_NOON * (1.0 - st.failure_now[op.FAILURE_BLACKOUT])
     blur = BLUR_AT_ONE * st.failure_now[op.FAILURE_BLUR]
     dirt = st.failure_now[op.FAILURE_DIRT]
@@ -113,13 +113,13 @@ def health_of_image(st: State) -> float:
 
 @compiled
 def begin_failure(st: State, f: int) -> None:
-    """Let a failure's time begin now."""
+    """Begin a failure now."""
     st.failure_since[f] = st.clock[0]
 
 
 @compiled
 def end_failures(p: Program, st: State, kind: int) -> None:
-    """End the failures of a kind, or all (NONE); the end of noise ends the camera's own too."""
+    """End the failures of a kind, or all (NONE); ending noise also removes the camera's own."""
     for f in range(p.failure_count[0]):
         if kind == op.NONE or p.failure_kind[f] == kind:
             st.failure_since[f] = -1.0
@@ -129,7 +129,7 @@ def end_failures(p: Program, st: State, kind: int) -> None:
 
 @compiled
 def reset_camera(p: Program, st: State) -> None:
-    """Put the camera to how it is at the start: failures of the camera itself count from there."""
+    """Reset the camera to its state at the start; failures that no action begins count from there."""
     st.noise[0] = p.const[slot.K_NOISE]
     for f in range(p.failure_count[0]):
         st.failure_since[f] = -1.0 if p.failure_waits[f] == 1 else 0.0

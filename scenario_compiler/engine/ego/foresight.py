@@ -1,8 +1,8 @@
-"""A driver's foresight: future positions of moving things, conflicts of an evasion with them, reaction times.
+"""A driver's foresight: predicted positions of moving entities, their conflicts with an evasion, and reaction times.
 
-Something new is acted on after a time of perception and a time of reaction (0.4 s and 0.75 s after UN R157, the careful
-and competent driver). It is new from when it first calls for more than gentle braking, or blocks the path, while the
-driver's eyes are on the road.
+The driver acts on something new after a perception time and a reaction time (0.4 s and 0.75 s, those of the careful and
+competent driver of UN R157). It is noticed when it first requires more than gentle braking, or blocks the path, while
+the driver's eyes are on the road.
 """
 
 from __future__ import annotations
@@ -20,43 +20,42 @@ from scenario_compiler.engine.motion.following import idm_acceleration
 from scenario_compiler.marker import compiled
 
 CALL = 1.0
-"""Required deceleration from which on the driver reacts to something, m/s2; chosen."""
+"""Required deceleration above which the driver reacts to something, m/s2; chosen."""
 
 FORGET = 2.0
-"""Time after which what calls for nothing any more is new again, s; chosen."""
+"""Time after which something that no longer requires a reaction counts as new again, s; chosen."""
 
 LIFT_OFF = 0.4
-"""Deceleration without the accelerator, m/s2: the careful and competent driver's during his delay, after UN R157."""
+"""Deceleration without the accelerator, m/s2: that of the careful and competent driver of UN R157 during the delay."""
 
 ONCOMING = -0.5
-"""Speed along the way below which a vehicle is oncoming, m/s; chosen."""
+"""Speed along the path below which a vehicle is oncoming, m/s; chosen."""
 
 HORIZON_STEP = 0.1
 HORIZON_STEPS = 50
-"""Step, s, and number of steps in which a driver foresees; chosen: 5 s."""
+"""Length, s, and number of the steps of the prediction; chosen: 5 s in all."""
 
 DRIFT = 0.2
-"""Lateral speed from which on a vehicle is taken to change its lane, m/s; chosen."""
+"""Lateral speed above which a vehicle is assumed to change its lane, m/s; chosen."""
 
 DRIFT_LEAST = 1.0
-"""Lateral speed that a vehicle changing its lane is taken to have at least, m/s; chosen: a change of lane in about
-3.5 s.
+"""Least lateral speed that is assumed for a vehicle that changes its lane, m/s; chosen: a lane change in about 3.5 s.
 """
 
 AHEAD_TIME = 1.5
-"""How far ahead a vehicle that comes into the corridor is minded, s; chosen."""
+"""Time for which a vehicle's entry into the corridor is predicted, s; chosen."""
 
 SPACE_ALONG = 1.0
 SPACE_ACROSS = 0.3
-"""Distance that a way out keeps to all it passes, along and across the way, m; chosen."""
+"""Distance that an evasion keeps to everything that it passes, along and across the path, m; chosen."""
 
 
 @compiled
 def drift_of(st: State, j: int, time: float) -> float:
-    """Return by how much an entity on the way will have moved to the left in a time, m.
+    """Return the predicted displacement to the left of an entity on the path after a time, m.
 
-    A vehicle that changes its lane goes on to the next lane's centre: into the way's lane as far as its middle, out of
-    it or beyond by the width of a lane.
+    A vehicle that changes its lane is assumed to stop at the next lane's centre: one that approaches the path's lane at
+    that lane's centre, one that leaves it a lane width further out.
     """
     if abs(st.across[j]) < DRIFT or st.along[j] < SLOW:
         return st.across[j] * time
@@ -70,7 +69,7 @@ def drift_of(st: State, j: int, time: float) -> float:
 
 @compiled
 def in_corridor(p: Program, st: State, i: int, j: int, centre: float) -> int:
-    """Return 1 where an entity is in the corridor of i about `centre`, or will soon be."""
+    """Return 1 if an entity is in the corridor of i around the offset `centre`, or will be within AHEAD_TIME."""
     half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH] + 0.1
     if st.low[j] < centre + half and st.high[j] > centre - half:
         return 1
@@ -80,9 +79,9 @@ def in_corridor(p: Program, st: State, i: int, j: int, centre: float) -> int:
 
 @compiled
 def called_for(p: Program, st: State, i: int, j: int, centre: float, slowest: float) -> float:
-    """Return the acceleration that an entity ahead calls for, m/s2; FAR where it is in nobody's way.
+    """Return the acceleration that an entity ahead requires by the following model, m/s2; FAR if it is not in the way.
 
-    By the following model, and from LATE_BRAKE of what it takes to match its speed on harder.
+    Entities with a speed along the path below `slowest`, m/s, are left out.
     """
     if j == i or st.on_way[j] == 0 or st.seen[j] == 0 or st.along[j] < slowest:
         return op.FAR
@@ -95,7 +94,7 @@ def called_for(p: Program, st: State, i: int, j: int, centre: float, slowest: fl
 
 @compiled
 def notice(p: Program, st: State, i: int, blocker: int) -> None:
-    """Take down since when each entity has called for a reaction, while the eyes are on the road."""
+    """Record since when each entity has required a reaction, while the driver's eyes are on the road."""
     now = st.clock[0]
     if st.looking[0] == 0:
         return
@@ -115,17 +114,17 @@ def notice(p: Program, st: State, i: int, blocker: int) -> None:
 
 @compiled
 def reacts_to(p: Program, st: State, j: int) -> int:
-    """Return 1 where the driver acts on an entity: its time of perception and reaction is over."""
+    """Return 1 if the driver acts on an entity, because the perception and reaction times have passed."""
     due = p.const[slot.K_PERCEPTION_TIME] + p.const[slot.K_REACTION_TIME]
     return 1 if st.noticed_at[j] >= 0.0 and st.clock[0] - st.noticed_at[j] >= due - 1.0e-6 else 0
 
 
 @compiled
 def meets(p: Program, st: State, i: int, target: float, over: float, deceleration: float, jerk: float) -> float:
-    """Return when i first meets something on the way, s from now; FAR where it does not within the horizon.
+    """Return the time until i first meets something on the path, s; FAR if nothing within the horizon.
 
-    It brakes with a deceleration that grows from now by a jerk, and moves from its offset to `target` by a cosine in a
-    time `over`. Others keep their speed and go on as `drift_of` says.
+    The deceleration of i grows by `jerk` up to `deceleration`, and i moves from its offset to `target` along a cosine
+    in the time `over`, s. Other entities keep their speed and move sideways as `drift_of` predicts.
     """
     base = p.entity_const[i]
     front = front_of(p, i)

@@ -18,12 +18,12 @@ LOOK_FROM = 6.0
 LOOK_STEP = 3.0
 LOOK_COUNT = 5
 LOOK_TO = 18.0
-"""The marks are looked at from 6 m to 18 m ahead of the rear axle, every 3 m."""
+"""The marks are sampled from 6 m to 18 m ahead of the rear axle, every 3 m."""
 
 
 @compiled
 def mark_visibility(n: RoadTables, p: Program, road: int, lane: int, s: float) -> float:
-    """Return the quality of the mark on a lane's outer border, the plan's before the map's; 0 without a mark."""
+    """Return the quality, 0 to 1, of the mark on a lane's outer border, the plan's rather than the map's; 0 if none."""
     kind, quality, _, _ = mark_at(n, road, lane, s)
     if kind == MARK_NONE:
         return 0.0
@@ -43,9 +43,9 @@ def mark_visibility(n: RoadTables, p: Program, road: int, lane: int, s: float) -
 
 @compiled
 def keeps_quality(n: RoadTables, st: State, row: int, s: float) -> float:
-    """Return the map's quality of the mark on the outer border of a lane's row at s, -1 where it changes along s.
+    """Return the map's quality of the mark on the outer border of a lane's row at s, or -1 if it changes along s.
 
-    What is known to stay as it is ends where the mark does.
+    The stretch from `even_from` to `even_to` is narrowed to where this mark holds.
     """
     if row < 0:
         return 0.0
@@ -65,7 +65,7 @@ def keeps_quality(n: RoadTables, st: State, row: int, s: float) -> float:
 
 @compiled
 def keep_off_stretches(p: Program, st: State, s: float) -> None:
-    """End what is known to stay as it is where the plan says something else about marks."""
+    """Narrow the stretch from `even_from` to `even_to` so that the plan's own statements on marks lie outside of it."""
     for k in range(p.stretch_count[0]):
         base = p.stretch_const[k]
         if p.stretch_road[k] == st.path_road[0]:
@@ -77,7 +77,7 @@ def keep_off_stretches(p: Program, st: State, s: float) -> None:
 
 @compiled
 def note_even_marks(n: RoadTables, p: Program, st: State) -> None:
-    """Note between which s about the path's place the marks on both sides stay as they are, and their qualities."""
+    """Write the stretch of s around the ego on which the marks of both sides do not change, and their qualities."""
     row = st.path_row[0]
     s = st.path_s[0]
     lane = st.path_lane[0]
@@ -100,7 +100,7 @@ def note_even_marks(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def marks_stay(st: State) -> int:
-    """Return 1 where the marks are known to stay as they are up to the furthest place that is looked at."""
+    """Return 1 if the marks are known not to change up to the farthest sample."""
     s = st.path_s[0]
     end = s + st.path_sense[0] * LOOK_TO
     if st.path_row[0] != st.even_row[0] or min(s, end) <= st.even_from[0] or max(s, end) >= st.even_to[0]:
@@ -110,7 +110,7 @@ def marks_stay(st: State) -> int:
 
 @compiled
 def looked_at_sides(n: RoadTables, p: Program, st: State) -> tuple[float, float]:
-    """Return the mean qualities of the (left, right) mark over the places that are looked at."""
+    """Return the mean qualities of the (left, right) mark over the samples."""
     left = 0.0
     right = 0.0
     for k in range(LOOK_COUNT):

@@ -1,13 +1,13 @@
 """The automation's estimate of its position in a lane that it cannot see, and steering by this estimate.
 
-While at least one side of the lane is seen, the vehicle knows its place in the lane. When both are lost it goes on from
-that place by odometry, along the lane as the planned way has it: a gyroscope gives the change of heading, the wheels
-the distance. What it believes is what is true and an error that grows: `recall_...` are believed minus true. The
-errors are those that the plan states; they are drawn by the run's seed.
+While at least one side of the lane is seen, the vehicle knows its position in the lane. When both are lost, it
+continues from that position by odometry along the lane of the planned route: a gyroscope measures the change of
+heading, the wheels the distance. The estimate is the true value plus an error that grows; the columns `recall_...` are
+estimated minus true. The sizes of the errors are given by the plan, and they are drawn with the run's seed.
 
     heading' = bias + random walk        offset' = v sin(heading)        along' = share v
 
-A lane that is seen again is believed after RECOGNISED, and not while a request is open.
+A lane that is seen again is used after the time RECOGNISED, but not while a request is open.
 """
 
 from __future__ import annotations
@@ -30,25 +30,25 @@ from scenario_compiler.roads.lanes import row_place
 from scenario_compiler.roads.tables import RoadTables
 
 RECOGNISED = 1.0
-"""Time for which a lane must be seen again until it is believed, s: chosen, longer than paint is imagined for."""
+"""Time for which a lane must be seen again before it is used, s; chosen: longer than false detections of paint last."""
 
 
 @compiled
 def asks_now(st: State) -> int:
-    """Return 1 while a request waits for an answer, the minimum-risk manoeuvre included."""
+    """Return 1 while a request is unanswered, including the minimum-risk manoeuvre."""
     state = st.takeover_state[0]
     return 1 if state in (op.TAKEOVER_REQUEST, op.TAKEOVER_ESCALATION, op.TAKEOVER_MINIMUM_RISK) else 0
 
 
 @compiled
 def draw_error(p: Program, st: State, size: int, which: int) -> float:
-    """Return an error of the size in a slot for the present loss, by the run's seed."""
+    """Return a normal error for the present loss of the lane; `size` is the slot of its standard deviation."""
     return p.const[size] * random_normal(run_seed(st, op.NONE), op.STREAM_ODOMETRY, st.lane_losses[0], which)
 
 
 @compiled
 def lose_lane(p: Program, st: State) -> None:
-    """Begin to remember the lane: place and heading as they were measured last, the gyroscope's bias, the wheels'."""
+    """Begin an estimate: draw the errors of the measured position and heading, of the gyroscope and of the wheels."""
     st.lane_lost[0] = 1
     st.lane_losses[0] += 1
     st.recall_off[0] = draw_error(p, st, slot.K_PLACE_ERROR, 0)
@@ -60,7 +60,7 @@ def lose_lane(p: Program, st: State) -> None:
 
 @compiled
 def drift(p: Program, st: State, i: int) -> None:
-    """Let the errors grow by a control step."""
+    """Let the errors grow over one control step."""
     dt = control_period(p)
     walk = random_normal(run_seed(st, op.NONE), op.STREAM_ODOMETRY, 4096 + st.lane_losses[0], st.frame[0])
     st.recall_heading[0] += st.recall_bias[0] * dt + p.const[slot.K_GYRO_NOISE] * safe_sqrt(dt) * walk
@@ -70,7 +70,7 @@ def drift(p: Program, st: State, i: int) -> None:
 
 @compiled
 def remember_lane(p: Program, st: State, i: int) -> None:
-    """Bring the memory of the lane up to date at a control step, by how well its sides are seen."""
+    """Update the estimate at a control step, depending on how well the sides of the lane are seen."""
     limit = p.const[slot.K_CONFIDENCE_REQUEST]
     if st.conf_left[0] < limit and st.conf_right[0] < limit:
         st.lane_seen_since[0] = -1.0
@@ -89,7 +89,7 @@ def remember_lane(p: Program, st: State, i: int) -> None:
 
 @compiled
 def steers_by_memory(p: Program, st: State) -> int:
-    """Return 1 where the automation steers by the remembered lane: it does not see it, and has asked or is about to."""
+    """Return 1 if the automation steers by the estimate: it does not see the lane, and has requested or is about to."""
     if st.lane_lost[0] == 0:
         return 0
     if asks_now(st) == 1:
@@ -100,7 +100,7 @@ def steers_by_memory(p: Program, st: State) -> int:
 
 @compiled
 def believed_pose(n: RoadTables, st: State) -> tuple[float, float, float]:
-    """Return (x, y, heading) that the ego believes to have."""
+    """Return the estimated pose (x, y, heading) of the ego in the map's axes, m and rad."""
     road = st.path_road[0]
     row = st.path_row[0]
     s = st.path_s[0] + st.path_sense[0] * st.recall_along[0]
@@ -115,7 +115,7 @@ def believed_pose(n: RoadTables, st: State) -> tuple[float, float, float]:
 
 @compiled
 def remembered_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> float:
-    """Return the angle of the front wheels that leads along the lane from where the ego believes to be."""
+    """Return the angle of the front wheels that follows the lane from the estimated pose, rad."""
     if st.path_road[0] < 0 or st.path_row[0] < 0:
         return 0.0
     x, y, h = believed_pose(n, st)

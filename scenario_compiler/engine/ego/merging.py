@@ -1,7 +1,7 @@
-"""Merging from an ending lane into the lane beside that goes on: the automation and the driver do it alike.
+"""Merging from an ending lane into the neighbouring lane that continues, by the automation or the driver.
 
-The path moves to the other lane only while its gap is free; until the ego's box crosses the border the gap is looked at
-at every control step, and the ego goes back when it closes.
+The path moves to the other lane only while its gap is free. Until the ego's box crosses the border, the gap is checked
+at every control step, and the ego returns if it closes.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MERGED = 0.3
 
 @compiled
 def start_merge(n: RoadTables, st: State, i: int) -> None:
-    """Take the lane beside as the path and plan the move over to its centre."""
+    """Make the neighbouring lane the path, and plan the move to its centre."""
     st.merge_from_road[0] = st.path_road[0]
     st.merge_from_lane[0] = st.path_lane[0]
     set_path(n, st, st.path_road[0], st.through_lane[0], st.path_s[0])
@@ -39,7 +39,7 @@ def start_merge(n: RoadTables, st: State, i: int) -> None:
 
 @compiled
 def abort_merge(n: RoadTables, st: State, i: int) -> None:
-    """Go back to the lane that the merge came from."""
+    """Return to the lane in which the merge began."""
     set_path(n, st, st.path_road[0], st.merge_from_lane[0], st.path_s[0])
     measure_path(n, st, i)
     plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], MERGE_ACCELERATION))
@@ -65,9 +65,9 @@ def watch_merge(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def consider_merge(n: RoadTables, p: Program, st: State, i: int, within: float, look: float) -> None:
-    """Watch a running merge, or start one where the lane ends within a distance and the gap beside is free.
+    """Continue a merge, or start one if the lane ends within a distance and the gap beside is free.
 
-    The gap is looked at where the lane ends within the distance `look`.
+    The gap is checked if the lane ends within the distance `look`, m; the merge starts within the distance `within`, m.
     """
     st.gap_free[0] = 1
     if st.merging[0] == 1:

@@ -1,7 +1,7 @@
-"""The minimum-risk manoeuvre: stay in the lane, slow down at the given rate, hazard lights on, to standstill.
+"""The minimum-risk manoeuvre: stay in the lane and brake to standstill at the given rate, with hazard lights on.
 
-After UN R157 5.5: it begins some time after an unanswered request, or as soon as a limit ahead leaves no more than the
-distance to stop; it is never begun earlier than needed.
+After UN R157 5.5, it begins a given time after an unanswered request, or earlier if a limit ahead leaves no more than
+the distance to stop.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from scenario_compiler.engine.ego.limits import behaviour, control_period
 from scenario_compiler.marker import compiled
 
 STOP_MARGIN = 3.0
-"""Distance that is to remain to the limit after the stop, m; chosen."""
+"""Distance to the limit that remains after the stop, m; chosen."""
 
 
 @compiled
 def stopping_distance(p: Program, v: float, towards: float) -> float:
-    """Return the distance of a stop at the manoeuvre's deceleration, begun at the next control step, m.
+    """Return the stopping distance at the manoeuvre's deceleration if it begins at the next control step, m.
 
-    It includes the way of what comes towards the vehicle with the speed `towards` until the vehicle stands.
+    It includes the distance that an entity approaching with the speed `towards`, m/s, covers until the vehicle stands.
     """
     deceleration = max(p.const[slot.K_MINIMUM_RISK_DECELERATION], 0.1)
     wait = control_period(p)
@@ -30,7 +30,7 @@ def stopping_distance(p: Program, v: float, towards: float) -> float:
 
 @compiled
 def minimum_risk_due(p: Program, st: State, i: int) -> int:
-    """Return 1 where the manoeuvre has to begin now; it never has to where the policy knows none."""
+    """Return 1 if the manoeuvre has to begin now; never if the policy has no such manoeuvre."""
     if p.minimum_risk[0] == 0 or behaviour(p, st) == op.BEHAVIOUR_LET_GO:
         return 0
     if st.clock[0] - st.request_at[0] >= p.const[slot.K_RISK_AFTER + st.cause[0]] - 1.0e-6:

@@ -1,12 +1,12 @@
 """Classifies each object ahead of the vehicle as followed, blocking, or neither.
 
-Followed is a leader that moves along the way, and a vehicle that stands in a queue behind one or before a red signal:
-a vehicle keeps its distance to these, and stops where they stop. Whatever else reaches into the corridor that is
-driven blocks it: standing and crossing objects, and oncoming ones. All that makes the automation slow down for an
-object, and all that makes it ask because of one, stands on this one answer, so that it never stops for an object that
-it does not ask about.
+An object is followed if it is a leader that moves along the path, or a vehicle that stands in a queue behind one or
+before a red signal. The vehicle keeps its distance to such objects and stops if they stop. Every other object that
+reaches into the driven corridor blocks it: standing, crossing and oncoming ones. Slowing down for an object and
+requesting a takeover because of one both use this classification, so the automation never stops for an object without
+requesting.
 
-The corridor is that of a vehicle that keeps to the middle of its lane: the automation does not swerve.
+The corridor is that of a vehicle in the middle of its lane: the automation does not swerve.
 """
 
 from __future__ import annotations
@@ -21,25 +21,26 @@ from scenario_compiler.engine.ego.sensor import CROSSING, SLOW
 from scenario_compiler.marker import compiled
 
 QUEUE_GAP = 12.0
-"""Distance from a standing vehicle to the one before it, or to the line of a red signal, up to which it stands in a
-queue, m: chosen, the length of a truck that has not closed up."""
+"""Distance from a standing vehicle to the one ahead, or to the line of a red signal, up to which it stands in a queue,
+m; chosen: the length of a truck that has not closed up.
+"""
 
 BESIDE_LEADER = 0.1
-"""How near to the vehicle's side, m, an object that moves along the way must reach to lead it."""
+"""Lateral distance to the vehicle's side, m, within which an object that moves along the path is a leader."""
 
 
 ROW_GAP = 20.0
-"""Distance from one thing that stands in the path to the next up to which they block it together, m: chosen, too short
-to move back between them and out again.
+"""Distance between two standing objects in the path up to which they form one block, m; chosen: too short to move back
+between them and out again.
 """
 
 ROW_TIME = 2.0
-"""The same as a time at the speed driven, s; chosen."""
+"""The same distance as a time at the present speed, s; chosen."""
 
 
 @compiled
 def in_corridor(p: Program, st: State, i: int, j: int, beside: float) -> int:
-    """Return 1 where a seen object ahead reaches into the corridor of i's width and `beside` on either side."""
+    """Return 1 if a seen object ahead reaches into the corridor of i's width plus `beside` on either side, m."""
     base = p.entity_const[i]
     front = front_of(p, i)
     half = 0.5 * p.const[base + slot.E_WIDTH] + beside
@@ -50,7 +51,7 @@ def in_corridor(p: Program, st: State, i: int, j: int, beside: float) -> int:
 
 @compiled
 def queues_behind(p: Program, st: State, j: int, k: int) -> int:
-    """Return 1 where k is close ahead of j on the way, and beside no part of it."""
+    """Return 1 if j may queue behind k: k is close ahead of j on the path, and they overlap laterally."""
     if k == j or st.on_way[k] == 0 or st.near[k] < st.far[j] - 0.5 or st.near[k] > st.far[j] + QUEUE_GAP:
         return 0
     return 1 if st.low[k] < st.high[j] and st.high[k] > st.low[j] else 0
@@ -58,9 +59,9 @@ def queues_behind(p: Program, st: State, j: int, k: int) -> int:
 
 @compiled
 def stands_in_queue(p: Program, st: State, j: int) -> int:
-    """Return 1 where a slow vehicle stands behind a leader that moves or before a red signal, or behind one that does.
+    """Return 1 if a slow vehicle stands in a queue behind a moving leader or before a red signal.
 
-    Vehicles further ahead need not be seen: the row is followed from one to the next.
+    The queue is followed from one vehicle to the next; the vehicles further ahead need not be seen.
     """
     at = j
     for _ in range(p.entity_count[0]):
@@ -86,7 +87,7 @@ def stands_in_queue(p: Program, st: State, j: int) -> int:
 
 @compiled
 def judge_objects(p: Program, st: State, i: int) -> None:
-    """Write what every object of the last look ahead is."""
+    """Classify every object of the last look ahead."""
     beside = max(0.5 * p.const[slot.K_BLOCKED_MARGIN], 0.0)
     for j in range(p.entity_count[0]):
         st.ahead_is[j] = op.AHEAD_NOTHING
@@ -102,7 +103,7 @@ def judge_objects(p: Program, st: State, i: int) -> None:
 
 @compiled
 def follows_any(p: Program, st: State) -> int:
-    """Return 1 where an object ahead is followed."""
+    """Return 1 if an object ahead is followed."""
     for j in range(p.entity_count[0]):
         if st.ahead_is[j] == op.AHEAD_FOLLOWED:
             return 1
@@ -111,7 +112,7 @@ def follows_any(p: Program, st: State) -> int:
 
 @compiled
 def nearest_ahead(p: Program, st: State, i: int, what: int) -> tuple[int, float]:
-    """Return (entity, gap from the front) of the nearest object ahead that is `what`, (NONE, FAR) for none."""
+    """Return (entity, gap from the front, m) of the nearest object ahead of a class; (NONE, FAR) if there is none."""
     front = front_of(p, i)
     found = op.NONE
     gap = op.FAR
@@ -124,13 +125,13 @@ def nearest_ahead(p: Program, st: State, i: int, what: int) -> tuple[int, float]
 
 @compiled
 def row_gap(st: State, i: int) -> float:
-    """Return the distance from one thing that stands in the path to the next up to which they block it together, m."""
+    """Return the distance between two standing objects in the path up to which they form one block, m."""
     return max(ROW_GAP, ROW_TIME * st.v[i])
 
 
 @compiled
 def row_end(p: Program, st: State, i: int, blocker: int) -> float:
-    """Return how far from the reference point the row ends that stands in the path and begins with a blocker, m."""
+    """Return the distance from the reference point to the far end of the block that begins with `blocker`, m."""
     between = row_gap(st, i)
     end = st.far[blocker]
     grows = 1
@@ -146,7 +147,7 @@ def row_end(p: Program, st: State, i: int, blocker: int) -> float:
 
 @compiled
 def find_block(p: Program, st: State, i: int) -> int:
-    """Write where the path is first blocked; return the entity that blocks it, NONE for a free path."""
+    """Write where the path is first blocked; return the entity that blocks it, or NONE."""
     front = front_of(p, i)
     st.blocked_distance[0] = op.FAR
     st.blocked_far[0] = op.FAR
@@ -161,9 +162,9 @@ def find_block(p: Program, st: State, i: int) -> int:
 
 @compiled
 def minds_limit(p: Program, st: State, cause: int) -> int:
-    """Return 1 where the automation slows down before a limit ahead: once it has asked, or if it never asks for it.
+    """Return 1 if the automation slows down before a limit ahead: after its request, or if this cause never requests.
 
-    An automation that holds its speed never does.
+    An automation that holds its speed never slows down.
     """
     if behaviour(p, st) == op.BEHAVIOUR_HOLD_SPEED:
         return 0
@@ -174,10 +175,10 @@ def minds_limit(p: Program, st: State, cause: int) -> int:
 
 @compiled
 def gap_to_keep(p: Program, st: State, i: int) -> tuple[float, float]:
-    """Return (gap from the front, speed along the way) of what the automation keeps its distance to, FAR for nothing.
+    """Return (gap from the front, m; speed along the path, m/s) of what the automation keeps its distance to.
 
-    That is the nearest of the followed objects, a red signal's line, and what blocks the path where the automation
-    minds it.
+    This is the nearest of the followed objects, the line of a red signal, and what blocks the path if the automation
+    slows down for it. Without any of them the gap is FAR.
     """
     front = front_of(p, i)
     gap = op.FAR

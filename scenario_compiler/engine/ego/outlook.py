@@ -1,7 +1,7 @@
-"""The controller's view of the route ahead: the thing to keep a distance to, and the planned route.
+"""The controller's view of what is ahead: the gap to keep and the planned route.
 
-The way is the middle of the lanes that the plan's route leads over; without a route, and off it, of those that go on
-straight. It ends where the lanes do.
+The route follows the centres of the lanes of the plan's route. Without a route, or off it, it goes straight on. It ends
+where the lanes end.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
-    """Write what lies ahead of the ego; return the number of the way's points, each 1 m after the one before.
+    """Write what lies ahead of the ego; return the number of points of the route, which are 1 m apart.
 
-    `out` has OUTLOOK_SIZE numbers: the gap from the front bumper to what the automation keeps its distance to (see
-    `gap_to_keep`), FAR without such a thing, and its speed along the way; the distance to the next junction, FAR where
-    there is none in reach; then x (ahead) and y (left) of each point in the ego's axes.
+    `out` has OUTLOOK_SIZE numbers: the gap from the front bumper to what the automation keeps its distance to, m (see
+    `gap_to_keep`; FAR without such an object), and its speed along the path, m/s; the distance to the next junction, m
+    (FAR if there is none in reach); then x (ahead) and y (left) of each point in the ego's axes, m.
     """
     ego = p.ego[0]
     look_with_sensor(n, p, st, ego)

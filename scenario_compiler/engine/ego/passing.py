@@ -1,10 +1,10 @@
 """Whether oncoming traffic leaves enough time for an evasion into its lane, including the return.
 
-A driver foresees the whole of it: he moves over, passes, and comes back, and speeds up as on a free road meanwhile.
-Oncoming vehicles keep their speed. He keeps a time to collision, by the speed of both, to each that comes towards the
-place across the road where he is at the time. Hidden vehicles in sight count as well: as with what is beside and
-behind him, he is taken to know of them. Beyond his sight a vehicle is presumed in the lane that he enters, which comes
-as fast as he himself means to drive.
+The driver predicts the whole evasion: moving over, passing and coming back, while accelerating as on a free road.
+Oncoming vehicles keep their speed. The driver keeps a time to collision, from both speeds, to every oncoming vehicle
+that overlaps the ego laterally at that time. Hidden vehicles within sight count too: as with those beside and behind,
+the driver is assumed to know of them. Beyond the driver's sight, a vehicle is presumed in the lane that is entered,
+which approaches at the speed that the driver intends to drive.
 """
 
 from __future__ import annotations
@@ -23,29 +23,29 @@ from scenario_compiler.engine.motion.steering import shift_distance
 from scenario_compiler.marker import compiled
 
 PASSING_SIGHT = 300.0
-"""How far a driver sees an oncoming lane before he moves into it, m; chosen. Passing sight distances for roads of 50 to
-100 km/h are of this order.
+"""Distance over which a driver observes an oncoming lane before moving into it, m; chosen. Passing sight distances for
+roads of 50 to 100 km/h are of this order.
 """
 
 MEETING_TIME = 1.5
-"""Time to collision with an oncoming vehicle that a driver keeps while he is in its way, s; chosen."""
+"""Time to collision with an oncoming vehicle that a driver keeps while in its way, s; chosen."""
 
 GIVE_UP_TIME = 0.75
-"""Time to collision below which a driver who has begun to move out gives it up, s; chosen, less than he begins with, so
-that he does not waver.
+"""Time to collision below which a driver gives up an evasion that has begun, s; chosen, less than the time required to
+begin, so that the driver does not waver.
 """
 
 PASSING_STEPS = 200
-"""Number of steps in which the passing is foreseen; one that takes longer than these 20 s is not begun. Chosen."""
+"""Number of steps of the prediction; an evasion of more than these 20 s is not begun. Chosen."""
 
 CLEARANCE = 0.3
-"""Distance that a driver keeps to both sides when passing, m; chosen."""
+"""Distance that a driver keeps on both sides when passing, m; chosen."""
 
 RETURN_ACCELERATION = 1.5
-"""Lateral acceleration of a move back to the lane's centre, and of an evasion that has time, m/s2; chosen."""
+"""Lateral acceleration of the move back to the lane's centre, and of an evasion that has time, m/s2; chosen."""
 
 PAST = 5.0
-"""Distance by which a moving vehicle is behind before the driver comes back before it, m; chosen."""
+"""Distance to a passed moving vehicle from which the driver comes back before it, m; chosen."""
 
 BEHIND_TIME = 1.0
 """Time gap at which the driver comes back behind a moving vehicle, s; chosen."""
@@ -53,9 +53,9 @@ BEHIND_TIME = 1.0
 
 @compiled
 def is_clear_of(p: Program, st: State, i: int, j: int, v: float, moved: float) -> int:
-    """Return 1 where i, at a speed v, is well before a moving vehicle or behind it.
+    """Return 1 if i, at a speed v, m/s, is well before or behind a moving vehicle.
 
-    `moved` is by how much j will have moved ahead as seen from i.
+    `moved` is the predicted displacement of j along the path relative to i, m.
     """
     base = p.entity_const[i]
     front = front_of(p, i)
@@ -68,19 +68,22 @@ def is_clear_of(p: Program, st: State, i: int, j: int, v: float, moved: float) -
 
 @compiled
 def is_beside(low: float, high: float, rear: float, nose: float, half: float) -> int:
-    """Return 1 where a box between two offsets is beside an ego of which rear and nose are at two others."""
+    """Return 1 if a box from offset `low` to `high` has no lateral overlap with the ego, whose ends are at two offsets.
+
+    `half` is half the ego's width, m, with its clearance.
+    """
     return 1 if low >= max(rear, nose) + half or high <= min(rear, nose) - half else 0
 
 
 @compiled
 def nose_offset(off: float, slope: float, front: float) -> float:
-    """Return the offset of the ego's nose, from that of its rear axle and the slope of its way there."""
+    """Return the offset of the ego's nose, m, from that of its rear axle and the slope of its path there."""
     return off + front * ratio(slope, safe_sqrt(1.0 + slope * slope), 0.0)
 
 
 @compiled
 def any_oncoming(p: Program, st: State, i: int) -> int:
-    """Return 1 where something comes towards i."""
+    """Return 1 if anything on the path approaches i."""
     for j in range(p.entity_count[0]):
         if j != i and st.on_way[j] == 1 and st.along[j] <= ONCOMING:
             return 1
@@ -102,22 +105,22 @@ def meets_oncoming(
     low: float,
     high: float,
 ) -> int:
-    """Return 1 where i meets what comes towards it before it is back in the middle of its lane.
+    """Return 1 if i meets an oncoming vehicle before it is back at the centre of its lane.
 
     Args:
         p: The program.
         st: The state, after a look ahead.
         i: The ego.
         target: Offset at which it passes, m.
-        out: Distance over which it moves there, by a cosine, m.
+        out: Distance over which it moves there, along a cosine, m.
         until: Distance that it drives until it begins to come back, m; with `around`, the least.
-        around: The moving vehicle that it passes or drops behind before it comes back; NONE for what stands.
-        braking: Deceleration while it moves over, m/s2; 0 where it speeds up as on a free road.
+        around: The moving vehicle that it passes, or behind which it comes back; NONE for standing objects.
+        braking: Deceleration while it moves over, m/s2; 0 if it accelerates as on a free road.
         spare: Time to collision that is to be kept, s.
-        known: 1 where only those count that the driver has had the time to react to.
-        low: Right border of the lane of oncoming traffic that is entered, m left of the path's lane's middle: a vehicle
-            is presumed there beyond the driver's sight.
-        high: Its left border; no more than `low` where none is entered.
+        known: 1 if only those vehicles count that the driver has had the time to react to.
+        low: Right border of the lane of oncoming traffic that is entered, m to the left of the path lane's centre. A
+            vehicle is presumed there beyond the driver's sight.
+        high: Its left border; not more than `low` if no such lane is entered.
     """
     if high <= low and any_oncoming(p, st, i) == 0:
         return 0

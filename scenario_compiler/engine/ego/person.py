@@ -1,7 +1,7 @@
 """A person at the wheel, who takes over, drives with pedals and steering wheel, and hands back.
 
-What the person does stands in the state's input columns, which Python writes between steps. Nothing of it is drawn, so
-a run is repeated exactly from the inputs that were recorded.
+The person's inputs stand in input columns of the state, which Python writes between steps. None of them is random, so a
+run can be repeated exactly from its recorded inputs.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def nothing_asks(p: Program, st: State) -> int:
-    """Return 1 where no cause asked for a takeover at the last control step."""
+    """Return 1 if no cause asked for a takeover at the last control step."""
     for k in range(p.cause_count[0]):
         if st.asking[p.cause_order[k]] == 1:
             return 0
@@ -26,9 +26,9 @@ def nothing_asks(p: Program, st: State) -> int:
 
 @compiled
 def heed_person(p: Program, st: State) -> None:
-    """Do what the person wants: take over, asked or not; hand back where nothing asks; stop where they have left.
+    """Carry out the person's wish: take over at any time, hand back if no cause requests, stop if the person has left.
 
-    Who looks on, an experimenter, may want the automation to request a takeover now.
+    An experimenter may also wish that the automation requests a takeover now.
     """
     wish = st.person_wish[0]
     state = st.takeover_state[0]
@@ -55,7 +55,7 @@ def heed_person(p: Program, st: State) -> None:
 
 @compiled
 def drive_by_person(st: State, i: int) -> None:
-    """Give the ego the person's pedals and wheel."""
+    """Apply the person's pedals and steering wheel to the ego."""
     st.command_throttle[i] = clip(st.person_throttle[0], 0.0, 1.0)
     st.command_brake[i] = clip(st.person_brake[0], 0.0, 1.0)
     st.command_steer[i] = clip(st.person_steer[0], -1.0, 1.0)

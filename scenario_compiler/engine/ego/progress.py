@@ -1,8 +1,8 @@
-"""Whether the automated vehicle stands without a reason.
+"""Detects that the automated vehicle stands without a reason.
 
-A reason is a leader that moves or a queue behind one, a red signal, a collision, and a stop that the scenario orders: a
-target speed of zero, or a brake that an action holds. The stop of a minimum-risk manoeuvre is none of the automation's
-driving, and at its destination the run ends.
+Reasons are a leader that moves or a queue behind one, a red signal, a collision, and a stop that the scenario orders: a
+target speed of zero or an input that an action holds. The stop of a minimum-risk manoeuvre does not count, because the
+automation no longer drives; at the destination the run ends.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from scenario_compiler.engine.ego.objects_ahead import QUEUE_GAP, follows_any
 from scenario_compiler.marker import compiled
 
 CREEPING = 0.5
-"""Speed under which a vehicle makes no progress, m/s: the last metre to a gap is crept at less."""
+"""Speed below which a vehicle makes no progress, m/s; the last metre up to a gap is driven more slowly."""
 
 
 @compiled
 def stop_is_ordered(st: State) -> int:
-    """Return 1 where the scenario orders the ego to stand."""
+    """Return 1 if the scenario orders the ego to stand."""
     if st.target_speed[0] <= CREEPING:
         return 1
     held = st.held_on[op.HELD_BRAKE] == 1 and st.held_value[op.HELD_BRAKE] > 0.0
@@ -35,14 +35,14 @@ def stop_is_ordered(st: State) -> int:
 
 @compiled
 def waits_at_red(p: Program, st: State, i: int) -> int:
-    """Return 1 where the ego is the first before the line of a red signal."""
+    """Return 1 if the ego is the first vehicle before the line of a red signal."""
     front = front_of(p, i)
     return 1 if st.red_line[0] < front + QUEUE_GAP else 0
 
 
 @compiled
 def stands_with_reason(p: Program, st: State, i: int) -> int:
-    """Return 1 where something that needs no request holds the ego, or where it is not automated."""
+    """Return 1 if the ego has a reason to stand that needs no request, or is not automated."""
     automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
     if not automated or st.crashed[0] == 1 or stop_is_ordered(st) == 1 or waits_at_red(p, st, i) == 1:
         return 1
@@ -51,7 +51,7 @@ def stands_with_reason(p: Program, st: State, i: int) -> int:
 
 @compiled
 def watch_progress(p: Program, st: State, i: int) -> None:
-    """Measure for how long the automated ego has stood without a reason; log it once a stop where that is too long."""
+    """Measure how long the automated ego has stood without a reason; if that is too long, log it once for each stop."""
     st.held_up[0] = 0
     if st.v[i] >= CREEPING or stands_with_reason(p, st, i) == 1:
         st.held_up_since[0] = -1.0

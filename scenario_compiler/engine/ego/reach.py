@@ -1,34 +1,34 @@
-"""How far the forward sensor sees: one equation for camera, radar and lidar, whose terms are the weather's.
+"""How far a sensor sees in the weather: one equation for camera, radar and lidar.
 
-A sensor that sees R far in clear air sees d far where
+A sensor with the range R in clear air sees as far as d, where
 
     d exp(a d + b max(d - f, 0)) = q R
 
-    a    what rain and dust take, 1/m, by kind (below)
-    b    what fog takes, 1/m, which begins f ahead of the sensor (`fog_distance` of the weather)
-    q    what the sensor's own noise and faults leave: of a camera its health (`camera_health`), of a radar and a lidar
+    a    extinction by rain and dust, 1/m, which depends on the kind of sensor (below)
+    b    extinction by fog, 1/m, which begins f ahead of the sensor (`fog_distance` of the weather)
+    q    what the sensor's own noise and faults leave: for a camera its health (`camera_health`), for radar and lidar
          10^(-noise / 40), for noise in dB above that for which R holds
 
-Camera: what an object's contrast with its surroundings is at d falls with exp(-e d) at an extinction e of the air
-(Koschmieder 1924), and the signal-to-noise ratio that its picture has with 1 / d (Rose 1948): a = e, b = e of the fog.
-Lidar: the echo of what fills the beam falls with exp(-2 e d) / d^2 (the lidar equation; Rasshofer, Spies and Spies
-2011): the same. Radar: the echo of a point falls with exp(-2 g d) / d^4 (the radar equation): a = g / 2.
+Camera: the contrast of an object with its surroundings falls with exp(-e d) at an extinction e of the air (Koschmieder
+1924), and the signal-to-noise ratio of its picture with 1 / d (Rose 1948): a = e, and b = e of the fog. Lidar: the echo
+of an object that fills the beam falls with exp(-2 e d) / d^2 (the lidar equation; Rasshofer, Spies and Spies 2011),
+which gives the same a and b. Radar: the echo of a point falls with exp(-2 g d) / d^4 (the radar equation): a = g / 2.
 
 Extinctions, with R the rain in mm/h, which is half of `precipitation` in percent:
 
     fog and dust   light: as in `visibility`; 5 % of a contrast are left at the meteorological optical range ln 20 / e
-    rain           light: 1.076 R^0.67 dB/km (Carbonneau and Wisely 1998); drops are far longer than the waves of light,
-                   so that camera and lidar lose alike
+    rain           light: 1.076 R^0.67 dB/km (Carbonneau and Wisely 1998); drops are far larger than the wavelength of
+                   light, so that camera and lidar lose alike
     rain           77 GHz: 1.13 R^0.717 dB/km (Recommendation ITU-R P.838-3, horizontal polarization)
     fog            77 GHz: 3.15 dB/km for each g/m3 of water (Recommendation ITU-R P.840, at 10 degrees Celsius), with
                    0.5 g/m3 at 50 m of visibility and 0.05 g/m3 at 300 m (the same), a power law between
-    dust           77 GHz: nothing
+    dust           77 GHz: none
 
-Night: what is dark is seen by a camera as far as the vehicle's own headlights light it, 5 lux at `headlights`, where
-that is nearer than R; light goes there and back, so that the equation stays. Twilight between a sun at the horizon and
-6 degrees below it (the end of civil twilight) goes over on a straight line. Radar and lidar bring their own light.
+Night: a camera sees dark objects only as far as the vehicle's own headlights light them (5 lux at `headlights`), if
+that is less than R. This light travels there and back, so that the equation holds. During civil twilight (the sun from
+0 to 6 degrees below the horizon) the range changes linearly. Radar and lidar emit their own signal.
 
-What is not modelled: the echo of fog, drops and spray themselves, drops on the lens, glare, the lights of others.
+Not modelled: the echo of fog, drops and spray themselves, drops on the lens, glare, and the lights of other vehicles.
 """
 
 from __future__ import annotations
@@ -62,17 +62,17 @@ from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
 MM_PER_PERCENT = 0.5
-"""Rain for each percent of `precipitation`, mm/h; 50 mm/h is a cloudburst in the German weather service's terms."""
+"""Rain per percent of `precipitation`, mm/h; 50 mm/h is a cloudburst in the terms of the German weather service."""
 
 LN_10 = 2.302585092994046
 PER_DECIBEL = 2.302585092994046e-4
-"""Extinction of a power, 1/m, that is an attenuation of 1 dB/km: ln 10 / 10 000."""
+"""Extinction of power, 1/m, for an attenuation of 1 dB/km: ln 10 / 10 000."""
 
 RAIN_LIGHT = 1.076
 RAIN_LIGHT_POWER = 0.67
 RAIN_RADAR = 1.13
 RAIN_RADAR_POWER = 0.717
-"""Attenuation by 1 mm/h of rain, dB/km, and its growth with the rain."""
+"""Attenuation by 1 mm/h of rain, dB/km, and the exponent of its growth with the rain."""
 
 LN_20 = 2.995732273553991
 """Meteorological optical range times extinction: 5 % of a contrast are left."""
@@ -82,21 +82,25 @@ WATER_RADAR = 3.15
 
 WATER_AT_50 = 0.5
 WATER_POWER = 1.2850972089384687
-"""Liquid water of fog with 50 m of visibility, g/m3, and its growth as that falls: ln 10 / ln 6."""
+"""Liquid water of fog with 50 m of visibility, g/m3, and the exponent of its growth with falling visibility: ln 10 / ln
+6.
+"""
 
 TWILIGHT = 6.0
 """Depression of the sun at which civil twilight ends, degrees."""
 
 LEAST = 1.0e-12
-"""Least rain, mm/h, and least extinction, as a share of that of 50 m of visibility, whose power is taken."""
+"""Lower bound, before a power is taken, of the rain in mm/h and of the extinction relative to that at 50 m of
+visibility.
+"""
 
 HALVINGS = 40
-"""How often the interval of the equation's solution is halved: from 10 km to 1e-8 m."""
+"""How often bisection halves the interval of the equation's solution: from 10 km to 1e-8 m."""
 
 
 @compiled
 def rain_attenuation(rain: float, factor: float, power: float) -> float:
-    """Return the extinction of rain, mm/h, from its power law in dB/km, as 1/m."""
+    """Return the extinction by `rain`, mm/h, from its power law in dB/km, 1/m."""
     if rain <= 0.0:
         return 0.0
     return PER_DECIBEL * factor * exp(clip(power * log(max(rain, LEAST)), -50.0, 50.0))
@@ -104,7 +108,7 @@ def rain_attenuation(rain: float, factor: float, power: float) -> float:
 
 @compiled
 def fog_on_radar(extinction: float) -> float:
-    """Return the extinction that fog has at 77 GHz, 1/m, from that which it has for light, 1/m."""
+    """Return the extinction of fog at 77 GHz, 1/m, from its extinction of light, 1/m."""
     if extinction <= 0.0:
         return 0.0
     denser = log(max(50.0 * extinction / LN_20, LEAST))
@@ -114,7 +118,7 @@ def fog_on_radar(extinction: float) -> float:
 
 @compiled
 def seen_through(reach: float, air: float, fog: float, begin: float) -> float:
-    """Return the distance that the equation above has for a reach q R, m: the reach itself in clear air."""
+    """Return the solution d of the equation above for q R = `reach`, m; in clear air this is the reach itself."""
     if reach <= 0.0 or (air <= 0.0 and fog <= 0.0):
         return max(reach, 0.0)
     near = 0.0
@@ -131,14 +135,14 @@ def seen_through(reach: float, air: float, fog: float, begin: float) -> float:
 
 @compiled
 def lit_reach(reach: float, headlights: float, sun_altitude: float) -> float:
-    """Return how far a camera sees in clear air by the light that there is, m."""
+    """Return how far a camera sees in clear air in the present daylight, m."""
     day = clip((sun_altitude + TWILIGHT) / TWILIGHT, 0.0, 1.0)
     return day * reach + (1.0 - day) * min(reach, headlights)
 
 
 @compiled
 def seen_in_weather(p: Program, st: State, kind: int, reach: float, quality: float) -> float:
-    """Return how far a sensor of a kind sees in the present weather, m, of which noise and faults leave `quality`."""
+    """Return how far a sensor of a kind sees in the present weather, m; `quality` is q of the equation above."""
     fog = clip(0.01 * st.weather[W_FOG_DENSITY], 0.0, 1.0)
     dust = clip(0.01 * st.weather[W_DUST_STORM], 0.0, 1.0)
     rain = MM_PER_PERCENT * clip(st.weather[W_PRECIPITATION], 0.0, 100.0)
@@ -155,13 +159,13 @@ def seen_in_weather(p: Program, st: State, kind: int, reach: float, quality: flo
 
 @compiled
 def reach_in_weather(p: Program, st: State, quality: float) -> float:
-    """Return how far the forward sensor sees in the present weather, m, where noise and faults leave `quality`."""
+    """Return how far the forward sensor sees in the present weather, m; `quality` is q of the equation above."""
     return seen_in_weather(p, st, p.forward_sensor[0], p.const[slot.K_SENSOR_RANGE], quality)
 
 
 @compiled
 def driver_sight(p: Program, st: State) -> float:
-    """Return how far the driver sees now, m: as a camera of that range; worked out again as the weather changes."""
+    """Return how far the driver sees now, m: like a camera of that range. The value is kept while the weather lasts."""
     if st.sight_known[0] == 0:
         st.sight_known[0] = 1
         st.driver_sight[0] = seen_in_weather(p, st, op.SENSOR_CAMERA, p.const[slot.K_SIGHT], 1.0)
@@ -170,9 +174,9 @@ def driver_sight(p: Program, st: State) -> float:
 
 @compiled
 def quality_of_sensor(p: Program, health: float) -> float:
-    """Return what noise and faults leave of the reach, q of the equation above.
+    """Return q of the equation above: what noise and faults leave of the sensor's range.
 
-    The echo's power falls with d^4 at a radar's receiver, and the power of the current that it makes at a lidar's.
+    The received power falls with d^4 for a radar; for a lidar, the power of the detector's current does.
     """
     if p.forward_sensor[0] != op.SENSOR_CAMERA:
         return exp(clip(-p.const[slot.K_SENSOR_NOISE] * LN_10 / 40.0, -50.0, 50.0))
@@ -182,7 +186,7 @@ def quality_of_sensor(p: Program, health: float) -> float:
 
 @compiled
 def sensor_reach(p: Program, st: State) -> float:
-    """Return how far the forward sensor sees now, m; worked out again where the weather or the camera has changed."""
+    """Return how far the forward sensor sees now, m; computed again only if the weather or the camera has changed."""
     health = health_of_camera(p, st) if p.forward_sensor[0] == op.SENSOR_CAMERA else 1.0
     if st.reach_known[0] == 0 or health != st.reach_health[0]:
         st.reach_known[0] = 1

@@ -1,9 +1,9 @@
-"""Reference drivers by their formulas: the careful and competent driver after UN R157, RSS, the fuzzy safety model.
+"""Reference drivers: the careful and competent driver of UN R157, RSS, and the fuzzy safety model.
 
-They keep their lane and the wanted speed, and brake for what comes or is ahead. The formulas are those of the JRC's
-program for the three models as far as they are published (RSS: Shalev-Shwartz et al. 2017; FSM: Mattas et al. 2020);
-the condition by which the fuzzy safety model takes a vehicle to cut in is that of esmini's R157 controller. The text of
-the careful and competent driver leaves open when a cut-in is perceived, so that there are three readings.
+They keep their lane and the wanted speed, and brake for what is ahead or cuts in. The formulas are those of the JRC's
+program for the three models as far as they are published (RSS: Shalev-Shwartz et al. 2017; FSM: Mattas et al. 2020).
+The condition under which the fuzzy safety model recognises a cut-in is that of esmini's R157 controller. The text of UN
+R157 does not define when the careful and competent driver perceives a cut-in, so there are three readings.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
 WANDERING = 0.375
-"""Sideways way that is not yet a change of lane, m: UN R157, careful and competent driver."""
+"""Lateral displacement that is not yet a lane change, m: UN R157, careful and competent driver."""
 
 RISK_TIME = 0.4
 RISK_WAY = 0.72
-"""Time in which he evaluates the risk, s, and the way in it at 1.8 m/s, m: UN R157."""
+"""Time to evaluate the risk, s, and the lateral distance moved in it at 1.8 m/s, m: UN R157."""
 
 DELAY = 0.75
-"""Time from the perceived risk to braking, s: UN R157; the response time of RSS and FSM in the JRC's program."""
+"""Time from the perceived risk to braking, s: UN R157; in the JRC's program also the response time of RSS and FSM."""
 
 LIFT_OFF = 0.4
 """Deceleration during the delay, m/s2: UN R157, careful and competent driver."""
@@ -37,14 +37,14 @@ JERK = 12.65
 """0.774 g, m/s2, and 0.774 g in 0.6 s, m/s3: UN R157."""
 
 CRITICAL_TIME = 2.0
-"""Time to collision of a cut-in, and time gap to a vehicle in the lane, below which he brakes, s: UN R157."""
+"""Time to collision of a cut-in, and time gap to a vehicle in the lane, below which the driver brakes, s: UN R157."""
 
 RSS_ACCELERATION = 3.0
 RSS_BRAKING = 6.0
 RSS_MARGIN = 0.3
 RSS_ASIDE = 1.0
-"""RSS in the JRC's program after UN R157: acceleration in the response time and braking of both, m/s2; lateral margin,
-m, and lateral acceleration, m/s2.
+"""Parameters of RSS in the JRC's program for UN R157: acceleration during the response time, m/s2; braking of both
+vehicles, m/s2; lateral margin, m; lateral acceleration, m/s2.
 """
 
 FSM_GENTLE = 4.0
@@ -52,20 +52,20 @@ FSM_HARD = 6.0
 FSM_LEADER = 7.0
 FSM_SPACE = 2.0
 FSM_LATERAL = 0.1
-"""FSM in the JRC's program, after Mattas et al. 2020: comfortable and hardest braking of the follower, braking of the
-leader, m/s2; the space at a standstill, m; and the time by which a vehicle that comes in must be earlier, s.
+"""Parameters of FSM in the JRC's program, after Mattas et al. 2020: comfortable and hardest braking of the follower,
+m/s2; braking of the leader, m/s2; gap at standstill, m; time by which a cutting-in vehicle must arrive earlier, s.
 """
 
 STEER_ACCELERATION = 6.0
-"""Bound of the lateral acceleration that is steered for, m/s2; chosen."""
+"""Greatest lateral acceleration that is steered for, m/s2; chosen."""
 
 STEADY = 0.05
-"""Lateral speed below which a vehicle keeps its place in the lane, m/s; chosen."""
+"""Lateral speed below which a vehicle keeps its position in the lane, m/s; chosen."""
 
 
 @compiled
 def proactive(gap: float, v: float, lead: float) -> float:
-    """Return the fuzzy proactive surrogate safety metric PFS, 0 (safe) to 1."""
+    """Return the proactive fuzzy surrogate safety metric PFS, 0 (safe) to 1, for a gap, m, and two speeds, m/s."""
     needed = v * DELAY - lead * lead / (2.0 * FSM_LEADER)
     safe = needed + v * v / (2.0 * FSM_GENTLE) + FSM_SPACE
     unsafe = needed + v * v / (2.0 * FSM_HARD)
@@ -74,7 +74,7 @@ def proactive(gap: float, v: float, lead: float) -> float:
 
 @compiled
 def critical(gap: float, v: float, lead: float, a: float) -> float:
-    """Return the fuzzy critical surrogate safety metric CFS, 0 (safe) to 1; `a` is the follower's acceleration."""
+    """Return the critical fuzzy surrogate safety metric CFS, 0 (safe) to 1; `a` is the follower's acceleration."""
     if v <= lead:
         return 0.0
     now = max(a, -FSM_GENTLE)
@@ -93,7 +93,7 @@ def critical(gap: float, v: float, lead: float, a: float) -> float:
 
 @compiled
 def rss_distance(v: float, lead: float) -> float:
-    """Return the longitudinal distance that RSS calls safe behind a leader, m."""
+    """Return the safe longitudinal distance of RSS behind a leader, m."""
     faster = v + DELAY * RSS_ACCELERATION
     stopping = faster * faster / (2.0 * RSS_BRAKING)
     return v * DELAY + 0.5 * RSS_ACCELERATION * DELAY * DELAY + stopping - lead * lead / (2.0 * RSS_BRAKING)
@@ -101,21 +101,21 @@ def rss_distance(v: float, lead: float) -> float:
 
 @compiled
 def rss_side_distance(aside: float) -> float:
-    """Return the lateral distance that RSS calls safe to a vehicle with a lateral speed, m."""
+    """Return the safe lateral distance of RSS to a vehicle with the lateral speed `aside`, m."""
     faster = aside + RSS_ASIDE * DELAY
     return RSS_MARGIN + abs(2.0 * aside + RSS_ASIDE * DELAY) * 0.5 * DELAY + faster * faster / (2.0 * RSS_ASIDE)
 
 
 @compiled
 def side_room(p: Program, st: State, i: int, j: int) -> float:
-    """Return the lateral distance between i's and j's sides, not positive where they overlap, m."""
+    """Return the lateral distance between the sides of i and j, m; not positive if they overlap."""
     half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH]
     return max(st.low[j] - st.path_off[0] - half, st.path_off[0] - half - st.high[j])
 
 
 @compiled
 def minds_cut_in(st: State, j: int, kind: int, room: float) -> int:
-    """Return 1 where the careful and competent driver has perceived and evaluated that j comes in."""
+    """Return 1 if the careful and competent driver has perceived the cut-in of j and evaluated its risk."""
     moved = abs(0.5 * (st.low[j] + st.high[j]) - st.place_before[j])
     perceived = room <= 0.0
     if kind == op.REFERENCE_CAREFUL:
@@ -133,7 +133,7 @@ def minds_cut_in(st: State, j: int, kind: int, room: float) -> int:
 
 @compiled
 def danger_of(p: Program, st: State, i: int, j: int, kind: int, gap: float) -> float:
-    """Return the braking that j calls for by the model's condition, m/s2; 0 where it calls for none."""
+    """Return the deceleration that j requires under the model's condition, m/s2; 0 if none."""
     v = st.v[i]
     lead = st.along[j]
     room = side_room(p, st, i, j)
@@ -159,7 +159,7 @@ def danger_of(p: Program, st: State, i: int, j: int, kind: int, gap: float) -> f
 
 @compiled
 def note_place(p: Program, st: State, i: int, j: int) -> None:
-    """Keep where j drives while it does not move sideways, and whether that is in i's lane."""
+    """Record the lateral position of j while it does not move sideways, and whether it is in i's lane there."""
     if abs(st.across[j]) < STEADY or st.place_known[j] == 0:
         st.place_known[j] = 1
         st.place_before[j] = 0.5 * (st.low[j] + st.high[j])
@@ -168,9 +168,10 @@ def note_place(p: Program, st: State, i: int, j: int) -> None:
 
 @compiled
 def reference_braking(p: Program, st: State, i: int, kind: int) -> float:
-    """Return the acceleration of a reference driver now, FAR where there is nothing to brake for.
+    """Return the acceleration of a reference driver now, m/s2; FAR if there is nothing to brake for.
 
-    He lifts off or holds his speed in the delay, and does not speed up again behind what he has braked for.
+    During the delay the driver lifts off the accelerator or holds the speed. After braking for a vehicle, the driver
+    does not accelerate again behind it.
     """
     front = front_of(p, i)
     called = 0.0
@@ -206,7 +207,7 @@ def reference_braking(p: Program, st: State, i: int, kind: int) -> float:
 
 @compiled
 def drive_by_reference(n: RoadTables, p: Program, st: State, i: int, kind: int) -> None:
-    """Do what a reference driver does at a control step; the way ahead has been looked at."""
+    """Drive the ego for one control step as a reference driver; the path ahead must have been measured before."""
     step = JERK * p.const[slot.K_STEP] * p.control_every[0]
     wanted = reference_braking(p, st, i, kind)
     if wanted >= op.FAR:

@@ -1,8 +1,8 @@
-"""The forward sensor: what is seen, how wide gaps are, where the lane ends, whether the gap beside is free."""
+"""The forward sensor: visible entities, widths of gaps, the end of the lane, and the gap in the neighbouring lane."""
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import cos, pi
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -13,6 +13,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.ahead import measure_on_way, walk, walk_route
 from scenario_compiler.engine.motion.beside import neighbour_lane
+from scenario_compiler.engine.motion.collision import face
 from scenario_compiler.engine.motion.path import preferred_road
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable
@@ -21,52 +22,56 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import distance_to_lane_end
 
 SLOW = 2.0
-"""Speed along the way below which an entity does not lead, m/s."""
+"""Speed along the path below which an entity is not a leader, m/s."""
 
 CROSSING = 0.5
-"""Speed across the way from which on something crosses, m/s; chosen: slower than walking."""
+"""Speed across the path from which an entity counts as crossing, m/s; chosen: slower than walking."""
 
 CROSSING_TIME = 1.0
-"""Time by which what crosses must be gone before the ego is there, s; chosen."""
+"""Time by which a crossing entity must have left before the ego arrives, s; chosen."""
 
 LANE_END_HORIZON = 300.0
-"""How far ahead the end of the lane is looked for, m."""
+"""Distance up to which the end of the lane is searched ahead, m."""
 
 LOOK_AGAIN = 50.0
-"""Way after which it is looked for again, m."""
+"""Distance after which the end of the lane is searched again, m."""
 
 THROUGH_MORE = 20.0
-"""How much further than an ending lane the lane beside must go on, m."""
+"""Least distance by which the neighbouring lane must continue beyond the end of the ending lane, m."""
 
 GAP_HORIZON = 150.0
-"""How far ahead and behind vehicles in the lane beside are looked for, m."""
+"""Distance ahead and behind within which vehicles in the neighbouring lane are considered, m."""
 
 EDGE = 0.2
-"""How far something may reach over the edge of a lane beside that counts as free of it, m; chosen: half a cone."""
+"""How far an object may reach over the edge of a neighbouring lane that still counts as free, m; chosen: half a cone.
+"""
 
 LEAST_GAP = 2.0
-"""Distance to a vehicle in the lane beside that is never free, m."""
+"""Distance to a vehicle in the neighbouring lane below which the gap is never free, m."""
 
 
 @compiled
 def open_eye(p: Program, st: State, i: int, reach: float, view: float) -> None:
-    """Let i look from its front bumper along its heading, within a range and a full angle of view."""
+    """Set the sensor of entity i, at its front bumper and along its heading: range, m, and full angle of view, rad."""
     front = front_of(p, i)
-    c = cos(st.h[i])
-    s = sin(st.h[i])
+    face(st, i)
+    c = st.box_cos[i]
+    s = st.box_sin[i]
     st.eye_x[0] = st.x[i] + front * c
     st.eye_y[0] = st.y[i] + front * s
     st.eye_cos[0] = c
     st.eye_sin[0] = s
     st.eye_reach[0] = reach
-    st.eye_edge[0] = cos(clip(0.5 * view, 0.0, pi))
+    if view != st.eye_view[0]:
+        st.eye_view[0] = view
+        st.eye_edge[0] = cos(clip(0.5 * view, 0.0, pi))
 
 
 @compiled
 def ray_free(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int:
-    """Return 1 where no box but those of i and j cuts the segment by (dx, dy) from the eye.
+    """Return 1 if no box but those of i and j intersects the segment (dx, dy) that starts at the sensor.
 
-    The axes that may divide them are the segment and its normal, by the box's circle, then the normal and the box's.
+    This is a separating-axis test. The cheap axes, of the segment and of the box's bounding circle, come first.
     """
     squared = dx * dx + dy * dy
     for k in range(p.entity_count[0]):
@@ -82,8 +87,9 @@ def ray_free(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int
         over = along - squared if along > squared else -along
         if (over > 0.0 and over * over > within) or there_for(st, k, op.SEEN_BY_SENSORS) == 0:
             continue
-        c = cos(st.h[k])
-        s = sin(st.h[k])
+        face(st, k)
+        c = st.box_cos[k]
+        s = st.box_sin[k]
         u = 0.5 * (dx * c + dy * s)
         v = 0.5 * (dy * c - dx * s)
         base = p.entity_const[k]
@@ -98,7 +104,7 @@ def ray_free(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int
 
 @compiled
 def point_seen(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int:
-    """Return 1 where a point of j at (dx, dy) from i's eye is in range and in view and nothing hides it."""
+    """Return 1 if a point of j at (dx, dy) from i's sensor is in range, within the angle of view and not hidden."""
     squared = dx * dx + dy * dy
     if squared > st.eye_reach[0] * st.eye_reach[0]:
         return 0
@@ -109,12 +115,14 @@ def point_seen(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> i
 
 @compiled
 def outermost_corners(p: Program, st: State, j: int, dx: float, dy: float) -> tuple[float, float, float, float]:
-    """Return the ways (x, y, x, y) from the eye to the two corners that bound j's box for it, by that to its centre.
+    """Return the vectors (x, y, x, y) from the sensor to the two corners of j's box that bound its outline.
 
-    They are those of one side where the eye is within that side's strip, else two opposite ones.
+    (dx, dy) is the vector from the sensor to the centre of the box. The corners belong to one side if the sensor is
+    within the strip of that side; otherwise they are opposite.
     """
-    c = cos(st.h[j])
-    s = sin(st.h[j])
+    face(st, j)
+    c = st.box_cos[j]
+    s = st.box_sin[j]
     base = p.entity_const[j]
     long = 0.5 * p.const[base + slot.E_LENGTH]
     wide = 0.5 * p.const[base + slot.E_WIDTH]
@@ -138,7 +146,7 @@ def outermost_corners(p: Program, st: State, j: int, dx: float, dy: float) -> tu
 
 @compiled
 def sees(p: Program, st: State, i: int, j: int) -> int:
-    """Return 1 where the centre of j's box or one of its two outermost corners is seen by i's open eye."""
+    """Return 1 if i's sensor sees the centre of j's box or one of the two corners that bound its outline."""
     if there_for(st, j, op.SEEN_BY_SENSORS) == 0:
         return 0
     dx = st.middle_x[j] - st.eye_x[0]
@@ -153,9 +161,9 @@ def sees(p: Program, st: State, i: int, j: int) -> int:
 
 @compiled
 def foresee(st: State, i: int, j: int, front: float) -> None:
-    """Shift the box of a slow, crossing or oncoming entity to the side by what it moves until i is there.
+    """Shift the box of a slow, crossing or oncoming entity sideways by the distance that it moves until i arrives.
 
-    What crosses is given a time more to be gone: its box reaches back by the way of that time.
+    The box of a crossing entity is also extended backwards by the distance of CROSSING_TIME.
     """
     gap = st.near[j] - front
     if gap <= 0.0:
@@ -172,7 +180,7 @@ def foresee(st: State, i: int, j: int, front: float) -> None:
 
 @compiled
 def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view: float) -> None:
-    """Measure every entity along the ego's path, and find those ahead that are in a range and an angle of view."""
+    """Measure every entity along the ego's path, and mark those ahead that are within range, in view and not hidden."""
     front = front_of(p, i)
     far = reach + 50.0
     open_eye(p, st, i, reach, view)
@@ -190,7 +198,7 @@ def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view:
 
 @compiled
 def obstructs(st: State, j: int, front: float) -> int:
-    """Return 1 for a seen entity ahead on the way that is slow, crossing or oncoming."""
+    """Return 1 if an entity is seen ahead on the path and is slow, crossing or oncoming."""
     if st.seen[j] == 1 and st.on_way[j] == 1 and st.along[j] < SLOW and st.far[j] > front:
         return 1
     return 0
@@ -200,10 +208,11 @@ def obstructs(st: State, j: int, front: float) -> int:
 def gap_between(
     p: Program, st: State, begin: float, end: float, front: float, right: float, left: float, need: float, wish: float
 ) -> tuple[int, float, float]:
-    """Return (found, centre, width) of a gap between `right` and `left` past all that stands from `begin` to `end`.
+    """Return (found, centre, width) of a gap between `right` and `left` beside all obstacles from `begin` to `end`.
 
-    Both are distances along the way, m. Of the gaps at least `need` wide, the one is taken whose admissible centre lies
-    nearest to `wish`; with none, found is 0 and width is that of the widest.
+    `begin` and `end` are distances along the path, the others offsets from its centre, m. Of the gaps that are at least
+    `need` wide, the one with an admissible centre nearest to `wish` is chosen. Without one, found is 0; width is always
+    that of the widest gap.
     """
     found = 0
     best = 0.0
@@ -233,9 +242,9 @@ def gap_between(
 
 @compiled
 def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Write how far the path's lane goes on, and which lane beside it goes on further, where one does.
+    """Write the distance to the end of the path's lane, and which neighbouring lane continues further, if any.
 
-    A look reaches further than it has to, so that there is none for a while where the lane does not end.
+    The search covers LOOK_AGAIN more than needed; if the lane does not end there, no search is needed for a while.
     """
     st.lane_end_distance[0] = op.FAR
     st.through_lane[0] = 0
@@ -270,7 +279,7 @@ def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def in_lane(st: State, j: int) -> int:
-    """Return 1 where the box of an entity on the way reaches into the way's lane, and not over its edge alone."""
+    """Return 1 if the box of an entity on the path reaches into the path's lane by more than the tolerance EDGE."""
     if st.on_way[j] == 1 and st.low[j] < st.border_left[j] - EDGE and st.high[j] > st.border_right[j] + EDGE:
         return 1
     return 0
@@ -278,7 +287,7 @@ def in_lane(st: State, j: int) -> int:
 
 @compiled
 def gap_ahead_free(p: Program, st: State, i: int, front: float) -> int:
-    """Return 1 where nothing in the walked lane is beside the ego or nearer ahead than the time gap asks for."""
+    """Return 1 if nothing in the searched lane is beside the ego or nearer ahead than the time gap requires."""
     rear = rear_of(p, i)
     keep = max(LEAST_GAP, p.const[slot.K_GAP_FRONT] * st.v[i])
     for j in range(p.entity_count[0]):
@@ -289,7 +298,7 @@ def gap_ahead_free(p: Program, st: State, i: int, front: float) -> int:
 
 @compiled
 def gap_behind_free(p: Program, st: State, i: int) -> int:
-    """Return 1 where nobody in the lane walked backwards closes up too soon."""
+    """Return 1 if nobody in the lane, searched backwards, approaches too fast from behind."""
     rear = rear_of(p, i)
     for j in range(p.entity_count[0]):
         if j != i and in_lane(st, j) == 1 and st.near[j] > rear:
@@ -301,10 +310,10 @@ def gap_behind_free(p: Program, st: State, i: int) -> int:
 
 @compiled
 def gap_is_free(n: RoadTables, p: Program, st: State, i: int, road: int, lane: int, s: float) -> int:
-    """Return 1 where the ego may enter a lane beside it: front by time gap, behind by the time to close up.
+    """Return 1 if the ego may enter a lane beside it: by the time gap ahead, and by the time to close up behind.
 
-    All vehicles count: the sensors to the side and behind are taken as perfect. Writes the scratch columns again, and
-    whether there is traffic in that lane: anything but what stands there for good.
+    All vehicles count, because the side and rear sensors are assumed to be perfect. The function overwrites the
+    measurements of the path ahead, and sets `used_beside` to 1 if there is anything but static objects in that lane.
     """
     st.used_beside[0] = 0
     front = front_of(p, i)

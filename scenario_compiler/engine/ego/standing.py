@@ -1,6 +1,6 @@
 """The place of a vehicle that has been stopped: its own lane, another lane, a shoulder, or off the road.
 
-It obstructs a lane for driving where nothing ahead holds it: others would go on there.
+It obstructs a lane for driving if nothing ahead holds it, because others would drive on there.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from scenario_compiler.roads.lanes import lane_type, row_width
 from scenario_compiler.roads.tables import RoadTables
 
 HELD_WITHIN = 30.0
-"""Distance up to which something ahead holds a vehicle that stands, m; chosen: a stop with room to spare."""
+"""Distance up to which something ahead is taken to hold a standing vehicle, m; chosen: a stop with room to spare."""
 
 
 @compiled
 def standing_place(n: RoadTables, st: State, i: int) -> int:
-    """Return the STANDS_... code of where the ego's reference point is; its own lane is that of its path."""
+    """Return the STANDS_... code of the place of the ego's reference point; its own lane is that of its path."""
     road = st.road[i]
     if road < 0 or st.lane[i] == 0:
         return op.STANDS_OFF_ROAD
@@ -39,9 +39,9 @@ def standing_place(n: RoadTables, st: State, i: int) -> int:
 
 @compiled
 def is_held(p: Program, st: State, i: int) -> int:
-    """Return 1 where an object, a red signal or the end of the lane close ahead, or a collision, holds the ego.
+    """Return 1 if an object, a red signal or the end of the lane close ahead, or a collision, holds the ego.
 
-    A leader that moves on holds nobody.
+    A moving leader does not hold it.
     """
     front = front_of(p, i)
     leader, gap = nearest_ahead(p, st, i, op.AHEAD_FOLLOWED)

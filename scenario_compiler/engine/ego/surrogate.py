@@ -1,21 +1,21 @@
 """Surrogate perception: estimates the output of camera and lane detector from what the engine knows.
 
-A network with one hidden layer goes over the features of a side (`view`) and gives two numbers: the logit of the
-confidence that the detector would have in that boundary, and how far that side draws the followed path off the lane's
-centre. What the function leaves open belongs to the place, not to the run: a camera that drives the same way twice
-sees the same. So it is noise that depends on the road, the lane, the side and the place along the road alone, linear
-between cells.
+A network with one hidden layer takes the features of one side (`view`) and returns two numbers: the logit of the
+detector's confidence in that boundary, and how far that side shifts the followed path from the lane's centre. The error
+that remains belongs to the location and not to the run, because a camera that drives the same road twice sees the same.
+It is therefore modelled as noise that depends only on the road, the lane, the side and the position along the road, and
+is linear between cells.
 
 The coefficients stand in the program's numbers from `surrogate_const` on, in this order:
 
-    VIEW_SIZE           least value of each feature in the runs that it was fitted to
-    VIEW_SIZE           greatest value; features are held between the two, and a look outside is counted
-    VIEW_SIZE + 1 rows  what each feature, and last the bias, gives to the HIDDEN units and the two outputs
-    HIDDEN rows         what each unit (x / (1 + |x|)) gives to the two outputs
-    4                   size of the noise of the logit and its cell, m; the same for the path, m
-    DRIVING             how the automation drives (`S_...`)
+    VIEW_SIZE           least value of each feature in the runs of the fit
+    VIEW_SIZE           greatest value; features are clipped to this range, and a value outside of it is counted
+    VIEW_SIZE + 1 rows  weights of each feature, and last the bias, for the HIDDEN units and the two outputs
+    HIDDEN rows         weights of each unit (x / (1 + |x|)) for the two outputs
+    4                   size and cell length, m, of the logit's noise; the same for the path, m
+    DRIVING             parameters of the automation's driving (`S_...`)
 
-The automation then drives as the controller `lane_detection` does, along the path that the surrogate says it sees.
+The automation then drives as the controller `lane_detection` does, along the path that the surrogate reports.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ FIRST_AT = 2 * VIEW_SIZE
 SECOND_AT = FIRST_AT + (VIEW_SIZE + 1) * UNITS
 NOISE_AT = SECOND_AT + HIDDEN * OUTPUTS
 DRIVING_AT = NOISE_AT + 4
-"""Where the coefficients stand, from `surrogate_const` on."""
+"""Positions of the coefficients, from `surrogate_const` on."""
 
 N_CONFIDENCE = 0
 N_CONFIDENCE_CELL = 1
@@ -58,33 +58,33 @@ S_LATERAL = 6
 S_ACCELERATION = 7
 S_DECELERATION = 8
 DRIVING = 9
-"""Places of the parameters of `lane_detection`."""
+"""Positions of the parameters of `lane_detection`."""
 
 COEFFICIENTS = DRIVING_AT + DRIVING
-"""How many numbers surrogate perception has."""
+"""Number of coefficients of surrogate perception."""
 
 TOO_SMALL = 0.004
 """Change of a feature that is not worth taking up, as a share of its domain."""
 
 PATH_SIDE = 2
-"""The stream of the path's noise beside those of the left (0) and the right (1) boundary."""
+"""Random stream of the path's noise; those of the left and right boundary are 0 and 1."""
 
 FARTHEST_OFF = 3.0
 """Greatest distance between the lane's centre and the followed path, m."""
 
 BRAKE_SHARE = 0.25
-"""Brake per unit of throttle that is missing, as in `lane_detection`."""
+"""Brake command per unit of negative throttle, as in `lane_detection`."""
 
 BYTES_MEAN = 510.0
 BYTES_DEVIATION = 147.8
-"""Mean and standard deviation of the sum of four bytes that are drawn alike."""
+"""Mean and standard deviation of the sum of four uniformly distributed bytes."""
 
 BENDS = 11
 BEND_FROM = 4.0
 BEND_TO = 36.0
 BEND_STEP = 3.2
 BEND_KNOWN = 2.0
-"""Bends that limit the speed are looked for at so many places from 4 to 36 m ahead, and after 2 m again."""
+"""Bends that limit the speed are searched at BENDS places from 4 m to 36 m ahead, and again after 2 m."""
 
 NO_BOUND = 1000.0
 """Lateral acceleration that no vehicle reaches, m/s2: `lane_detection` steers without a bound."""
@@ -92,7 +92,7 @@ NO_BOUND = 1000.0
 
 @compiled
 def draw_at(road: int, lane: int, side: int, cell: int) -> float:
-    """Return the number that belongs to a cell of a place: nearly normal, of four bytes of a hash."""
+    """Return the random number of a cell: approximately normal, from the sum of four bytes of a hash."""
     bits = random_hash(road, op.STREAM_SURROGATE + 16 * side, lane & 0xFFFF, cell)
     total = (bits & 255) + ((bits >> 8) & 255) + ((bits >> 16) & 255) + ((bits >> 24) & 255)
     return (total - BYTES_MEAN) / BYTES_DEVIATION
@@ -100,7 +100,7 @@ def draw_at(road: int, lane: int, side: int, cell: int) -> float:
 
 @compiled
 def noise_at(road: int, lane: int, side: int, s: float, cell: float) -> float:
-    """Return the noise of a place, of mean 0 and deviation 1, linear between cells of a length, m."""
+    """Return the noise at s, with mean 0 and standard deviation 1, linear between cells of length `cell`, m."""
     place = s / max(cell, 0.1)
     number = int(clip(place, 0.0, 1.0e9))
     share = clip(place - number, 0.0, 1.0)
@@ -207,7 +207,7 @@ def surrogate_confidence(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def seen_angle(n: RoadTables, p: Program, st: State, i: int) -> float:
-    """Return the angle of the front wheels that leads along the path that the surrogate sees."""
+    """Return the angle of the front wheels that follows the path seen by the surrogate, rad."""
     if st.path_road[0] < 0:
         return 0.0
     driving = p.surrogate_const[0] + DRIVING_AT
@@ -226,7 +226,7 @@ def seen_angle(n: RoadTables, p: Program, st: State, i: int) -> float:
 
 @compiled
 def straight_for(n: RoadTables, st: State) -> float:
-    """Return how far the path is known to be straight from here on, m."""
+    """Return the distance for which the path is known to be straight, m."""
     piece = st.path_piece[0]
     row = st.path_row[0]
     if row < 0 or n.piece_kind[piece] != LINE or n.lane_steady[row] == 0:
@@ -266,7 +266,7 @@ def look_for_bends(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def speed_for_bends(n: RoadTables, p: Program, st: State, i: int) -> float:
-    """Return the speed from which the bends ahead can be reached by comfortable braking, m/s."""
+    """Return the greatest speed from which comfortable braking suffices for the bends ahead, m/s."""
     if st.odometer[i] >= st.slow_until[0] or st.slow_row[0] != st.path_row[0]:
         look_for_bends(n, p, st, i)
     driving = p.surrogate_const[0] + DRIVING_AT
@@ -276,7 +276,7 @@ def speed_for_bends(n: RoadTables, p: Program, st: State, i: int) -> float:
 
 @compiled
 def drive_as_seen(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Give throttle and brake as `lane_detection` does: the desired speed, or the gap to what is ahead."""
+    """Command throttle and brake as `lane_detection` does, for the desired speed or the gap to what is ahead."""
     driving = p.surrogate_const[0] + DRIVING_AT
     base = p.entity_const[i]
     v = st.v[i]

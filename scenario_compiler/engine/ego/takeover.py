@@ -1,7 +1,7 @@
-"""The takeover: from a cause to a warning, a request, escalation, a response or the minimum-risk manoeuvre.
+"""The takeover: warning, request, escalation, response and minimum-risk manoeuvre.
 
-It is stepped on control steps. Causes look back on a number of control steps (`count` of the last `of`). The driver
-answers at a time that is drawn when he is asked; before it nothing but the automation acts.
+It advances at control steps. A cause must hold in `count` of the last `of` control steps. The time of the driver's
+response is drawn at the request; until then only the automation acts.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ HISTORY_SIZE = 32
 
 @compiled
 def remember(st: State, cause: int, raw: int, count: float, of: float) -> None:
-    """Note whether there is a reason for a cause at this control step; it asks where there was in `count` of `of`."""
+    """Record whether a cause has a reason at this control step; it asks if it had one in `count` of the last `of`."""
     bits = (st.history[cause] * 2 + raw) & 0xFFFFFFFF
     st.history[cause] = bits
     st.asking[cause] = 0
@@ -48,14 +48,14 @@ def remember(st: State, cause: int, raw: int, count: float, of: float) -> None:
 
 @compiled
 def lacks_confidence(p: Program, st: State) -> int:
-    """Return 1 where the lane confidence of both sides is too low."""
+    """Return 1 if the confidence in both sides of the lane is too low."""
     limit = p.const[slot.K_CONFIDENCE_REQUEST]
     return 1 if st.conf_left[0] < limit and st.conf_right[0] < limit else 0
 
 
 @compiled
 def asking_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
-    """Return the cause that asks for a takeover now, CAUSE_NONE without one; every history is brought up to date."""
+    """Return the cause that asks for a takeover now, or CAUSE_NONE; updates the history of every cause."""
     unwell = 1 if st.health[0] < p.const[slot.K_HEALTH_REQUEST] else 0
     near = request_distance(p, closing_speed(st, i), slot.K_BLOCKED_BUDGET, slot.K_BLOCKED_COUNT)
     blocked = 1 if st.blocked_distance[0] <= near else 0
@@ -82,14 +82,14 @@ def asking_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
 
 @compiled
 def foreseen_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
-    """Return the cause that there is a reason to warn of, CAUSE_NONE without one."""
+    """Return the cause of which there is a reason to warn, or CAUSE_NONE."""
     within = warning_distance(p, st.v[i], slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET)
     return warning_cause(p, st, i, lane_ends(n, p, st, within))
 
 
 @compiled
 def request_takeover(p: Program, st: State, cause: int) -> None:
-    """Ask the driver, for a cause."""
+    """Request a takeover for a cause, and plan the driver's response."""
     now = st.clock[0]
     st.takeover_state[0] = op.TAKEOVER_REQUEST
     st.cause[0] = cause
@@ -104,7 +104,7 @@ def request_takeover(p: Program, st: State, cause: int) -> None:
 
 @compiled
 def step_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Automated or warning: request for a cause, warn, or end the warning."""
+    """Advance the states automated and warning: request a takeover, begin a warning or end it."""
     cause = asking_cause(n, p, st, i)
     if st.ordered_request[0] != op.CAUSE_NONE:
         cause = st.ordered_request[0]
@@ -123,7 +123,7 @@ def step_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def switch_hazard_lights(st: State, on: int) -> None:
-    """Switch the hazard lights, and log it where that changes them."""
+    """Switch the hazard lights, and log a change."""
     if st.hazard_lights[0] != on:
         st.hazard_lights[0] = on
         log_event(st, op.EVENT_HAZARD_LIGHTS, 1.0 * on)
@@ -131,7 +131,7 @@ def switch_hazard_lights(st: State, on: int) -> None:
 
 @compiled
 def answer(st: State) -> None:
-    """The driver takes over."""
+    """Let the driver take over."""
     now = st.clock[0]
     st.takeover_state[0] = op.TAKEOVER_MANUAL
     st.manual_since[0] = now
@@ -145,7 +145,7 @@ def answer(st: State) -> None:
 
 @compiled
 def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Requested, escalated or in the minimum-risk manoeuvre: look for an answer, standstill, manoeuvre, escalation."""
+    """Advance the states request, escalation and minimum-risk manoeuvre to response, standstill or the next of them."""
     now = st.clock[0]
     state = st.takeover_state[0]
     note_stages(st)
@@ -170,7 +170,7 @@ def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def hand_back(st: State) -> None:
-    """The driver hands back; the automation drives from the next control step on."""
+    """Hand control back; the automation drives from the next control step on."""
     st.takeover_state[0] = op.TAKEOVER_HAND_BACK
     st.cause[0] = op.CAUSE_NONE
     st.warning_reason_since[0] = -1.0
@@ -181,7 +181,7 @@ def hand_back(st: State) -> None:
 
 @compiled
 def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Manual: hand back after the given time where nothing asks; a control step later the automation drives."""
+    """Advance the manual states: hand back after the given time if no cause asks, and activate a control step later."""
     cause = asking_cause(n, p, st, i)
     if st.takeover_state[0] == op.TAKEOVER_HAND_BACK:
         st.takeover_state[0] = op.TAKEOVER_AUTOMATED
@@ -201,9 +201,9 @@ def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def step_takeover(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Step the machine once.
+    """Advance the takeover by one control step.
 
-    A request or a warning that is ordered while control is handed back waits until the automation drives.
+    A request or warning that is ordered during the hand-back waits until the automation drives.
     """
     state = st.takeover_state[0]
     if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):

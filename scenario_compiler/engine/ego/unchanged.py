@@ -1,6 +1,6 @@
 """The time that a request leaves if no object causes it: until the paint ends, or the ego leaves its lane.
 
-Both are of a vehicle that goes on as it does: with its speed, and the angle of its front wheels.
+Both times assume that the ego keeps its speed and the angle of its front wheels.
 """
 
 from __future__ import annotations
@@ -19,23 +19,25 @@ from scenario_compiler.roads.lanes import lane_inside, lane_pose, row_width
 from scenario_compiler.roads.tables import RoadTables
 
 PAINT_AHEAD = 60
-"""How far ahead of the front bumper the end of the paint is looked for, m: as far as a camera follows a line."""
+"""Distance ahead of the front bumper up to which the end of the paint is searched, m: as far as a camera follows a
+line.
+"""
 
 LOOK_EACH = 0.1
-"""Time from one place that would be reached to the next, s."""
+"""Time between two predicted positions, s."""
 
 LOOKS = 300
-"""Number of these places: 30 s, the horizon of times to collision too."""
+"""Number of predicted positions: 30 s, which is also the horizon of times to collision."""
 
 STRAIGHT = 1.0e-6
-"""Curvature below which a way counts as straight, 1/m."""
+"""Curvature below which a path counts as straight, 1/m."""
 
 
 @compiled
 def distance_to_paint_end(n: RoadTables, p: Program, st: State, i: int) -> float:
-    """Return how far ahead of the front bumper neither side of the lane has paint to follow, m; FAR where all has.
+    """Return the distance from the front bumper to where neither side has usable paint, m; FAR if there is none.
 
-    Paint to follow is seen in the present weather with the confidence below which the automation asks, or better.
+    Paint is usable if its confidence in the present weather is not below the automation's threshold for a request.
     """
     front = front_of(p, i)
     for k in range(PAINT_AHEAD):
@@ -51,7 +53,7 @@ def distance_to_paint_end(n: RoadTables, p: Program, st: State, i: int) -> float
 
 @compiled
 def time_to_leave(n: RoadTables, p: Program, st: State, i: int) -> float:
-    """Return the time until a side of the ego is beyond its lane, or the lane ends, s; FAR beyond the horizon."""
+    """Return the time until a side of the ego is outside its lane, or the lane ends, s; FAR beyond the horizon."""
     base = p.entity_const[i]
     bend = tan(st.steer[i]) / max(p.const[base + slot.E_WHEELBASE], 0.1)
     h = st.h[i]
@@ -77,10 +79,10 @@ def time_to_leave(n: RoadTables, p: Program, st: State, i: int) -> float:
 
 @compiled
 def time_left(n: RoadTables, p: Program, st: State, i: int, cause: int) -> float:
-    """Return the time budget of a request that is not about an obstacle, s; FAR for one that is, and where it is none.
+    """Return the time budget of a request that is not about an obstacle or the end of the lane, s; FAR for one that is.
 
-    Of lane confidence it is the time to the end of the paint, of other causes, and where no end is in sight, that
-    until the ego leaves its lane.
+    For the cause lane confidence, this is the time to the end of the paint. For other causes, and if no end is in
+    sight, it is the time until the ego leaves its lane. It is also FAR if the ego stands or has no path.
     """
     if cause in (op.CAUSE_PATH_BLOCKED, op.CAUSE_LANE_ENDS) or st.v[i] <= 0.0 or st.path_road[0] < 0:
         return op.FAR

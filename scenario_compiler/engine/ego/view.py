@@ -1,8 +1,8 @@
-"""The features of surrogate perception: what a camera of the ego has in view, as numbers.
+"""The features of surrogate perception: numbers that describe what the ego's camera has in view.
 
-They are what the engine knows of the paint on both sides, the way, the weather, the camera and who is in the picture
-(`columns.view` names them). The surrogate is fitted to these numbers as they were in runs with the camera, so that fit
-and use share this one function.
+They describe the paint on both sides, the road, the weather, the camera and the vehicles in the picture, as far as the
+engine knows them (`columns.view` names the features). The surrogate was fitted to the same features of runs with a
+camera, so that fit and use share this one function.
 """
 
 from __future__ import annotations
@@ -55,10 +55,10 @@ BENDS_APART = 10.0
 
 LEADER_REACH = 60.0
 LEADER_SCALE = 12.0
-"""Up to where objects ahead count, m, and the gap by which their weight falls to 1/e."""
+"""Distance up to which objects ahead count, m, and the gap over which their weight falls to 1/e, m."""
 
 COVERED = 0.6
-"""An object covers a line that lies no further than this outside its box, m."""
+"""An object covers a line that is at most this far outside its box, m."""
 
 HALF_LANE = 1.75
 
@@ -103,7 +103,7 @@ def lane_bend(n: RoadTables, road: int, lane: int, row: int, s: float) -> float:
 
 @compiled
 def paint_stays(st: State) -> int:
-    """Return 1 where the marks are known to stay as they are as far as the view reaches."""
+    """Return 1 if the road marks are known not to change within the range of the view."""
     s = st.path_s[0]
     end = s + st.path_sense[0] * SEEN_TO
     if st.path_row[0] != st.even_row[0] or min(s, end) <= st.even_from[0] or max(s, end) >= st.even_to[0]:
@@ -247,7 +247,7 @@ def look_at_camera(st: State) -> None:
 def look_at_others(p: Program, st: State, i: int) -> None:
     """Note how near what stands or drives on the way is, and whether it covers a line of the lane.
 
-    Where others are on the way is what the last look ahead measured.
+    The positions along the path are those of the last look ahead.
     """
     front = front_of(p, i)
     half = max(0.5 * st.lane_width[0], HALF_LANE)
@@ -325,7 +325,7 @@ def note_obstacle(p: Program, st: State, i: int, j: int) -> None:
 
 @compiled
 def look_at_view(n: RoadTables, p: Program, st: State) -> int:
-    """Write the features of both sides; return 0, and write nothing, where the ego is on no lane."""
+    """Write the features of both sides and return 1; return 0 and write nothing if the ego is on no lane."""
     i = p.ego[0]
     if i < 0 or st.path_found[0] == 0 or st.path_row[0] < 0:
         return 0
@@ -345,7 +345,7 @@ def look_at_view(n: RoadTables, p: Program, st: State) -> int:
 
 @compiled
 def way_stays(n: RoadTables, st: State) -> int:
-    """Return 1 where lines, bend, grade and width are the same as far as the view reaches, in both directions."""
+    """Return 1 if lines, curvature, grade and width do not change within the range of the view."""
     road = st.path_road[0]
     row = st.path_row[0]
     piece = st.path_piece[0]
@@ -362,7 +362,7 @@ def way_stays(n: RoadTables, st: State) -> int:
 
 @compiled
 def alone(p: Program, st: State, i: int) -> int:
-    """Return 1 where nobody is near enough ahead to be a feature."""
+    """Return 1 if nothing ahead is near enough to be a feature."""
     front = front_of(p, i)
     for j in range(p.entity_count[0]):
         if j != i and st.on_way[j] == 1 and st.far[j] > front and st.near[j] - front <= LEADER_REACH:
@@ -372,9 +372,9 @@ def alone(p: Program, st: State, i: int) -> int:
 
 @compiled
 def view_stays(n: RoadTables, p: Program, st: State) -> int:
-    """Return 1 where the features are as at the last look, but for changes that are too small to matter.
+    """Return 1 if the features of the last view still hold, apart from negligible changes.
 
-    `view_row` is NONE where that look is not to be kept.
+    `view_row` is NONE if that view must not be kept.
     """
     i = p.ego[0]
     if i < 0 or st.view_row[0] == op.NONE or st.view_row[0] != st.path_row[0] or st.view_piece[0] != st.path_piece[0]:
@@ -393,7 +393,7 @@ def view_stays(n: RoadTables, p: Program, st: State) -> int:
 
 @compiled
 def may_keep(n: RoadTables, p: Program, st: State) -> int:
-    """Return 1 where way, air and camera are constant and nobody is near enough ahead to be a feature."""
+    """Return 1 if road, weather and camera are constant and nothing ahead is near enough to be a feature."""
     if st.weather_to[0] != op.NONE or p.failure_count[0] > 0 or way_stays(n, st) == 0:
         return 0
     return alone(p, st, p.ego[0])
@@ -411,7 +411,7 @@ def votes_settled(st: State) -> int:
 
 @compiled
 def keep_view(n: RoadTables, p: Program, st: State) -> None:
-    """Note whether the view that has just been written may be kept at later looks, and what it was written for."""
+    """Write whether the view that was just computed may be kept, and the state of the ego that it belongs to."""
     i = p.ego[0]
     st.view_row[0] = st.path_row[0] if may_keep(n, p, st) == 1 and votes_settled(st) == 1 else op.NONE
     st.view_piece[0] = st.path_piece[0]

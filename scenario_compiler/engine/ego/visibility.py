@@ -46,29 +46,32 @@ W_FOG_DISTANCE = 7
 W_FOG_FALLOFF = 8
 W_WETNESS = 9
 W_DUST_STORM = 13
-"""Places of numbers in a weather."""
+"""Positions of numbers in a weather."""
 
 FOG_AT_ONE = 0.07
 DUST_AT_ONE = 0.03
 """Extinction of the thickest fog and dust, 1/m: 5 % of a contrast are left at 43 m and at 100 m."""
 
 FOG_THINNED = 0.083
-"""How much thinner fog is between the ground and a camera 2.4 m above it, per unit of its falloff with height: at a
-falloff of 1 it reaches over houses, at 5 it still covers the road."""
+"""How much thinner fog is between the ground and a camera 2.4 m above it, per unit of its falloff with height. At a
+falloff of 1 the fog reaches over houses, at 5 it still covers the road.
+"""
 
 LOOK_THROUGH = 9.0
-"""How far ahead the fog's share is taken, m: the marks are looked at from 5 m on, and in fog the nearest count most."""
+"""Distance at which the effect of fog is evaluated, m: the marks are sampled from 5 m on, and in fog the nearest count
+most.
+"""
 
 FADED_MIDDLE = 1.87
 FADED_WIDTH = 0.40
-"""The confidence is one half where the logarithm of the contrast is -1.87, a contrast of 0.15."""
+"""The confidence is one half if the logarithm of the contrast is -1.87, a contrast of 0.15."""
 
 LEAST_CONTRAST = 1.0e-3
 
 
 @compiled
 def paint_contrast(wet: float, rain: float, sun_altitude: float) -> float:
-    """Return the share of a mark's contrast with the asphalt that survives, 0-1: the curve above.
+    """Return the share of a mark's contrast with the asphalt that remains, 0 to 1: the curve above.
 
     Args:
         wet: Water on the road, 0-1.

@@ -1,10 +1,10 @@
-"""When the automation warns: a cause is foreseen, or its reason is weak.
+"""When the automation warns: a cause of a request is foreseen, or its reason is weak.
 
-Entering and leaving have thresholds and least durations of their own, so that no warning flickers: a reason must hold
-for `warning_after`; a warning lasts `warning_least` and until no reason has been there for `warning_clear`. A camera
-that fails altogether cannot be foreseen and is not warned of: while its health is below the request's threshold,
-neither it nor the lane that it does not see is a reason to warn. A limit ahead that is seen too late for a warning to
-lead the request is not warned of either: there is only the request.
+Beginning and ending have thresholds and least durations of their own, so that no warning flickers. A reason must hold
+for `warning_after`; a warning lasts for at least `warning_least`, and until there has been no reason for
+`warning_clear`. A total failure of the camera cannot be foreseen, so there is no warning of it: while the camera's
+health is below the threshold of the request, neither the camera nor the lane that it does not see is a reason to warn.
+If a limit ahead is detected too late for a warning before the request, there is only the request.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MOST_PERIODS = 1.0e9
 def time_to_begin(p: Program) -> float:
     """Return the time from the first control step with a reason to warn to the warning, s: whole control periods.
 
-    A time that is NaN or too long to be counted is returned as it is.
+    A time that is NaN or too long to be counted is returned unchanged.
     """
     period = max(control_period(p), op.TOLERANCE)
     periods = p.const[slot.K_WARNING_AFTER] / period - op.TOLERANCE
@@ -38,10 +38,10 @@ def time_to_begin(p: Program) -> float:
 
 @compiled
 def warning_distance(p: Program, closing: float, own: int, budget: int) -> float:
-    """Return the distance within which a limit ahead that is approached at a speed is a reason to warn, m.
+    """Return the distance to a limit within which there is a reason to warn, m; `closing` is the closing speed, m/s.
 
-    The warning begins within a control period of its own budget, in the slot `own`. Without one it leads the request by
-    `warning_lead`, whatever it takes to begin.
+    With a budget of its own in the slot `own`, the warning begins within one control period of it. Without one, the
+    warning begins `warning_lead` before the request, taking into account the time until a warning begins.
     """
     time = p.const[own]
     if time < 0.0:
@@ -51,9 +51,10 @@ def warning_distance(p: Program, closing: float, own: int, budget: int) -> float
 
 @compiled
 def too_late_to_lead(p: Program, distance: float, closing: float, own: int, budget: int) -> int:
-    """Return 1 where a warning that began now would lead the request by less than `warning_lead`.
+    """Return 1 if a warning that begins now would be less than `warning_lead` before the request.
 
-    A control period less is allowed, as the speed may rise. A warning with a budget of its own is never too late.
+    One control period less is allowed, because the speed may rise. A warning with a budget of its own is never too
+    late.
     """
     time = budget_of(p, budget) + p.const[slot.K_WARNING_LEAD] - control_period(p)
     return 1 if p.const[own] < 0.0 and distance < time * closing - op.TOLERANCE else 0
@@ -61,7 +62,7 @@ def too_late_to_lead(p: Program, distance: float, closing: float, own: int, budg
 
 @compiled
 def comes_too_late(p: Program, st: State, i: int, cause: int) -> int:
-    """Return 1 where the limit ahead that a cause is about is too near for a warning."""
+    """Return 1 if the limit ahead that a cause is about is too near for a warning."""
     if cause == op.CAUSE_PATH_BLOCKED:
         near, closing = st.blocked_distance[0], closing_speed(st, i)
         return too_late_to_lead(p, near, closing, slot.K_BLOCKED_WARNING, slot.K_BLOCKED_BUDGET)
@@ -73,14 +74,14 @@ def comes_too_late(p: Program, st: State, i: int, cause: int) -> int:
 
 @compiled
 def warns_of_camera(p: Program, st: State, shown: int) -> int:
-    """Return 1 where the camera's health is low but not gone; `shown` is 1 while a warning is shown."""
+    """Return 1 if the camera's health is low but not lost; `shown` is 1 while a warning is shown."""
     limit = p.const[slot.K_HEALTH_OVER] if shown == 1 else p.const[slot.K_HEALTH_WARNING]
     return 1 if st.health[0] < limit and st.health[0] >= p.const[slot.K_HEALTH_REQUEST] else 0
 
 
 @compiled
 def warns_of_lane(p: Program, st: State, shown: int) -> int:
-    """Return 1 where a side of the lane is seen badly by a camera that works; `shown` as above."""
+    """Return 1 if a working camera recognises a side of the lane badly; `shown` is 1 while a warning is shown."""
     limit = p.const[slot.K_CONFIDENCE_OVER] if shown == 1 else p.const[slot.K_CONFIDENCE_WARNING]
     if st.health[0] < p.const[slot.K_HEALTH_REQUEST]:
         return 0
@@ -89,7 +90,7 @@ def warns_of_lane(p: Program, st: State, shown: int) -> int:
 
 @compiled
 def warns_of_standing(p: Program, st: State) -> int:
-    """Return 1 where the vehicle will soon have stood for too long."""
+    """Return 1 if the vehicle will soon have stood for too long."""
     if st.held_up_since[0] < 0.0:
         return 0
     early = p.const[slot.K_WARNING_LEAD] + time_to_begin(p) + control_period(p)
@@ -99,9 +100,9 @@ def warns_of_standing(p: Program, st: State) -> int:
 
 @compiled
 def warning_cause(p: Program, st: State, i: int, ending: int) -> int:
-    """Return the cause that there is a reason to warn of, CAUSE_NONE without one.
+    """Return the cause of which there is a reason to warn, or CAUSE_NONE.
 
-    `ending` is 1 where the lane ends within the warning's distance and no gap beside it is free.
+    `ending` is 1 if the lane ends within the warning's distance and no gap beside it is free.
     """
     shown = 1 if st.takeover_state[0] == op.TAKEOVER_WARNING else 0
     if p.cause_on[op.CAUSE_SENSOR_HEALTH] == 1 and warns_of_camera(p, st, shown) == 1:
@@ -132,7 +133,7 @@ def warn(st: State, cause: int) -> None:
 
 @compiled
 def note_reason(st: State, cause: int) -> None:
-    """Keep since when there is a reason to warn, or none."""
+    """Record since when there has been a reason to warn, or none."""
     if cause != op.CAUSE_NONE:
         st.warning_clear_since[0] = -1.0
         if st.warning_reason_since[0] < 0.0:
@@ -145,7 +146,7 @@ def note_reason(st: State, cause: int) -> None:
 
 @compiled
 def step_warning(p: Program, st: State, i: int, cause: int) -> None:
-    """Begin or end the warning, for the cause that there is a reason to warn of now."""
+    """Begin or end the warning; `cause` is the cause of which there is a reason to warn now, or CAUSE_NONE."""
     now = st.clock[0]
     note_reason(st, cause)
     if st.takeover_state[0] == op.TAKEOVER_AUTOMATED:
@@ -163,7 +164,7 @@ def step_warning(p: Program, st: State, i: int, cause: int) -> None:
 
 @compiled
 def warned_long_enough(p: Program, st: State) -> int:
-    """Return 1 where a warning has been shown for as long as it is to lead a request."""
+    """Return 1 if a warning has been shown for the time by which it has to precede a request."""
     if p.const[slot.K_WARNING_LEAD] <= 0.0:
         return 1
     if st.takeover_state[0] != op.TAKEOVER_WARNING:

@@ -13,7 +13,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def reset_weather(p: Program, st: State) -> None:
-    """Put the weather to that of the start, where the program has one."""
+    """Set the weather of the start, if the program has one."""
     if p.weather_count[0] > 0:
         for k in range(op.WEATHER_SIZE):
             st.weather[k] = p.const[p.weather_const[0] + k]
@@ -25,7 +25,7 @@ def reset_weather(p: Program, st: State) -> None:
 
 @compiled
 def begin_weather(p: Program, st: State, action: int) -> None:
-    """Let the weather change from now on as an action says."""
+    """Begin the change of weather that an action orders."""
     st.weather_to[0] = p.action_other[action]
     st.weather_since[0] = st.clock[0]
     st.weather_over[0] = p.const[p.action_const[action] + slot.A_DYNAMICS]
@@ -35,7 +35,7 @@ def begin_weather(p: Program, st: State, action: int) -> None:
 
 @compiled
 def update_weather(p: Program, st: State) -> None:
-    """Bring the weather to where its change has come."""
+    """Advance a change of weather to the present time."""
     target = st.weather_to[0]
     if target < 0:
         return

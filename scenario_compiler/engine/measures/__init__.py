@@ -1,1 +1,1 @@
-"""Measures of a running run: totals to which each of its rows is added."""
+"""Measures of a run, as totals that are updated with each of its rows."""

@@ -1,7 +1,7 @@
-"""The least distance of the ego's box from others, and the least time to collision along the circle that it drives on.
+"""The least distance of the ego's box from others, and the least time to collision on the circle that it drives.
 
-The same formulas, in the same order of operations, stand in `recording.boxes` and `recording.on_path` over arrays. What
-is exact takes long: it is done only where a bound of it does not say that it cannot be a new least value.
+The same formulas, in the same order of operations, are in `recording.boxes` and `recording.on_path`, over arrays. The
+exact computation is slow, so it is done only if a bound does not rule out a new least value.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ STRAIGHT = 1e-6
 """Curvature below which a path counts as straight, 1/m."""
 
 SLACK = 1e-3
-"""What bounds are off by at most, m."""
+"""Tolerance of the bounds, m."""
 
 OTHER = 4
-"""Place of the other entity's corners, behind the ego's."""
+"""Index of the other entity's corners, after those of the ego."""
 
 
 @compiled
 def see_heading(st: State, m: Totals, i: int) -> None:
-    """Keep an entity's heading as it is recorded, its cosine and its sine; most drive straight on.
+    """Keep an entity's heading as it is recorded, with its cosine and sine; most entities drive straight on.
 
-    Those of its box are the same where the heading is, and are known.
+    Cosine and sine are those of the entity's box if its heading is the same.
     """
     h = st.h[i]
     if h < 0.0 or h >= 2.0 * pi:
@@ -51,7 +51,10 @@ def see_heading(st: State, m: Totals, i: int) -> None:
 
 @compiled
 def lay_corners(p: Program, st: State, m: Totals, i: int, base: int) -> None:
-    """Put the corners of a box into `corner_x` and `corner_y` from `base` on: front left, then around by the back."""
+    """Write the corners of a box to `corner_x` and `corner_y` from index `base`.
+
+    Their order is front left, rear left, rear right, front right.
+    """
     at = p.entity_const[i]
     long = 0.5 * p.const[at + slot.E_LENGTH]
     wide = 0.5 * p.const[at + slot.E_WIDTH]
@@ -67,7 +70,7 @@ def lay_corners(p: Program, st: State, m: Totals, i: int, base: int) -> None:
 
 @compiled
 def squared_distance_to_corners(p: Program, st: State, m: Totals, i: int, base: int) -> float:
-    """Return the least squared distance from the box of i to four corners."""
+    """Return the least squared distance from the box of i to four corners, m2."""
     at = p.entity_const[i]
     center = p.const[at + slot.E_CENTER]
     long = 0.5 * p.const[at + slot.E_LENGTH]
@@ -86,7 +89,10 @@ def squared_distance_to_corners(p: Program, st: State, m: Totals, i: int, base: 
 
 @compiled
 def lay_along_circle(st: State, m: Totals, ego: int) -> None:
-    """Put the other box's corners into `corner_along` and `corner_across`, along the circle that the ego drives on."""
+    """Write the other box's corners, relative to the circle that the ego drives, to `corner_along` and `corner_across`.
+
+    Both are in m; across is positive to the left.
+    """
     bend = m.curvature[0]
     side = -1.0 if bend < 0.0 else 1.0
     bent = 1 if abs(bend) > STRAIGHT else 0
@@ -108,7 +114,7 @@ def lay_along_circle(st: State, m: Totals, ego: int) -> None:
 
 @compiled
 def least_along(m: Totals, half: float) -> float:
-    """Return how near the part of the box in `corner_along` comes that lies within `half` of the circle, or FAR."""
+    """Return the least distance along the circle of the part of the box within `half` of the circle, m, or FAR."""
     least = op.FAR
     low = op.FAR
     high = -op.FAR
@@ -135,9 +141,9 @@ def least_along(m: Totals, half: float) -> float:
 
 @compiled
 def add_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: float) -> None:
-    """Add an entity whose corners have been laid, where it is in the path ahead.
+    """Add an entity that is in the path ahead; its corners must have been written.
 
-    A box on the far side of the circle, where ahead and behind meet, and one around its middle count as not ahead.
+    A box on the far side of the circle, where ahead and behind meet, and one around its centre do not count as ahead.
     """
     lay_along_circle(st, m, ego)
     along = least_along(m, 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH])
@@ -162,11 +168,11 @@ def add_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: float) 
 
 @compiled
 def may_be_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: float) -> int:
-    """Return 0 where an entity cannot give a new least time to collision, headway or room to brake.
+    """Return 0 if an entity cannot give a new least time to collision, headway or room to brake.
 
-    No part of a box is farther from its middle than its half diagonal; a part within w of a circle and `a` along it is
-    no farther away than a + w; the middle's distance from the circle is (2 left - k (ahead^2 + left^2)) / (1 + q), with
-    q its distance from the circle's centre times the curvature k.
+    No part of a box is farther from its centre than its half diagonal. A part within w of a circle and `a` along it is
+    no farther away than a + w. The distance of the box's centre from the circle is (2 left - k (ahead^2 + left^2)) / (1
+    + q), with q its distance from the circle's centre times the curvature k.
     """
     dx = st.middle_x[j] - st.x[ego]
     dy = st.middle_y[j] - st.y[ego]
@@ -192,7 +198,7 @@ def may_be_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: floa
 
 @compiled
 def add_distance(p: Program, st: State, m: Totals, ego: int, j: int) -> None:
-    """Add the distance of the other box, whose corners have been laid."""
+    """Add the distance to the other box, whose corners must have been written."""
     of_ego = squared_distance_to_corners(p, st, m, ego, OTHER)
     of_other = squared_distance_to_corners(p, st, m, j, 0)
     m.least_distance[0] = min(m.least_distance[0], sqrt(min(of_ego, of_other)))
@@ -200,7 +206,7 @@ def add_distance(p: Program, st: State, m: Totals, ego: int, j: int) -> None:
 
 @compiled
 def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
-    """Add the other entities' boxes of this row; nothing is left to find once boxes have overlapped."""
+    """Add the other entities' boxes in this row; after an overlap of boxes no smaller value is possible."""
     if m.touched[0] == 1:
         return
     front = front_of(p, ego)

@@ -1,9 +1,9 @@
-"""The least post-encroachment time: from one vehicle's leaving a place to the other's arrival there.
+"""The least post-encroachment time: from when one vehicle leaves a place until the other arrives there.
 
-Two vehicles were at one place where the box of one overlaps the box that the other had some rows before. The places
-of the last seconds are kept of every entity, in columns that are not cleared between runs: `trail_count` says which of
-them count. A look back skips the rows in which the other one was too far away to have come here, and says how far both
-may drive until there can be anything to find.
+Two vehicles were at the same place if the box of one overlaps the box that the other had some rows before. The poses of
+all entities in the last seconds are kept in columns that are not cleared between runs; `trail_count` says how many of
+them are valid. The search backwards skips the rows in which the other vehicle was too far away, and returns how far
+both may travel before there can be a result.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from scenario_compiler.engine.columns.totals import TRAIL_ROWS, Totals
 from scenario_compiler.marker import compiled
 
 LONGEST = 10.0
-"""Post-encroachment time from which on there is none, s: our own choice."""
+"""Post-encroachment time from which it counts as undefined, s; chosen."""
 
 APART = 0.1
-"""Time between two rows that are kept at most, s, where steps are no longer: our own choice."""
+"""Greatest time between two kept rows, s, unless the step is longer; chosen."""
 
 
 @compiled
 def rows_between(step: float) -> int:
-    """Return the number of time steps from one kept row to the next: as many as fit into `APART`, at least one."""
+    """Return the number of time steps from one kept row to the next: as many as fit into APART, at least one."""
     if not step > 0.0:
         return 1
     return int(clip(APART / max(step, 1.0e-9) + 1.0e-6, 1.0, 1.0e6))
@@ -35,7 +35,7 @@ def rows_between(step: float) -> int:
 
 @compiled
 def rows_looked_at(step: float) -> int:
-    """Return how many kept rows before the present one are looked at, and one."""
+    """Return the number of earlier kept rows that are compared with the present one, plus one."""
     if not step > 0.0:
         return 1
     return int(clip(LONGEST / max(step * rows_between(step), 1.0e-9) + 0.5, 1.0, 1.0 * TRAIL_ROWS))
@@ -43,7 +43,7 @@ def rows_looked_at(step: float) -> int:
 
 @compiled
 def begin_trails(p: Program, m: Totals, ego: int) -> None:
-    """Work out what stays as it is for a run: whether any other entity may move, and which rows are kept."""
+    """Write the constants of a run: how many other entities may move, and which rows are kept."""
     m.movers[0] = 0
     for i in range(p.entity_count[0]):
         if i != ego and p.entity_motion[i] != op.MOTION_STATIC:
@@ -54,7 +54,7 @@ def begin_trails(p: Program, m: Totals, ego: int) -> None:
 
 @compiled
 def keep_place(st: State, m: Totals, i: int, before: int) -> None:
-    """Keep where an entity is, and how far it has come at most since the row before, whose place is `before`."""
+    """Keep an entity's pose, and its displacement since the previous row, which has the index `before`."""
     at = i * TRAIL_ROWS + m.trail_at[0]
     x = st.middle_x[i]
     y = st.middle_y[i]
@@ -74,9 +74,9 @@ def keep_place(st: State, m: Totals, i: int, before: int) -> None:
 
 @compiled
 def divides(p: Program, i: int, j: int, along: float, across: float, c: float, s: float) -> int:
-    """Return 1 where an axis of box i divides it from box j, whose middle is (along, across) in its axes.
+    """Return 1 if an axis of box i separates it from box j, whose centre is (along, across) in i's axes.
 
-    The boxes are turned against each other by an angle of which the absolute cosine and sine are given.
+    `c` and `s` are the absolute cosine and sine of the angle between the boxes.
     """
     a = p.entity_const[i]
     b = p.entity_const[j]
@@ -89,7 +89,7 @@ def divides(p: Program, i: int, j: int, along: float, across: float, c: float, s
 
 @compiled
 def met_then(p: Program, st: State, m: Totals, i: int, at: int, j: int, dx: float, dy: float) -> int:
-    """Return 1 where the box that i had at a place of its trail overlaps j's now; between their middles is (dx, dy)."""
+    """Return 1 if i's box at an index of its trail overlaps j's present box; (dx, dy) leads from i's centre to j's."""
     ci = m.trail_cos[at]
     si = m.trail_sin[at]
     cj = st.box_cos[j]
@@ -103,10 +103,10 @@ def met_then(p: Program, st: State, m: Totals, i: int, at: int, j: int, dx: floa
 
 @compiled
 def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int) -> tuple[int, float]:
-    """Return how many kept rows ago i was last where j is now, if less than `limit`, else that; and a way, m.
+    """Return how many kept rows ago i was last where j is now, at most `limit`; and a distance, m.
 
-    Until both together have driven that far there is nothing to find. From a row in which the boxes are a gap apart,
-    half of it is skipped, so that those between are apart by the other half.
+    Before both together have travelled this distance, no result is possible. From a row in which the boxes are a gap
+    apart, the rows of half this distance are skipped, in which the boxes are still apart by the other half.
     """
     reach = st.reach[i] + st.reach[j]
     step = sqrt(max(m.trail_square[i], 0.0))
@@ -140,7 +140,7 @@ def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int) -> t
 
 @compiled
 def look_back_where_due(p: Program, st: State, m: Totals, j: int, ego: int, limit: int) -> int:
-    """Return the least number of kept rows between the ego's and j's being at one place, if less than `limit`."""
+    """Return the least number of kept rows between the presence of the ego and of j at one place, at most `limit`."""
     driven = m.trail_way[j] + m.trail_way[ego]
     m.free_before[j] -= driven
     m.free_behind[j] -= driven
@@ -156,7 +156,7 @@ def look_back_where_due(p: Program, st: State, m: Totals, j: int, ego: int, limi
 
 @compiled
 def add_encroachment(p: Program, st: State, m: Totals, ego: int) -> None:
-    """Add the row of now; nothing is left to find once boxes have overlapped at one time."""
+    """Add the present row; after an overlap of boxes no smaller value is possible."""
     if m.rows[0] == 1:
         begin_trails(p, m, ego)
     if st.flag[0] != op.FAULT_NONE or m.movers[0] == 0 or m.touched[0] == 1:

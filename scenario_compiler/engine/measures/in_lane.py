@@ -1,6 +1,6 @@
 """The ego in its lane: distances of its sides from the edges, and the time until it crosses them.
 
-The same formulas, in the same order of operations, stand in `recording.in_lane` over arrays.
+The same formulas, in the same order of operations, are in `recording.in_lane`, over arrays.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from scenario_compiler.marker import compiled
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 JUMP = 1.0
-"""Change of the lane offset from one row to the next that means another lane, m."""
+"""Change of the lane offset from one row to the next that indicates another lane, m."""
 
 
 @compiled
 def follow_departure(m: Totals, left: float, to_left: float, to_right: float) -> None:
     """Add a row in which the ego is beyond an edge of its lane, or off every lane.
 
-    How deep it is counts from the lane that it left; where its point comes into another one, its offset goes on as in
-    the row before.
+    The depth is measured from the lane that it left; when its reference point enters another lane, its offset is
+    continued as in the row before.
     """
     if m.departed[0] == 0:
         m.departed[0] = 1
@@ -58,7 +58,7 @@ def add_crossing(m: Totals, time: float) -> None:
 
 @compiled
 def surely_inside(p: Program, m: Totals, left: float) -> int:
-    """Return 1 where no corner can be beyond an edge: a sine is not above its angle, a cosine not above 1."""
+    """Return 1 if a bound shows that no corner is beyond an edge: a sine is at most its angle, a cosine at most 1."""
     base = p.entity_const[reported_entity(p)]
     reach = abs(p.const[base + slot.E_CENTER]) + 0.5 * p.const[base + slot.E_LENGTH]
     side = 0.5 * p.const[base + slot.E_WIDTH] + reach * abs(m.before_heading[0])
@@ -67,7 +67,7 @@ def surely_inside(p: Program, m: Totals, left: float) -> int:
 
 @compiled
 def add_in_lane(p: Program, m: Totals, left: float) -> None:
-    """Add the row that waits, whose offset from its lane's centre to the left is known now."""
+    """Add the waiting row, whose offset `left` to the left of its lane's centre is known now, m."""
     if m.before_present[0] == 0:
         m.departed[0] = 0
         return

@@ -11,9 +11,9 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def add_inputs(p: Program, m: Totals) -> None:
-    """Add the last row: the wheel counts from its angle in the first row from the response on.
+    """Add the last row; the steering is relative to the angle in the first row after the response.
 
-    What the automation commands, before the driver or after control is handed back, is no input of the driver's.
+    Commands of the automation, before the response or after the hand-back, are not inputs of the driver.
     """
     if m.row_present[0] == 0 or since(m, m.time_response[0]) == 0:
         return

@@ -17,7 +17,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def note_events(st: State, m: Totals) -> None:
-    """Take over when what happened first."""
+    """Copy the times of the first event of each kind."""
     m.time_warning[0] = st.time_warning[0]
     m.time_request[0] = st.time_request[0]
     m.time_escalation[0] = st.time_escalation[0]
@@ -38,7 +38,7 @@ def note_events(st: State, m: Totals) -> None:
 
 @compiled
 def judge_row(p: Program, st: State, m: Totals) -> None:
-    """Add the last row, whose time is over: all events of that time are known."""
+    """Add the last row once the next step has begun, when all events of its time are known."""
     if st.log_count[0] != m.events[0]:
         m.events[0] = st.log_count[0]
         note_events(st, m)
@@ -65,7 +65,7 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
 
 @compiled
 def note_fault(st: State, m: Totals) -> None:
-    """Store the fault that broke the run off, and the numbers of its entity."""
+    """Store the fault that stopped the run, and the state of its entity."""
     m.flag[0] = st.flag[0]
     m.flag_at[0] = st.flag_at[0]
     m.flag_time[0] = st.clock[0]
@@ -80,7 +80,7 @@ def note_fault(st: State, m: Totals) -> None:
 
 @compiled
 def finish_totals(p: Program, st: State, m: Totals) -> None:
-    """Add the last row, after which none follows, and how the run ended."""
+    """Add the last row of the run, and how the run ended."""
     judge_row(p, st, m)
     add_keeping(p, m, 0)
     finish_keeping(m)

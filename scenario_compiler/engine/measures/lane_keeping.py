@@ -1,4 +1,4 @@
-"""Lane keeping: the lateral position in the first seconds after the response, added up row by row."""
+"""Lane keeping: statistics of the lateral position in the first seconds after the response, row by row."""
 
 from __future__ import annotations
 
@@ -13,14 +13,17 @@ from scenario_compiler.marker import compiled
 
 SETTLING = 10.0
 SETTLED = 60.0
-"""Ends of the two windows after the response that lane keeping is measured in, s: from 0 to 10 s, and from there."""
+"""Ends of the two windows after the response in which lane keeping is measured, s: the first from 0 to 10 s, the second
+from there to 60 s.
+"""
 
 WINDOW = 10.0
-"""Length of the windows in which lane keeping is looked at for being stable, s: our own choice."""
+"""Length of the windows whose stability is assessed, s; chosen."""
 
 BAND = 0.25
-"""Standard deviation of the lateral position up to which it is stable, m: our own choice, the upper end of what is
-measured of drivers who have settled (0.15 to 0.25 m)."""
+"""Standard deviation of the lateral position up to which a window is stable, m; chosen: the upper end of what is
+measured for drivers who have settled (0.15 to 0.25 m).
+"""
 
 
 @compiled
@@ -40,7 +43,7 @@ def deviation_of(m: Totals, k: int) -> float:
 
 @compiled
 def rows_of_window(step: float) -> int:
-    """Return the number of rows of a window in which lane keeping may be stable."""
+    """Return the number of rows of a window whose stability is assessed."""
     if not step > 0.0:
         return 2
     return int(clip(WINDOW / max(step, 1.0e-6) + 0.5, 2.0, 1.0e6))
@@ -48,7 +51,7 @@ def rows_of_window(step: float) -> int:
 
 @compiled
 def add_stability(p: Program, m: Totals, position: float) -> None:
-    """Add a row that the driver drives who took over first; where a window is full, look whether it was stable."""
+    """Add a row in which the driver of the first response drives; when a window is full, assess its stability."""
     if m.before_driven[0] == 0 or m.before_present[0] == 0:
         return
     add_position(m, op.SPREAD_OF_WINDOW, position)
@@ -66,7 +69,7 @@ def add_stability(p: Program, m: Totals, position: float) -> None:
 
 @compiled
 def finish_keeping(m: Totals) -> None:
-    """Write the standard deviations of the windows that the run lasted through without a change of lane."""
+    """Write the standard deviations of the windows that the run covers completely and without a lane change."""
     for k in range(2):
         end = m.time_response[0] + (SETTLING if k == 0 else SETTLED)
         lasts = m.time_response[0] >= 0.0 and m.row_time[0] >= end - SAME_TIME
@@ -79,7 +82,7 @@ def finish_keeping(m: Totals) -> None:
 
 @compiled
 def step_to_last_row(m: Totals) -> int:
-    """Return the sign of the step along the road to the last row, 0 where it led to another road."""
+    """Return the sign of the step along the road to the last row; 0 if it led to another road."""
     if m.before_road[0] != m.row_road[0] or m.before_s[0] == m.row_s[0]:
         return 0
     return 1 if m.row_s[0] > m.before_s[0] else -1
@@ -87,9 +90,10 @@ def step_to_last_row(m: Totals) -> int:
 
 @compiled
 def add_offset(m: Totals, left: float) -> None:
-    """Add how far the row that waits lies from the centre of the lane at the request.
+    """Add the distance of the waiting row from the centre of the lane at the request.
 
-    A change of lane moves the centre that the offset is counted from; the vehicle itself goes on as in the row before.
+    A lane change shifts the centre from which the offset is measured; the vehicle itself is assumed to move as in the
+    row before.
     """
     changed = left - m.added_left[0]
     if m.added_count[0] > 0 and abs(changed) > JUMP:
@@ -108,10 +112,10 @@ def add_offset(m: Totals, left: float) -> None:
 
 @compiled
 def add_keeping(p: Program, m: Totals, step: int) -> None:
-    """Add the row that waits, now that the step along the road after it is known.
+    """Add the waiting row, once the step along the road after it is known.
 
-    Its offset counts to the left in the direction of travel: that of the step after it, else of the step before, else
-    of the last step that there was.
+    Its offset is positive to the left in the direction of travel: that of the step after it, or of the step before it,
+    or of the last step that had one.
     """
     sense = step if step != 0 else m.sense[0]
     if sense != 0:
@@ -132,7 +136,7 @@ def add_keeping(p: Program, m: Totals, step: int) -> None:
 
 @compiled
 def add_to_keeping(p: Program, m: Totals) -> None:
-    """Take the last row as the one that is added when the next is there."""
+    """Make the last row the waiting one, which is added when the next row is known."""
     if m.rows[0] > 1:
         step = step_to_last_row(m)
         add_keeping(p, m, step)

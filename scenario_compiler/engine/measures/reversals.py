@@ -1,8 +1,8 @@
-"""Steering reversals: the number of turns back by at least a gap, after a low-pass filter.
+"""Steering reversals: the number of reversals of at least a given angle, after a low-pass filter.
 
-Markkula and Engstrom 2006 count them with a cut-off of 0.6 Hz and a gap of 3 degrees, and with 2 Hz and 0.1 degrees
-for the small corrections of a loaded driver (not verified). The filter here runs forwards alone, so that it knows
-nothing of what is still to come: a Butterworth filter of second order by the bilinear transform.
+Markkula and Engstrom 2006 count them with a cut-off of 0.6 Hz and a gap of 3 degrees, and with 2 Hz and 0.1 degrees for
+the small corrections of a loaded driver (not verified). The filter here is causal, so that it uses no later rows: a
+Butterworth filter of second order by the bilinear transform.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ DEGREE = 0.017453292519943295
 
 @compiled
 def cut_off(k: int) -> float:
-    """Return the filter's cut-off of a variant of the measure, Hz."""
+    """Return the filter's cut-off frequency for a variant of the measure, Hz."""
     return 0.6 if k == 0 else 2.0
 
 
@@ -34,21 +34,29 @@ def least_gap(k: int) -> float:
 
 
 @compiled
-def filtered(m: Totals, k: int, angle: float, step: float) -> float:
-    """Return the filtered angle of this row; before the first row the wheel stood as in it."""
-    if m.driven_rows[0] == 0:
-        m.wheel_before[k] = angle
-        m.wheel_long_before[k] = angle
-        m.smooth_before[k] = angle
-        m.smooth_long_before[k] = angle
+def begin_filter(m: Totals, k: int, angle: float, step: float) -> None:
+    """Write the filter's weights; before the first row the wheel is taken to have stood still at an angle, rad."""
+    m.wheel_before[k] = angle
+    m.wheel_long_before[k] = angle
+    m.smooth_before[k] = angle
+    m.smooth_long_before[k] = angle
     turn = pi * cut_off(k) * step
     warped = sin(turn) / cos(turn) if cos(turn) > 0.0 else 0.0
     square = warped * warped
     norm = 1.0 / max(1.0 + ROOT * warped + square, 1.0)
-    weight = square * norm
+    m.raw_weight[k] = square * norm
+    m.smooth_weight[k] = 2.0 * (square - 1.0) * norm
+    m.smooth_long_weight[k] = (1.0 - ROOT * warped + square) * norm
+
+
+@compiled
+def filtered(m: Totals, k: int, angle: float, step: float) -> float:
+    """Return the filtered angle of this row, rad."""
+    if m.driven_rows[0] == 0:
+        begin_filter(m, k, angle, step)
+    weight = m.raw_weight[k]
     fed = weight * angle + 2.0 * weight * m.wheel_before[k] + weight * m.wheel_long_before[k]
-    back = 2.0 * (square - 1.0) * norm * m.smooth_before[k]
-    smooth = fed - back - (1.0 - ROOT * warped + square) * norm * m.smooth_long_before[k]
+    smooth = fed - m.smooth_weight[k] * m.smooth_before[k] - m.smooth_long_weight[k] * m.smooth_long_before[k]
     m.wheel_long_before[k] = m.wheel_before[k]
     m.wheel_before[k] = angle
     m.smooth_long_before[k] = m.smooth_before[k]
@@ -58,9 +66,9 @@ def filtered(m: Totals, k: int, angle: float, step: float) -> float:
 
 @compiled
 def count_reversal(m: Totals, k: int, smooth: float) -> None:
-    """Follow the filtered angle; it is reversed where it has come back by the gap from its last farthest value.
+    """Follow the filtered angle; a return by the gap from the last extreme value is a reversal.
 
-    The first way that is as long as the gap gives the direction and is no reversal.
+    The first turn by the gap defines the direction and is no reversal.
     """
     gap = least_gap(k)
     if m.driven_rows[0] == 0:
@@ -80,7 +88,7 @@ def count_reversal(m: Totals, k: int, smooth: float) -> None:
 
 @compiled
 def add_steering(p: Program, m: Totals) -> None:
-    """Add the last row, where the driver drives who took over first."""
+    """Add the last row if the driver of the first response drives."""
     if m.driving[0] != 1 or m.row_present[0] == 0:
         return
     angle = m.row_steer[0] * p.const[slot.K_STEERING_RATIO]

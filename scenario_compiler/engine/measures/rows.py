@@ -1,4 +1,4 @@
-"""The ego's rows: each is kept until the next step has begun, so that events at its time belong to it."""
+"""The ego's rows. Each is kept until the next step has begun, so that the events at its time belong to it."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from scenario_compiler.engine.motion.collision import reported_entity
 from scenario_compiler.marker import compiled
 
 STILL = 0.5
-"""Speed below which a vehicle's curvature is not measured, m/s."""
+"""Speed below which the driven curvature is not computed, m/s."""
 
 
 @compiled
 def curvature_driven(st: State, m: Totals, ego: int) -> float:
-    """Return the curvature from the row before to this one, 0 at a standstill."""
+    """Return the curvature driven from the previous row to this one, 1/m; 0 at standstill."""
     if m.row_present[0] == 0 or abs(m.row_v[0]) <= STILL:
         return 0.0
     turned = m.seen_h[ego] - m.row_h[0]
@@ -33,7 +33,7 @@ def curvature_driven(st: State, m: Totals, ego: int) -> float:
 
 @compiled
 def take_row(p: Program, st: State, m: Totals) -> None:
-    """Take down the ego's row of now, and measure what it is near."""
+    """Write the ego's present row, and measure its distances."""
     m.rows[0] += 1
     ego = reported_entity(p)
     if p.entity_count[0] > 0 and st.present[ego] == 1:

@@ -7,7 +7,7 @@ from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.marker import compiled
 
 SAME_TIME = 1e-6
-"""Rows and events at most this far apart are of one instant, s: the rounding of summed steps."""
+"""Rows and events that are at most this far apart are simultaneous, s: the rounding of summed steps."""
 
 BRAKING = 0.1
 """Brake position that counts as an input."""
@@ -15,21 +15,21 @@ BRAKING = 0.1
 
 @compiled
 def since(m: Totals, time: float) -> int:
-    """Return 1 where the last row is not before the time of something that has happened."""
+    """Return 1 if the last row is at or after the time of an event that has occurred."""
     return 1 if time >= 0.0 and m.row_time[0] >= time - SAME_TIME else 0
 
 
 @compiled
 def behind_collision(m: Totals) -> int:
-    """Return 1 where the last row is behind the first collision."""
+    """Return 1 if the last row is after the first collision."""
     return 1 if m.time_collision[0] >= 0.0 and m.row_time[0] > m.time_collision[0] + SAME_TIME else 0
 
 
 @compiled
 def add_request(m: Totals) -> None:
-    """Store the speed and the subject of the first request, in the first row after it that has a cause.
+    """Store the speed and the limit of the first request, the latter from the first row after it that has a cause.
 
-    The row of its own time was recorded before the request.
+    The row of the request's own time was recorded before the request.
     """
     if m.asked[0] == 0:
         m.asked[0] = 1
@@ -46,7 +46,7 @@ def add_request(m: Totals) -> None:
 
 @compiled
 def add_driving(m: Totals) -> None:
-    """Add how the ego is driven in a row from the request on."""
+    """Add the accelerations of a row from the request on."""
     if behind_collision(m) == 1:
         return
     m.greatest_longitudinal[0] = max(m.greatest_longitudinal[0], abs(m.row_a[0]))
@@ -57,9 +57,9 @@ def add_driving(m: Totals) -> None:
 
 @compiled
 def follow_driving(m: Totals) -> None:
-    """Note whether the last row is one of the driver who took over first.
+    """Record whether the driver of the first response drives in the last row.
 
-    The row of the response is not: its motion was still commanded by the automation.
+    The row of the response does not count, because the automation still commanded its motion.
     """
     if m.driving[0] == 2 or m.time_response[0] < 0.0 or m.row_time[0] <= m.time_response[0] + SAME_TIME:
         return
@@ -69,7 +69,7 @@ def follow_driving(m: Totals) -> None:
 
 @compiled
 def add_takeover(m: Totals) -> None:
-    """Add the last row to what is measured from the request and from the response on."""
+    """Add the last row to the measures that start with the request and with the response."""
     follow_driving(m)
     if since(m, m.time_request[0]) == 1:
         add_request(m)

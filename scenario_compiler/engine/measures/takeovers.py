@@ -1,4 +1,4 @@
-"""The takeovers of a run: the cause of each, and the times of its escalation, its response and its end."""
+"""The takeovers of a run: the cause of each, the times of its events, and the driving in it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def note_state(m: Totals, k: int, state: int) -> None:
-    """Note that takeover k has come into a state, for the first time."""
+    """Record that takeover k has reached a state for the first time."""
     now = m.row_time[0]
     if state == op.TAKEOVER_ESCALATION and m.takeover_escalation[k] < 0.0:
         m.takeover_escalation[k] = now
@@ -27,7 +27,7 @@ def note_state(m: Totals, k: int, state: int) -> None:
 
 @compiled
 def add_quality(m: Totals, k: int) -> None:
-    """Add how takeover k is driven in the last row, up to the first collision."""
+    """Add the driving of the last row to takeover k, up to the first collision."""
     if m.row_present[0] == 0 or behind_collision(m) == 1:
         return
     m.takeover_lane_time[k] = min(m.takeover_lane_time[k], m.row_lane_time[0])
@@ -38,7 +38,7 @@ def add_quality(m: Totals, k: int) -> None:
 
 @compiled
 def add_takeovers(st: State, m: Totals) -> None:
-    """Add the last row: a new request, a new state, and in the first row behind it what the request is about."""
+    """Add the last row: a new request, a new state, and in the first row after a request its limit."""
     if st.requests[0] > m.requests[0]:
         m.requests[0] = st.requests[0]
         m.undescribed[0] = 1
@@ -66,7 +66,7 @@ def add_takeovers(st: State, m: Totals) -> None:
 
 @compiled
 def write_takeovers(m: Totals, out: list[float], base: int) -> None:
-    """Write the takeovers into `out` from `base` on, one after the other, each by `TAKEOVER_FIELDS`."""
+    """Write the takeovers to `out` from index `base`, each as `TAKEOVER_FIELDS`."""
     at = base
     for k in range(TAKEOVERS):
         out[at] = m.takeover_request[k]

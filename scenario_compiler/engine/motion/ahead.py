@@ -1,7 +1,7 @@
-"""The road ahead of an entity: the lanes that it will follow, and other entities' boxes along and across them.
+"""The way of an entity: the lanes ahead that it will follow, and the boxes of other entities along and across them.
 
-The way is a row of roads in scratch columns (`way_...`), written again by each look. Left is as seen in the direction
-in which the way is walked.
+A way is a list of roads in scratch columns (`way_...`), which each walk overwrites. Distances along it start at the
+walking entity's reference point; left is relative to the direction of the walk.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
 BESIDE = 25.0
-"""How far behind the walker's point, or off the road, an entity may be to count as on the way, m."""
+"""How far behind the start of the way, or to the side in a junction, an entity may be and still count, m."""
 
 
 @compiled
 def walk(n: RoadTables, st: State, road: int, lane: int, s: float, along: int, horizon: float, turns: int) -> None:
-    """Write the way from a place in a lane, `along` its direction of travel (1) or against it (-1).
+    """Write the way from a place in a lane, in its direction of travel (`along` 1) or against it (-1), for `horizon` m.
 
     `turns` is the road to take at the first junction, or -1 for straight on.
     """
@@ -54,7 +54,7 @@ def walk(n: RoadTables, st: State, road: int, lane: int, s: float, along: int, h
 
 @compiled
 def walk_route(n: RoadTables, p: Program, st: State, horizon: float) -> None:
-    """Write the ego's way from its place on the path, by its route."""
+    """Write the ego's way from its place on the path along its route, up to `horizon`, m."""
     road = st.path_road[0]
     lane = st.path_lane[0]
     s = st.path_s[0]
@@ -89,7 +89,7 @@ def point_on_way(
 ) -> tuple[int, float, float, float]:
     """Return (row of the way or -1, s, t, distance along the way) of a point at a place on a road.
 
-    One in a junction, on another of its overlapping roads, is projected onto the way's road there.
+    A point on another of the overlapping roads of a junction is projected onto the way's road there.
     """
     if road < 0:
         return -1, 0.0, 0.0, 0.0
@@ -113,7 +113,7 @@ def point_on_way(
 
 @compiled
 def row_on_way(n: RoadTables, st: State, w: int, s: float, ahead: float) -> tuple[int, int]:
-    """Return (1, row of the lane or -1) at s on the way's row w, `ahead` of where that begins; (0, -1) past its end."""
+    """Return (1, row of the lane or -1) at s on the way's row w, `ahead` m after its start; (0, -1) beyond its end."""
     road = st.way_road[w]
     lane = st.way_lane[w]
     if ahead > 0.0:
@@ -126,7 +126,7 @@ def row_on_way(n: RoadTables, st: State, w: int, s: float, ahead: float) -> tupl
 
 @compiled
 def measure_on_way(n: RoadTables, p: Program, st: State, j: int) -> int:
-    """Measure an entity's box on the way; return 1 where it is on it."""
+    """Measure an entity's box along and across the way; return 1 if the entity is on it."""
     st.on_way[j] = 0
     if st.present[j] == 0:
         return 0

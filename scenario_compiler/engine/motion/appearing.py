@@ -1,8 +1,8 @@
-"""Entities that actions place: teleports, entities that appear and disappear, and who can see them.
+"""Placing entities: teleports, appearing and disappearing, and visibility.
 
-A teleport leaves the speed as it is, and is all that moves its entity in that step (esmini 3.6). On a lane the entity
-is led by that lane from then on, with the offset and the heading that it has there; off every road it goes straight on.
-Its trailers stand in line behind it.
+A teleport does not change the speed, and is the only motion of its entity in that step (esmini 3.6). On a lane, the
+entity then follows that lane with its offset and heading there; off every road it goes straight on. Its trailers are
+put in line behind it.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def lead_along(n: RoadTables, st: State, i: int, road: int, lane: int, s: float, offset: float, h: float) -> None:
-    """Let a lane lead an entity from a place on it, with the heading that it has in the world."""
+    """Let an entity follow a lane from a place on it, with its heading `h` in the world, rad."""
     _, _, _, along, _, _ = lane_pose(n, road, lane, s, offset)
     direction = lane_direction(n, road, lane)
     away = angle_between(h, along if direction > 0 else along + pi)
@@ -65,7 +65,7 @@ def stand_free(st: State, i: int, x: float, y: float, z: float, h: float) -> Non
 
 @compiled
 def put_at(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
-    """Put an entity at a position; one that lies nowhere is a fault of the run."""
+    """Put an entity at a position; a position that lies nowhere is a fault of the run."""
     kind, road, lane, s, offset, x, y, z, h = place_anywhere(n, p, st, k, i)
     if kind == PLACE_NONE:
         fault(st, op.FAULT_OFF_ROAD_START, i)
@@ -82,7 +82,7 @@ def put_at(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
 
 @compiled
 def start_entity(n: RoadTables, p: Program, st: State, order: int) -> None:
-    """Put the entity at a place of the order where it starts; one without a start at the world's origin."""
+    """Put the `order`-th entity at its start position; one without a start position at the world's origin."""
     i = p.entity_order[order]
     k = p.entity_position[i]
     if k < 0:
@@ -99,7 +99,7 @@ def start_entity(n: RoadTables, p: Program, st: State, order: int) -> None:
 
 @compiled
 def start_at_random(n: RoadTables, p: Program, st: State, i: int, order: int) -> None:
-    """Put an entity at a place that is drawn, clear of the entities before it in the order."""
+    """Put an entity at a random place that is clear of the entities placed before it."""
     k = p.entity_position[i]
     road, lane, s, offset, direction = clear_place(n, p, st, k, order, 0, op.PLACE_ATTEMPTS)
     if road < 0:
@@ -118,7 +118,7 @@ def start_at_random(n: RoadTables, p: Program, st: State, i: int, order: int) ->
 
 @compiled
 def note_arrival(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Let what goes with an entity follow to where it has been put: its odometer, its trailers, the ego's path."""
+    """Update everything that depends on where an entity was put: its odometer, its trailers, the ego's path."""
     st.ended[i] = 0
     st.last_x[i] = st.x[i]
     st.last_y[i] = st.y[i]
@@ -131,7 +131,7 @@ def note_arrival(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def add_entity(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
-    """Let an entity appear at a position; one that is there already stays where it is."""
+    """Let an entity appear at a position; an entity that is already present stays where it is."""
     if st.present[i] == 1:
         return
     st.present[i] = 1
@@ -142,7 +142,7 @@ def add_entity(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
 def spawn_entity(
     n: RoadTables, p: Program, st: State, i: int, x: float, y: float, z: float, h: float, v: float
 ) -> None:
-    """Let an entity appear at a point of the world, with nothing left of what it was before."""
+    """Let an entity appear at a point of the world, with a new state."""
     st.present[i] = 1
     st.visible[i] = op.SEEN_BY_ALL
     st.v[i] = v
@@ -168,9 +168,9 @@ def spawn_entity(
 
 @compiled
 def delete_entity(p: Program, st: State, i: int) -> None:
-    """Let an entity disappear; what it tows stays behind.
+    """Let an entity disappear; its trailer stays behind.
 
-    It keeps its speed, which its running actions go on changing, for when it appears again (esmini 3.6).
+    It keeps its speed for when it appears again; its running actions continue to change it (esmini 3.6).
     """
     st.present[i] = 0
     if st.towed[i] >= 0:

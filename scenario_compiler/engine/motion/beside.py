@@ -1,7 +1,7 @@
-"""The lane that an entity belongs to, and lanes beside a lane, counted to the left as an entity faces.
+"""The lane that an entity belongs to, and neighbouring lanes, counted to the left as an entity faces.
 
-A scripted entity that moves to an offset goes on belonging to its lane, however far over the border it drifts: only a
-lane change, a teleport, a trajectory or the link to the next lane gives it another one (esmini 3.6).
+A scripted entity that moves to an offset still belongs to its lane, however far it drifts over the border. Only a lane
+change, a teleport, a trajectory or the link to the next lane changes its lane (esmini 3.6).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def own_lane(p: Program, st: State, i: int) -> tuple[int, float]:
 
 @compiled
 def settle_in_lane(st: State, i: int) -> None:
-    """Let an entity whose lane change is over belong to the lane that its point is in."""
+    """Assign an entity whose lane change is over to the lane that contains its reference point."""
     if st.changing[i] == 1:
         st.kept_lane[i] = st.lane[i]
         st.kept_off[i] = st.off[i]
@@ -33,7 +33,7 @@ def settle_in_lane(st: State, i: int) -> None:
 
 @compiled
 def count_lanes(lane: int, by: int, facing: int) -> int:
-    """Return the id `by` lanes to the left of a lane as seen along `facing` (1: along s), without the centre lane."""
+    """Return the id `by` lanes to the left of a lane as seen along `facing` (1: along s), skipping the centre lane."""
     step = facing
     count = by
     if by < 0:
@@ -49,6 +49,6 @@ def count_lanes(lane: int, by: int, facing: int) -> int:
 
 @compiled
 def neighbour_lane(n: RoadTables, road: int, lane: int, s: float, by: int, facing: int) -> int:
-    """Return the lane `by` lanes to the left as seen along `facing`, 0 where there is none."""
+    """Return the lane `by` lanes to the left as seen along `facing`; 0 if there is none."""
     at = count_lanes(lane, by, facing)
     return at if lane_exists(n, road, at, s) == 1 else 0

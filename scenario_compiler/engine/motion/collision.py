@@ -15,22 +15,28 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def reported_entity(p: Program) -> int:
-    """Return the vehicle whose collisions count: the ego, without one the first entity."""
+    """Return the entity whose collisions count: the ego, or the first entity if there is no ego."""
     return p.ego[0] if p.ego[0] >= 0 else 0
 
 
 @compiled
-def update_boxes(p: Program, st: State) -> None:
-    """Place the centre of every entity's box; sort the entities by its left end (insertion: they are nearly sorted).
+def face(st: State, i: int) -> None:
+    """Keep the cosine and sine of an entity's heading in `box_cos` and `box_sin`; most drive straight on."""
+    h = st.h[i]
+    if h != st.box_h[i]:
+        st.box_h[i] = h
+        st.box_cos[i] = cos(h)
+        st.box_sin[i] = sin(h)
 
-    Most drive straight on: cosine and sine of a heading are kept.
+
+@compiled
+def update_boxes(p: Program, st: State) -> None:
+    """Update the centre of every entity's box, and sort the entities by the left end of their boxes' x range.
+
+    Insertion sort is used because they are nearly sorted. Cosine and sine are kept while a heading does not change.
     """
     for i in range(p.entity_count[0]):
-        h = st.h[i]
-        if h != st.box_h[i]:
-            st.box_h[i] = h
-            st.box_cos[i] = cos(h)
-            st.box_sin[i] = sin(h)
+        face(st, i)
         center = p.const[p.entity_const[i] + slot.E_CENTER]
         st.middle_x[i] = st.x[i] + center * st.box_cos[i]
         st.middle_y[i] = st.y[i] + center * st.box_sin[i]
@@ -50,10 +56,10 @@ def update_boxes(p: Program, st: State) -> None:
 
 @compiled
 def separated(p: Program, st: State, i: int, j: int, dx: float, dy: float, c_turned: float, s_turned: float) -> int:
-    """Return 1 where an axis of box i divides it from box j.
+    """Return 1 if an axis of box i separates it from box j.
 
-    From centre to centre it is (dx, dy); the boxes are turned against each other by an angle of which the absolute
-    cosine and sine are given.
+    (dx, dy) is the vector between the centres; `c_turned` and `s_turned` are the absolute cosine and sine of the angle
+    between the boxes.
     """
     c = st.box_cos[i]
     s = st.box_sin[i]
@@ -70,7 +76,7 @@ def separated(p: Program, st: State, i: int, j: int, dx: float, dy: float, c_tur
 
 @compiled
 def is_above(p: Program, st: State, i: int, j: int) -> int:
-    """Return 1 where one of two entities is above the other, as on a bridge."""
+    """Return 1 if one of two entities is entirely above the other, as on a bridge."""
     above = st.z[j] - st.z[i]
     if above > p.const[p.entity_const[i] + slot.E_HEIGHT] or -above > p.const[p.entity_const[j] + slot.E_HEIGHT]:
         return 1
@@ -79,7 +85,7 @@ def is_above(p: Program, st: State, i: int, j: int) -> int:
 
 @compiled
 def overlap(p: Program, st: State, i: int, j: int) -> int:
-    """Return 1 where the boxes of two present entities overlap (separating axis theorem), none above the other."""
+    """Return 1 if the boxes of two present entities overlap (separating axis theorem), neither above the other."""
     if st.present[i] == 0 or st.present[j] == 0:
         return 0
     dx = st.middle_x[j] - st.middle_x[i]
@@ -99,9 +105,9 @@ def overlap(p: Program, st: State, i: int, j: int) -> int:
 
 @compiled
 def note_collision(p: Program, st: State, i: int, j: int) -> None:
-    """Log each new contact of the vehicle that is reported, and the first contact of any two others.
+    """Log each new contact of the reported vehicle, and the first contact of any two others.
 
-    An entity and its trailer touch where they are coupled; two that stand were placed so.
+    An entity and its trailer touch at the coupling, which does not count; two standing entities were placed that way.
     """
     if st.towed[i] == j or st.towed[j] == i:
         return
@@ -143,7 +149,7 @@ def check_collisions(p: Program, st: State) -> None:
 
 @compiled
 def find_contacts(p: Program, st: State, pairs: list[int]) -> int:
-    """Write the pairs of entities whose boxes overlap, lower number first, as far as there is room; return how many."""
+    """Write the pairs of entities whose boxes overlap, lower index first, while there is room; return their number."""
     count = p.entity_count[0]
     found = 0
     for a in range(count):
@@ -164,7 +170,7 @@ def find_contacts(p: Program, st: State, pairs: list[int]) -> int:
 
 @compiled
 def find_touched(p: Program, st: State, i: int) -> int:
-    """Return an entity whose box overlaps that of entity i at their present poses, or NONE."""
+    """Return an entity whose box overlaps that of entity i at the present poses, or NONE."""
     update_boxes(p, st)
     for j in range(p.entity_count[0]):
         if j != i and overlap(p, st, i, j) == 1:
@@ -183,7 +189,7 @@ def measure_reach(p: Program, st: State, i: int) -> None:
 
 @compiled
 def prepare_boxes(p: Program, st: State) -> None:
-    """Write what does not change about the boxes."""
+    """Write the constant values of the boxes."""
     for i in range(p.entity_count[0]):
         measure_reach(p, st, i)
         st.order[i] = i

@@ -1,9 +1,10 @@
 """The distances of conditions: from an entity to another entity or to a point.
 
-Each is straight, along or across; along and across are meant in the entity's own axes, in the world's, along the road
-(so in a lane's system too), or along the trajectory that the entity follows; along the road where it follows none. With
-`freespace` it lies between the boxes and is 0 where they overlap in that direction. Along is positive ahead, across
-positive to the left; a straight one is negative for what is not ahead. FAR where there is none: no road leads there.
+A distance is Euclidean, along or across. Along and across refer to the entity's own axes, the world's axes, the road
+(also for a lane's system), or the trajectory that the entity follows (the road if it follows none). With `freespace`,
+it is measured between the boxes, and is 0 if they overlap in that direction. Along is positive ahead, across positive
+to the left; a Euclidean distance is negative to what is not ahead. The distance is FAR if no road leads to the target.
+All distances are in m.
 """
 
 from __future__ import annotations
@@ -28,19 +29,19 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
 ROAD_HORIZON = 1000.0
-"""How far along the roads a distance is looked for, m."""
+"""Greatest distance along the roads that is searched, m."""
 
 
 @compiled
 def half_extent(p: Program, i: int, turned: float) -> float:
-    """Return how far an entity's box reaches from its centre along an axis that it is turned against by an angle."""
+    """Return half the extent of an entity's box, m, along an axis to which the box is turned by an angle, rad."""
     base = p.entity_const[i]
     return 0.5 * (abs(cos(turned)) * p.const[base + slot.E_LENGTH] + abs(sin(turned)) * p.const[base + slot.E_WIDTH])
 
 
 @compiled
 def gap_beyond(centre: float, reach: float) -> float:
-    """Return what is left of a signed distance of centres between boxes that reach towards each other, 0 within."""
+    """Return the signed gap between two boxes whose half extents sum to `reach`; 0 if they overlap."""
     if centre > reach:
         return centre - reach
     if centre < -reach:
@@ -50,7 +51,7 @@ def gap_beyond(centre: float, reach: float) -> float:
 
 @compiled
 def distance_to_box(p: Program, st: State, i: int, x: float, y: float) -> float:
-    """Return the distance of a point from an entity's box, 0 inside it."""
+    """Return the distance from a point to an entity's box, m; 0 inside it."""
     base = p.entity_const[i]
     c = st.box_cos[i]
     s = st.box_sin[i]
@@ -63,7 +64,7 @@ def distance_to_box(p: Program, st: State, i: int, x: float, y: float) -> float:
 
 @compiled
 def nearest_corner(p: Program, st: State, i: int, j: int) -> float:
-    """Return the least distance of a corner of j's box from i's box."""
+    """Return the least distance from a corner of j's box to i's box, m."""
     base = p.entity_const[j]
     c = st.box_cos[j]
     s = st.box_sin[j]
@@ -79,7 +80,7 @@ def nearest_corner(p: Program, st: State, i: int, j: int) -> float:
 
 @compiled
 def box_distance(p: Program, st: State, i: int, j: int) -> float:
-    """Return the distance between two boxes, 0 where they overlap: of convex shapes apart, one's corner is nearest."""
+    """Return the distance between two boxes, m; 0 if they overlap. For disjoint convex shapes a corner is nearest."""
     if overlap(p, st, i, j) == 1:
         return 0.0
     return min(nearest_corner(p, st, i, j), nearest_corner(p, st, j, i))
@@ -87,13 +88,13 @@ def box_distance(p: Program, st: State, i: int, j: int) -> float:
 
 @compiled
 def behind(st: State, i: int, x: float, y: float) -> int:
-    """Return 1 where a point does not lie ahead of an entity's reference point."""
+    """Return 1 if a point is not ahead of an entity's reference point."""
     return 1 if (x - st.x[i]) * cos(st.h[i]) + (y - st.y[i]) * sin(st.h[i]) < op.TOLERANCE else 0
 
 
 @compiled
 def along_axis(axis: float, dx: float, dy: float, measure: int) -> float:
-    """Return a vector's part along an axis, or across it to the left."""
+    """Return a vector's component along an axis with the heading `axis`, or across it to the left."""
     if measure == op.MEASURE_ALONG:
         return dx * cos(axis) + dy * sin(axis)
     return dy * cos(axis) - dx * sin(axis)
@@ -101,7 +102,7 @@ def along_axis(axis: float, dx: float, dy: float, measure: int) -> float:
 
 @compiled
 def plane_distance_between(p: Program, st: State, i: int, j: int, frame: int, measure: int, freespace: int) -> float:
-    """Return the distance of entity j from i in the plane."""
+    """Return the distance from entity i to entity j in the plane, m."""
     if measure == op.MEASURE_STRAIGHT:
         between = length_of(st.x[j] - st.x[i], st.y[j] - st.y[i])
         if freespace == 1:
@@ -121,7 +122,7 @@ def plane_distance_between(p: Program, st: State, i: int, j: int, frame: int, me
 def plane_distance_to(
     p: Program, st: State, i: int, x: float, y: float, frame: int, measure: int, freespace: int
 ) -> float:
-    """Return the distance of a point from entity i in the plane."""
+    """Return the distance from entity i to a point in the plane, m."""
     if measure == op.MEASURE_STRAIGHT:
         between = length_of(x - st.x[i], y - st.y[i])
         if freespace == 1:
@@ -140,9 +141,9 @@ def plane_distance_to(
 def along_branches(
     n: RoadTables, st: State, i: int, along: int, road: int, s: float, t: float, x: float, y: float
 ) -> tuple[int, float, float]:
-    """Look for a place by each turn at the first junction of the way that was walked last: (row or -1, t, distance).
+    """Search a place by each turn at the first junction of the last walked way; return (way row or -1, t, distance).
 
-    The way to the place is then the one walked last.
+    Afterwards the way to the place is the last walked way.
     """
     count = st.way_count[0]
     w = 0
@@ -172,9 +173,11 @@ def along_branches(
 def along_way(
     n: RoadTables, st: State, i: int, along: int, road: int, s: float, t: float, x: float, y: float
 ) -> tuple[float, float, int]:
-    """Return (distance, t, sign) of a place on i's way with (1) or against (-1) its lane's travel, FAR for none.
+    """Return (distance, t, sign) of a place on i's way; the distance is FAR if the way does not lead there.
 
-    The way goes straight on; where it does not lead to the place, each turn at its first junction is tried.
+    The way follows the lane's direction of travel (`along` 1) or goes against it (-1). It goes straight on; if it does
+    not lead to the place, each turn at its first junction is tried. `sign` is 1 if it goes along s at the place, else
+    -1.
     """
     walk(n, st, st.road[i], st.lane[i], st.s[i], along, ROAD_HORIZON, -1)
     w, _, at_t, distance = point_on_way(n, st, road, s, t, x, y)
@@ -189,9 +192,10 @@ def along_way(
 def along_roads(
     n: RoadTables, st: State, i: int, road: int, s: float, t: float, x: float, y: float
 ) -> tuple[float, float, int]:
-    """Return (ahead, left, direction) of a place on a road as seen from entity i along the roads, FAR ahead for none.
+    """Return (ahead, left, direction) of a place on a road as seen from entity i along the roads; ahead may be FAR.
 
-    `direction` is 1 where i's way goes along s there, else -1. It is looked for forwards, then back.
+    `direction` is 1 if i's way goes along s there, else -1. The place is searched forwards first, then backwards. If no
+    road leads there, ahead is FAR.
     """
     here = st.road[i]
     if here < 0 or road < 0:
@@ -210,14 +214,14 @@ def along_roads(
 
 @compiled
 def turned_against(n: RoadTables, road: int, s: float, direction: int, h: float) -> float:
-    """Return a heading relative to a road's direction at s, as it is travelled."""
+    """Return a heading relative to the road's direction at s, rad; `direction` is -1 for travel against s."""
     along = road_heading(n, road, s)
     return angle_between(h, along if direction > 0 else along + pi)
 
 
 @compiled
 def road_distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, measure: int, freespace: int) -> float:
-    """Return the distance of entity j from i along or across the road."""
+    """Return the distance from entity i to entity j along or across the road, m."""
     ahead, left, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
     if ahead >= op.FAR:
         return op.FAR
@@ -236,9 +240,9 @@ def road_distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, 
 
 @compiled
 def track_distance(p: Program, st: State, i: int, k: int, x: float, y: float, measure: int) -> tuple[float, float]:
-    """Return the distance of a point from entity i, which action k leads along a trajectory, and the direction there.
+    """Return (distance of a point from i, the trajectory's direction there); action k leads i along the trajectory.
 
-    Along is to the point of the trajectory that is nearest, across from there to the left.
+    The distance along ends at the point of the trajectory that is nearest; the one across is measured from there.
     """
     track = p.action_other[k]
     s = nearest_on_track(p, st, track, x, y)
@@ -250,13 +254,13 @@ def track_distance(p: Program, st: State, i: int, k: int, x: float, y: float, me
 
 @compiled
 def reach_across(p: Program, st: State, i: int, along: float, measure: int) -> float:
-    """Return how far i's box reaches from its centre along a direction, or across it."""
+    """Return half the extent of i's box along a direction or, for the measure across, perpendicular to it, m."""
     return half_extent(p, i, st.h[i] - along - (0.0 if measure == op.MEASURE_ALONG else 0.5 * pi))
 
 
 @compiled
 def track_distance_between(p: Program, st: State, i: int, j: int, k: int, measure: int, freespace: int) -> float:
-    """Return the distance of entity j from i along or across the trajectory that action k leads i along."""
+    """Return the distance from entity i to entity j along or across the trajectory on which action k leads i, m."""
     if freespace == 0:
         gap, _ = track_distance(p, st, i, k, st.x[j], st.y[j], measure)
         return gap
@@ -267,7 +271,7 @@ def track_distance_between(p: Program, st: State, i: int, j: int, k: int, measur
 
 @compiled
 def distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, mode: int, freespace: int) -> float:
-    """Return the distance of entity j from i; `mode` is FRAME_... and MEASURE_..., see `measure_mode`."""
+    """Return the distance from entity i to entity j, m; `mode` combines FRAME_... and MEASURE_... (`measure_mode`)."""
     frame = mode // 4
     measure = mode % 4
     if measure == op.MEASURE_STRAIGHT or frame in (op.FRAME_ENTITY, op.FRAME_WORLD):
@@ -280,7 +284,7 @@ def distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, mode:
 
 @compiled
 def place_now(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, float, float, int, float, float]:
-    """Return (found, x, y, road, s, t) of a position now, for entity i; those of places that were drawn stay drawn."""
+    """Return (found, x, y, road, s, t) of a position now, for entity i; random positions keep their drawn place."""
     if p.position_op[k] >= op.POSITION_FREE:
         kind, road, lane, s, offset, x, y, _, _ = place_anywhere(n, p, st, k, i)
         if kind == PLACE_NONE:
@@ -303,7 +307,7 @@ def place_now(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int
 
 @compiled
 def distance_to(n: RoadTables, p: Program, st: State, i: int, k: int, mode: int, freespace: int) -> float:
-    """Return the distance of position k from entity i, `mode` as in `distance_between`; FAR where it is nowhere."""
+    """Return the distance from entity i to position k, m; `mode` as in `distance_between`; FAR if it lies nowhere."""
     found, x, y, road, s, t = place_now(n, p, st, k, i)
     if found == 0:
         return op.FAR

@@ -1,10 +1,10 @@
-"""The motion of entities: scripted along a lane, as a bicycle by throttle, steer and brake, or set from outside.
+"""The motion of entities: scripted along a lane, as a bicycle with throttle, steering and brake, or set from outside.
 
-Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by v
-dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly
-there, its speed is kept for the step that no longer moves it and is then 0. Where only its lane ends, or narrows to
-nothing, it goes on in the middle of a lane that does not. The bicycle is the usual kinematic one about the rear axle,
-without side slip.
+Scripted motion is esmini's: (road, lane, s, offset) is stored, and x, y and heading are evaluated from it. s changes by
+v dt / (1 - curvature t), with curvature and t at the start of the step. At the end of a road the entity stops exactly
+there; it keeps its speed for the step that no longer moves it, and has speed 0 after that. If only its lane ends or
+narrows to nothing, it continues at the centre of a lane that does not. The bicycle is the usual kinematic model about
+the rear axle, without side slip.
 """
 
 from __future__ import annotations
@@ -38,17 +38,17 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance, stretch_at
 
 NO_WIDTH = 1.0e-6
-"""Width below which a lane is not there, m (esmini 3.6)."""
+"""Width below which a lane does not exist, m (esmini 3.6)."""
 
 PITCH_TIME = 0.2
-"""Time constant of the body's pitch, s: a quarter of the period of a spring of 1.25 Hz."""
+"""Time constant of the body's pitch, s: a quarter of the period of a 1.25 Hz spring."""
 
 
 @compiled
 def look_here(n: RoadTables, st: State, i: int) -> None:
-    """Find the lane's row and the road's piece below an entity on a road, and how far along s both go on.
+    """Find the lane's row and the road's piece at an entity on a road, and the range of s in which both are valid.
 
-    They hold for many steps, so they are kept. Without such a lane they hold for this place alone.
+    The result is kept, because it holds for many steps. Without such a lane it holds only at this place.
     """
     road = st.road[i]
     lane = st.kept_lane[i]
@@ -66,9 +66,9 @@ def look_here(n: RoadTables, st: State, i: int) -> None:
 
 @compiled
 def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None:
-    """Move a scripted entity along the lane it is led by, signed along its forward direction; off roads, straight on.
+    """Move a scripted entity a signed distance forwards along its lane, m; off every road, straight on.
 
-    Off every road the pose is written at once, on a road `place_scripted` evaluates it.
+    Off every road the pose is written at once; on a road `place_scripted` evaluates it.
     """
     road = st.road[i]
     if road < 0:
@@ -93,9 +93,10 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
 
 @compiled
 def leave_vanished_lane(n: RoadTables, st: State, i: int) -> None:
-    """Lead an entity whose lane has narrowed to nothing along the middle of the next lane that has width.
+    """Put an entity whose lane has narrowed to nothing on the centre of the next lane that has width.
 
-    That is the nearest towards the road's reference line, else the nearest away from it; without either it stays.
+    This is the nearest one towards the road's reference line, or else the nearest one away from it. Without either, the
+    entity keeps its lane.
     """
     row = st.here_row[i]
     section = n.lane_section[row]
@@ -118,9 +119,9 @@ def leave_vanished_lane(n: RoadTables, st: State, i: int) -> None:
 
 @compiled
 def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> None:
-    """Move a scripted entity by a distance along s that takes it to where another lane's row or piece begins.
+    """Move a scripted entity a distance along s that leaves the known range of its lane's row or its road's piece.
 
-    The centre lane goes on to the end of its road.
+    The centre lane continues to the end of its road.
     """
     road = st.road[i]
     lane = st.kept_lane[i]
@@ -156,7 +157,7 @@ def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> 
 
 @compiled
 def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Evaluate the pose of a scripted entity and the lane that its point is in; off every road it is kept."""
+    """Evaluate the pose of a scripted entity on a road, and the lane that contains its reference point."""
     if st.road[i] < 0:
         return
     look_here(n, st, i)
@@ -165,7 +166,7 @@ def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def place_here(n: RoadTables, st: State, i: int) -> None:
-    """Do what `place_scripted` does, on the row and the piece that are known."""
+    """Evaluate the pose as `place_scripted` does, on the known row and piece."""
     road = st.road[i]
     s = st.s[i]
     lane = st.kept_lane[i]
@@ -198,9 +199,9 @@ def place_here(n: RoadTables, st: State, i: int) -> None:
 
 @compiled
 def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
-    """Move a scripted entity by its speed, unless an action has done so; at the end of its road it comes to a stand.
+    """Move a scripted entity by its speed, unless an action has moved it; it stops at the end of its road.
 
-    Off every road it goes straight on, but stands where a trajectory has ended (esmini 3.6).
+    Off every road it goes straight on, but stays at the end of a finished trajectory (esmini 3.6).
     """
     if st.follows[i] == 1 and st.longitudinal[i] < 0 and st.road[i] >= 0:
         follow_leader(n, p, st, i, dt)
@@ -220,9 +221,9 @@ def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
 
 @compiled
 def next_speed(p: Program, st: State, i: int, gain: float, loss: float, dt: float) -> float:
-    """Return the speed after a step of a vehicle that is driven by commands.
+    """Return the speed after a step of a vehicle that is driven by commands, m/s.
 
-    `gain` speeds it up in the direction of its gear, `loss` slows it down to a stop and no further, m/s2.
+    `gain` accelerates it in the direction of its gear; `loss` slows it down to a stop but not beyond, both in m/s2.
     """
     v = st.v[i]
     most = p.const[p.entity_const[i] + slot.E_MAX_SPEED]
@@ -240,7 +241,7 @@ def next_speed(p: Program, st: State, i: int, gain: float, loss: float, dt: floa
 
 @compiled
 def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
-    """Move a vehicle by its commands; braking stops it exactly, and only the reverse gear drives it backwards."""
+    """Move a vehicle by its commands. Brakes stop it exactly; only the reverse gear drives it backwards."""
     base = p.entity_const[i]
     st.throttle[i] = clip(st.command_throttle[i], 0.0, 1.0)
     st.brake[i] = clip(st.command_brake[i], 0.0, 1.0)
@@ -259,7 +260,7 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
 
 @compiled
 def settle(n: RoadTables, st: State, i: int) -> None:
-    """Put an entity on the surface of the road below it, its body level on its springs."""
+    """Put an entity on the road surface below it, without the pitch of its body on the springs."""
     st.pitch[i] -= st.body_pitch[i]
     road = st.road[i]
     if road < 0:
@@ -279,7 +280,7 @@ def settle(n: RoadTables, st: State, i: int) -> None:
 
 @compiled
 def pitch_body(p: Program, st: State, i: int, dt: float) -> None:
-    """Let the ego's body follow its acceleration on its springs, with a lag of first order (implicit Euler)."""
+    """Let the ego's body pitch with its acceleration, as a first-order lag (implicit Euler)."""
     held = -p.const[p.entity_const[i] + slot.E_PITCH_GRADIENT] * st.a[i]
     st.body_pitch[i] += (held - st.body_pitch[i]) * dt / (PITCH_TIME + dt)
     st.pitch[i] += st.body_pitch[i]
@@ -287,7 +288,7 @@ def pitch_body(p: Program, st: State, i: int, dt: float) -> None:
 
 @compiled
 def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """Move every present entity that the engine moves but traffic; a posed one has been moved from outside."""
+    """Move every present entity that the engine moves, except traffic; posed entities have been moved from outside."""
     for i in range(p.entity_count[0]):
         if st.present[i] == 0 or st.towed_by[i] >= 0:
             continue
@@ -302,9 +303,9 @@ def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
 
 @compiled
 def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """After all have moved: places on the road, distance covered, acceleration, what is watched.
+    """After all have moved, update road positions, odometers, accelerations and watched quantities.
 
-    A number that became NaN or infinite is a fault.
+    A value that became NaN or infinite is a fault of the run.
     """
     watches = p.watches[0]
     for i in range(p.entity_count[0]):

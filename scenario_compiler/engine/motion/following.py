@@ -1,6 +1,6 @@
 """Car following: the intelligent driver model of Treiber, Hennecke and Helbing (2000), Physical Review E 62, 1805.
 
-a (1 - (v / v0)^4 - (s* / s)^2) with s* = s0 + max(0, v T + v (v - v_lead) / (2 sqrt(a b))).
+The acceleration is a (1 - (v / v0)^4 - (s* / s)^2) with s* = s0 + max(0, v T + v (v - v_lead) / (2 sqrt(a b))).
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.tables import RoadTables
 
 FOLLOW_HORIZON = 200.0
-"""How far ahead a leader is looked for, m."""
+"""Distance up to which a leader is searched ahead, m."""
 
 
 @compiled
 def idm_acceleration(p: Program, i: int, v: float, desired: float, gap: float, lead: float) -> float:
-    """Return the model's acceleration for entity i, no stronger than its brakes; `gap` is FAR without a leader."""
+    """Return the model's acceleration for entity i, limited by its brakes, m/s2; `gap` is FAR if there is no leader."""
     base = p.entity_const[i]
     a = p.const[base + slot.E_ACCELERATION]
     b = p.const[base + slot.E_DECELERATION]
@@ -42,10 +42,10 @@ def idm_acceleration(p: Program, i: int, v: float, desired: float, gap: float, l
 
 @compiled
 def leader_gap(p: Program, st: State, i: int, centre: float, watched: int, slowest: float) -> tuple[float, float]:
-    """Return (gap, speed) of the nearest entity on the way whose box overlaps the corridor of i about `centre`.
+    """Return (gap, speed) of the nearest entity on the way whose box overlaps i's corridor around the offset `centre`.
 
-    The gap is from i's front; FAR without one. With `watched` 1 only seen entities count, and none slower along the way
-    than `slowest`. The columns of the last look are read.
+    The gap is measured from i's front, m; FAR if there is none. With `watched` 1 only seen entities count. Entities
+    with a speed along the way below `slowest`, m/s, do not count. The measurements of the last look ahead are used.
     """
     base = p.entity_const[i]
     front = front_of(p, i)
@@ -66,7 +66,7 @@ def leader_gap(p: Program, st: State, i: int, centre: float, watched: int, slowe
 
 @compiled
 def follow_leader(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
-    """Give a scripted entity the speed of the model after dt, behind the entity ahead in its lane."""
+    """Set the speed of a scripted entity after dt by the model, behind the entity ahead in its lane."""
     road = st.road[i]
     lane = st.lane[i]
     along = st.facing[i] * lane_direction(n, road, lane)

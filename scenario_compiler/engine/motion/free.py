@@ -1,4 +1,4 @@
-"""Entities that move freely: their position on the road, and the lane that would lead them from there."""
+"""Entities that move freely: their position on the road, and the lane that they would follow from there."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def place_free(n: RoadTables, st: State, i: int) -> None:
-    """Find the road and lane below an entity that moves freely, and what would lead it along the lane from here."""
+    """Find the road and lane below a freely moving entity, and its offset and heading if it followed that lane."""
     if locate_free(n, st, i) == 0:
         return
     road = st.road[i]

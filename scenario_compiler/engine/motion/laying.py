@@ -1,7 +1,7 @@
 """The geometry of a trajectory when its action begins: vertices with headings, distances, times and speeds.
 
-A polyline's vertices are its own. Clothoids get samples at even distances, which `tracks` integrates from; a NURBS at
-even parameters, each sample a weighted sum of control points.
+A polyline has its own vertices. Clothoids are sampled at equal distances, from which `tracks` integrates. A NURBS is
+sampled at equal parameters; each sample is a weighted sum of control points.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ GAUSS_MIDDLE_WEIGHT = 0.4444444444444444
 
 SPIRAL_STEP = 2.0
 MOST_SPIRAL_STEPS = 64.0
-"""Greatest length of a clothoid that one application of the rule is for, m, and the most applications."""
+"""Greatest length of a clothoid for one application of the rule, m, and the greatest number of applications."""
 
 
 @compiled
 def gauss_step(h: float, bend: float, rate: float, length: float) -> tuple[float, float]:
-    """Return (dx, dy) over a short piece of a clothoid of a heading, curvature and change of curvature with length."""
+    """Return (dx, dy) along a short piece of a clothoid from its heading, curvature and curvature rate (1/m2)."""
     x = 0.0
     y = 0.0
     for node in range(3):
@@ -51,7 +51,7 @@ def gauss_step(h: float, bend: float, rate: float, length: float) -> tuple[float
 
 @compiled
 def spiral_step(h: float, bend: float, rate: float, length: float) -> tuple[float, float, float]:
-    """Return (dx, dy, change of heading) over a piece of a clothoid."""
+    """Return (dx, dy, change of heading) along a piece of a clothoid."""
     count = int(clip(abs(length) / SPIRAL_STEP, 0.0, MOST_SPIRAL_STEPS)) + 1
     part = length / max(count, 1)
     x = 0.0
@@ -66,7 +66,7 @@ def spiral_step(h: float, bend: float, rate: float, length: float) -> tuple[floa
 
 @compiled
 def corner_place(n: RoadTables, p: Program, st: State, c: int, i: int) -> tuple[float, float, float, float]:
-    """Return (x, y, z, heading) of a corner for entity i, z as given or on the road; a fault where it lies nowhere."""
+    """Return (x, y, z, heading) of a corner for entity i, with z as given or on the road; a fault if there is none."""
     k = p.corner_position[c]
     kind, _, _, _, _, x, y, z, h = place_of(n, p, st, k, i)
     if kind == PLACE_NONE:
@@ -94,9 +94,9 @@ def lay_polyline(n: RoadTables, p: Program, st: State, track: int, i: int) -> No
 
 @compiled
 def lay_clothoids(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
-    """Place the samples of clothoids: each piece's begin, samples inside it, and the last one's end.
+    """Place the samples of clothoids: the beginning of each piece, samples inside it, and the end of the last piece.
 
-    A first piece without a place of its own begins where the entity is.
+    A first piece without a position begins at the entity's pose.
     """
     v = p.track_vertex[track]
     x = 0.0
@@ -139,7 +139,7 @@ def lay_clothoids(n: RoadTables, p: Program, st: State, track: int, i: int) -> N
 
 @compiled
 def time_of_sample(p: Program, track: int, place: float) -> float:
-    """Return the time at a place between a NURBS' control points, counted from 0; negative for none."""
+    """Return the time at a fractional index of a NURBS' control points, from 0; negative if no times are given."""
     first = p.track_corner[track]
     last = p.track_corner[track + 1] - 1
     c = first + int(clip(place, 0.0, 1.0e6))
@@ -151,7 +151,7 @@ def time_of_sample(p: Program, track: int, place: float) -> float:
 
 @compiled
 def lay_nurbs(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
-    """Place the samples of a NURBS: weighted sums of its control points, and of their headings where they have any."""
+    """Place the samples of a NURBS: weighted sums of its control points and of their headings, if they have any."""
     first = p.track_vertex[track]
     last = p.track_vertex[track + 1]
     order = p.track_order[track]
@@ -182,7 +182,7 @@ def lay_nurbs(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
 
 @compiled
 def measure_track(p: Program, st: State, track: int) -> None:
-    """Measure the distances of a trajectory's vertices from its begin."""
+    """Write the distance of each vertex from the trajectory's beginning, m."""
     first = p.track_vertex[track]
     kind = p.track_kind[track]
     along = 0.0
@@ -202,7 +202,7 @@ def measure_track(p: Program, st: State, track: int) -> None:
 
 @compiled
 def line_heading(p: Program, st: State, track: int, v: int) -> float:
-    """Return the direction of the line behind a vertex; before the end, and where it has no length, that before it."""
+    """Return the direction of the line after a vertex; at the end, or if it has no length, of the line before."""
     first = p.track_vertex[track]
     last = p.track_vertex[track + 1] - 1
     while v > first and (v == last or st.track_s[v + 1] - st.track_s[v] <= op.TOLERANCE):
@@ -214,7 +214,7 @@ def line_heading(p: Program, st: State, track: int, v: int) -> float:
 
 @compiled
 def head_vertices(p: Program, st: State, track: int) -> None:
-    """Give the vertices without a heading of their own that of the line behind them, those of a NURBS the curve's."""
+    """Give each vertex without a heading of its own that of the line after it; for a NURBS, that of the curve."""
     if p.track_kind[track] == op.TRACK_CLOTHOIDS:
         return
     first = p.track_vertex[track]
@@ -231,7 +231,7 @@ def head_vertices(p: Program, st: State, track: int) -> None:
 
 @compiled
 def pitch_vertices(p: Program, st: State, track: int) -> None:
-    """Give the vertices the pitch of the line behind them, the last one that of the line before; up is negative."""
+    """Give each vertex the pitch of the line after it, the last one that of the line before it; uphill is negative."""
     first = p.track_vertex[track]
     last = p.track_vertex[track + 1] - 1
     for v in range(first, last + 1):
@@ -246,10 +246,10 @@ def pitch_vertices(p: Program, st: State, track: int) -> None:
 
 @compiled
 def pace_vertices(p: Program, st: State, track: int, speed: float, smooth: int) -> None:
-    """Give the vertices the speeds and accelerations with which a polyline's times are kept.
+    """Give the vertices of a polyline the speeds and accelerations that keep its times.
 
-    Where `smooth` is 1 an entity accelerates evenly from vertex to vertex, from its own speed at the begin on, and may
-    be there too early where it would have to turn round; else its speed is even.
+    With `smooth` 1, an entity accelerates uniformly from vertex to vertex, starting with its own speed; it may arrive
+    too early if it would otherwise have to reverse. Without it, the speed is constant between two vertices.
     """
     first = p.track_vertex[track]
     for v in range(first, p.track_vertex[track + 1]):
@@ -274,7 +274,7 @@ def pace_vertices(p: Program, st: State, track: int, speed: float, smooth: int) 
 
 @compiled
 def lay_track(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
-    """Place a trajectory's vertices for entity i, NONE for no one in particular."""
+    """Compute a trajectory's vertices for entity i, or for no particular entity (NONE)."""
     kind = p.track_kind[track]
     if kind == op.TRACK_CLOTHOIDS:
         lay_clothoids(n, p, st, track, i)

@@ -1,4 +1,4 @@
-"""Resolves any position, also one along a trajectory, whose vertices are computed for the query."""
+"""Resolves any position, including one along a trajectory, whose vertices are computed for the query."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from scenario_compiler.roads.tables import RoadTables
 def place_on_track(
     n: RoadTables, p: Program, st: State, k: int, i: int
 ) -> tuple[int, int, int, float, float, float, float, float, float]:
-    """Return what `place_of` does of a position along a trajectory, to the left of where the trajectory goes."""
+    """Return what `place_of` returns for a position along a trajectory; its offset is to the left of the trajectory."""
     if position_is_number(p, k) == 0:
         return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     base = p.position_const[k]
@@ -54,7 +54,7 @@ def place_anywhere(
 
 @compiled
 def point_at(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, float, float]:
-    """Return (found, x, y) of a position now; those of our own language hold for where the entities started."""
+    """Return (found, x, y) of a position now; those of the conflict language refer to where the entities started."""
     if p.position_op[k] < op.POSITION_FREE:
         return 1, st.position_x[k], st.position_y[k]
     kind, _, _, _, _, x, y, _, _ = place_anywhere(n, p, st, k, i)

@@ -1,7 +1,7 @@
 """The ego's path: the lane that it follows, and the ego's position along and beside it.
 
-The path goes from lane to lane over links, at a junction to the next road of the plan's route or else straight on. It
-holds the ego to one connecting road of a junction where several overlap.
+The path follows the links from lane to lane; at a junction it takes the next road of the plan's route, or goes straight
+on. Where several connecting roads of a junction overlap, the path keeps the ego on one of them.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from scenario_compiler.roads.travel import advance, stretch_at
 
 HALF_TURN = 3.141592653589793
 STEP_OVER = 0.001
-"""How far beyond a road's end the next road is asked for, m."""
+"""Distance beyond a road's end at which the next road is looked up, m."""
 
 CLEARLY = 1.0e-3
-"""How far from a lane's borders a point is in the lane without a look at the lanes beside it, m."""
+"""Distance from the lane's borders above which a point is in the lane without a check of the neighbouring lanes, m."""
 
 
 @compiled
 def preferred_road(p: Program, st: State, road: int) -> int:
-    """Return the road that the route takes after `road`, -1 off the route."""
+    """Return the road that the route takes after `road`, or -1 off the route."""
     for k in range(st.route_at[0], p.route_count[0] - 1):
         if p.route_road[k] == road:
             return p.route_road[k + 1]
@@ -45,7 +45,7 @@ def preferred_road(p: Program, st: State, road: int) -> int:
 
 @compiled
 def advance_route(p: Program, st: State, road: int) -> None:
-    """Move the ego's place in the route on to `road`, where the route still comes to it."""
+    """Move the ego's place in the route on to `road`, if the rest of the route contains it."""
     for k in range(st.route_at[0], p.route_count[0]):
         if p.route_road[k] == road:
             st.route_at[0] = k
@@ -54,7 +54,7 @@ def advance_route(p: Program, st: State, road: int) -> None:
 
 @compiled
 def section_holds(n: RoadTables, row: int, s: float) -> int:
-    """Return 1 where the lane section of a lane's row holds s; its end belongs to the next."""
+    """Return 1 if the lane section of a lane's row contains s; its end belongs to the next section."""
     if row < 0:
         return 0
     section = n.lane_section[row]
@@ -63,7 +63,10 @@ def section_holds(n: RoadTables, row: int, s: float) -> int:
 
 @compiled
 def path_ahead(n: RoadTables, p: Program, st: State, ds: float) -> tuple[int, int, int, float, float]:
-    """Return (road, lane, the lane's row or -1, s, left over) ds >= 0 ahead of the path's place, along the route."""
+    """Return (road, lane, the lane's row or -1, s, rest) at ds >= 0 ahead of the path's place, along the route.
+
+    `rest` is the part of ds that lies beyond the end of the path, m.
+    """
     s = st.path_s[0] + st.path_sense[0] * ds
     if section_holds(n, st.path_row[0], s) == 1:
         return st.path_road[0], st.path_lane[0], st.path_row[0], s, 0.0
@@ -75,7 +78,7 @@ def path_ahead(n: RoadTables, p: Program, st: State, ds: float) -> tuple[int, in
 def advance_routed(
     n: RoadTables, p: Program, st: State, road: int, lane: int, s: float, ds: float
 ) -> tuple[int, int, float, float]:
-    """Return (road, lane, s, left over) after ds >= 0 in the direction of travel, along the ego's route."""
+    """Return (road, lane, s, rest) after ds >= 0 in the direction of travel, along the ego's route."""
     left = ds
     for _ in range(64):
         room = n.road_length[road] - s
@@ -96,7 +99,7 @@ def advance_routed(
 
 @compiled
 def set_path(n: RoadTables, st: State, road: int, lane: int, s: float) -> None:
-    """Put the path on a lane, and find what holds about this place: the lane's row, its sense, the road's piece."""
+    """Put the path on a lane, and find the lane's row, its direction and the road's piece there."""
     st.path_road[0] = road
     st.path_lane[0] = lane
     st.path_s[0] = s
@@ -116,7 +119,7 @@ def set_path(n: RoadTables, st: State, road: int, lane: int, s: float) -> None:
 
 @compiled
 def project_on_path(n: RoadTables, st: State, x: float, y: float) -> tuple[float, float]:
-    """Return (s, t) of a point near the path's place on its road's reference line, continued beyond its ends."""
+    """Return (s, t) of a point near the path on the reference line of the path's road, extended beyond its ends."""
     road = st.path_road[0]
     piece = st.path_piece[0]
     if n.piece_kind[piece] == LINE and n.road_superelevation_first[road] >= n.road_superelevation_last[road]:
@@ -128,9 +131,9 @@ def project_on_path(n: RoadTables, st: State, x: float, y: float) -> tuple[float
 
 @compiled
 def follow_path(n: RoadTables, p: Program, st: State, i: int) -> tuple[float, float]:
-    """Move the path's place on to the ego's projection, over the road's end if need be; return (s, t) there.
+    """Move the path's place to the ego's projection, to the next road if necessary; return (s, t) there.
 
-    s may lie beyond the ends of the path's road.
+    s may be outside of the path's road.
     """
     road = st.path_road[0]
     s, t = project_on_path(n, st, st.x[i], st.y[i])
@@ -161,7 +164,7 @@ def follow_path(n: RoadTables, p: Program, st: State, i: int) -> tuple[float, fl
 
 @compiled
 def leave_road(st: State, i: int) -> None:
-    """Note that an entity is off every road."""
+    """Record that an entity is off every road."""
     st.road[i] = -1
     st.lane[i] = 0
     st.s[i] = 0.0
@@ -171,14 +174,14 @@ def leave_road(st: State, i: int) -> None:
 
 @compiled
 def note_lane(n: RoadTables, st: State, i: int, road: int, s: float, t: float, lane: int) -> None:
-    """Write an entity's place on the road."""
+    """Write an entity's position on the road, with the offset from the lane's centre computed from t."""
     centre, _ = lane_centre(n, road, lane, s)
     note_place(st, i, road, s, t, lane, t - centre)
 
 
 @compiled
 def note_place(st: State, i: int, road: int, s: float, t: float, lane: int, off: float) -> None:
-    """Write an entity's place on the road, its offset in the lane too."""
+    """Write an entity's position on the road, with its offset from the lane's centre."""
     st.road[i] = road
     st.lane[i] = lane
     st.s[i] = s
@@ -188,7 +191,7 @@ def note_place(st: State, i: int, road: int, s: float, t: float, lane: int, off:
 
 @compiled
 def locate_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Find the ego's road, lane, s and offset from its point, first on its path, then anywhere."""
+    """Find the ego's road, lane, s and offset from its reference point, first on its path, then on any road."""
     if st.path_road[0] >= 0:
         beside, t = follow_path(n, p, st, i)
         road = st.path_road[0]
@@ -215,7 +218,7 @@ def locate_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def locate_free(n: RoadTables, st: State, i: int) -> int:
-    """Find the road, lane, s and offset of an entity that no path leads, from its point; return 0 off every lane."""
+    """Find the road, lane, s and offset of an entity without a path; return 0 if it is off every lane."""
     found, road, s, t = track(n, st.x[i], st.y[i], st.road[i], st.s[i])
     lane = 0
     if found == 1:
@@ -229,7 +232,7 @@ def locate_free(n: RoadTables, st: State, i: int) -> int:
 
 @compiled
 def note_ground(n: RoadTables, st: State, row: int, wide: float) -> None:
-    """Write how wide the ego's lane is, and whether it is for motor traffic or beside it."""
+    """Write the width of the ego's lane, and whether the lane is for motor traffic or a roadside lane."""
     st.lane_width[0] = wide
     kind = n.lane_type[row]
     st.on_road[0] = 1 if is_drivable(kind) == 1 or is_roadside(kind) == 1 else 0
@@ -237,7 +240,7 @@ def note_ground(n: RoadTables, st: State, row: int, wide: float) -> None:
 
 @compiled
 def note_ground_below(n: RoadTables, st: State, road: int, lane: int, s: float) -> None:
-    """Do what `note_ground` does for a lane; off every lane (0) there is neither width nor road."""
+    """Write what `note_ground` writes for a lane; for lane 0, off every lane, no width and no road."""
     row = lane_row(n, road, lane, s) if lane != 0 else -1
     if row < 0:
         st.lane_width[0] = 0.0
@@ -248,7 +251,7 @@ def note_ground_below(n: RoadTables, st: State, road: int, lane: int, s: float) 
 
 @compiled
 def locate_anew(n: RoadTables, st: State, i: int) -> None:
-    """Find the ego anywhere; its path goes on from there where one may drive."""
+    """Find the ego on any road; its path continues from there if the lane is for driving."""
     found, road, s, t = track(n, st.x[i], st.y[i], st.path_road[0], st.path_s[0])
     lane = 0
     st.path_anew[0] = 1
@@ -279,7 +282,7 @@ def measure_path(n: RoadTables, st: State, i: int) -> None:
 
 @compiled
 def measure_path_at(n: RoadTables, st: State, i: int, t: float) -> float:
-    """Do what `measure_path` does where the ego's t on the path's road is known; return t of the lane's centre."""
+    """Measure as `measure_path` does if the ego's t on the path's road is known; return t of the lane's centre."""
     road = st.path_road[0]
     s = st.path_s[0]
     direction = st.path_sense[0]
@@ -298,7 +301,7 @@ def measure_path_at(n: RoadTables, st: State, i: int, t: float) -> float:
 
 @compiled
 def take_present_lane(n: RoadTables, st: State, i: int) -> None:
-    """Let the path follow the lane that the ego is in, where one may drive there in the ego's direction."""
+    """Let the path follow the lane that the ego is in, if it is for driving and has the same direction of travel."""
     road = st.road[i]
     if road < 0 or road != st.path_road[0] or st.lane[i] == st.path_lane[0]:
         return

@@ -1,7 +1,7 @@
 """Resolves the positions of the conflict language: in lanes, ahead of and beside entities, at random.
 
-A position relative to an entity is counted from where that entity starts. A random one is drawn with the counter hash,
-so that it depends on the run's seed (or its own), its row and the attempt alone.
+A position relative to an entity is measured from where that entity starts. A random position is drawn with the counter
+hash, so that it depends only on the run's seed (or its own), its row and the attempt.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from scenario_compiler.roads.travel import advance
 
 @compiled
 def draw_place(n: RoadTables, p: Program, st: State, k: int, attempt: int) -> tuple[int, int, float, float, int]:
-    """Return the place of an attempt to draw a random position, as `resolve_position` does."""
+    """Return the random place of an attempt, as `resolve_position` does."""
     return place_by_share(n, p, k, random_unit(run_seed(st, p.position_seed[k]), op.STREAM_PLACE, k, attempt))
 
 
 @compiled
 def place_by_share(n: RoadTables, p: Program, k: int, unit: float) -> tuple[int, int, float, float, int]:
-    """Return the place of a random position at a share in (0, 1) of its stretches, as `resolve_position` does.
+    """Return the random place at the share `unit` in (0, 1) of a position's stretches, as `resolve_position` does.
 
-    Shares are of the length of the stretches; points have the same share each.
+    The share is measured in length of the stretches; if they are points, each has the same share.
     """
     total = 0.0
     for q in range(p.position_first[k], p.position_last[k]):
@@ -58,7 +58,7 @@ def place_by_share(n: RoadTables, p: Program, k: int, unit: float) -> tuple[int,
 
 @compiled
 def place_beside(n: RoadTables, st: State, other: int, ahead: float, left: float) -> tuple[int, int, float, float, int]:
-    """Return the place ahead of an entity and to the left of where it stands, as `resolve_position` does."""
+    """Return the place ahead of and to the left of an entity's present place, as `resolve_position` does."""
     road = st.road[other]
     if road < 0:
         return -1, 0, 0.0, 0.0, 1
@@ -72,7 +72,7 @@ def place_beside(n: RoadTables, st: State, other: int, ahead: float, left: float
 
 @compiled
 def nearest_placed(p: Program, st: State, order: int, x: float, y: float) -> float:
-    """Return the distance from a point to the nearest entity before `order`, m, FAR for none."""
+    """Return the distance from a point to the nearest entity before `order`, m; FAR if there is none."""
     nearest = op.FAR
     for q in range(order):
         j = p.entity_order[q]
@@ -85,7 +85,7 @@ def nearest_placed(p: Program, st: State, order: int, x: float, y: float) -> flo
 def clear_place(
     n: RoadTables, p: Program, st: State, k: int, order: int, first: int, attempts: int
 ) -> tuple[int, int, float, float, int]:
-    """Return a random place that is clear of the entities placed before, road -1 when no attempt finds one."""
+    """Return a random place that is clear of the entities placed before; road -1 if no attempt finds one."""
     clear = p.const[p.position_const[k] + slot.P_S]
     for attempt in range(first, first + attempts):
         road, lane, s, offset, direction = draw_place(n, p, st, k, attempt)
@@ -98,9 +98,10 @@ def clear_place(
 
 @compiled
 def resolve_position(n: RoadTables, p: Program, st: State, k: int) -> tuple[int, int, float, float, int]:
-    """Return (road, lane, s, offset to the left along s, direction of travel) of a position; road -1 for none.
+    """Return (road, lane, s, offset to the left along s, direction of travel) of a position; road -1 if there is none.
 
-    A relative position is counted from where the entity starts: to the side, then along that lane as the entity faces.
+    A relative position is measured from where the entity starts: sideways first, then along that lane as the entity
+    faces.
     """
     base = p.position_const[k]
     s = p.const[base + slot.P_S]
@@ -136,7 +137,7 @@ def resolve_position(n: RoadTables, p: Program, st: State, k: int) -> tuple[int,
 
 @compiled
 def reset_positions(n: RoadTables, p: Program, st: State) -> None:
-    """Evaluate the plan's positions; those relative to an entity hold for where it starts."""
+    """Evaluate the plan's positions; those relative to an entity refer to where it starts."""
     for k in range(p.position_count[0]):
         if p.position_op[k] < op.POSITION_FREE:
             road, lane, s, offset, _ = resolve_position(n, p, st, k)

@@ -1,8 +1,8 @@
 """Resolves a position of the plan at the moment of its use, to a lane or to a point off every road.
 
-One way for all who use positions: teleports, conditions, entities that appear, the vertices of trajectories. What is
-relative to an entity is counted from where that entity is then. Distances along a road are those of its reference
-line, as in esmini 3.6; where a road ends they end there.
+Teleports, conditions, appearing entities and the vertices of trajectories all use this module. A position relative to
+an entity is measured from where that entity is at that time. Distances along a road are those of its reference line, as
+in esmini 3.6, and end where the road ends.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
 PLACE_NONE = 0
-"""A position that lies nowhere: beside an entity that is off the road, in a lane that is not there."""
+"""A position that lies nowhere: relative to an entity off the road, or in a lane that does not exist."""
 PLACE_ON_LANE = 1
 PLACE_FREE = 2
 
 HOPS = 64
-"""Junctions that a distance along the road leads over at most."""
+"""Greatest number of roads that a distance along the road leads over."""
 
 OVER_END = 0.001
-"""How far beyond a road's end the next road is asked for, m."""
+"""Distance beyond a road's end at which the next road is looked up, m."""
 
 
 @compiled
 def turn_for(n: RoadTables, p: Program, st: State, i: int, other: int, road: int) -> int:
-    """Return the road after `road` on the way of the entity that is to stand there, else of the one it is relative to.
+    """Return the road after `road` on the route of the entity i to be placed, or of the one that it is relative to.
 
-    -1 where neither has a way from there.
+    It is -1 if neither has a route from there.
     """
     turn = op.NONE
     if i >= 0:
@@ -54,9 +54,9 @@ def turn_for(n: RoadTables, p: Program, st: State, i: int, other: int, road: int
 def advance_by_way(
     n: RoadTables, p: Program, st: State, i: int, other: int, road: int, lane: int, s: float, ds: float
 ) -> tuple[int, int, float]:
-    """Return (road, lane, s) after ds along the lane's travel (against it for ds < 0), on the way of `turn_for`.
+    """Return (road, lane, s) after ds along the lane's direction of travel (against it for ds < 0).
 
-    Where the lane ends the place is its end.
+    The turns are those of `turn_for`. If the lane ends before, the place is its end.
     """
     left = abs(ds)
     forward = 1.0 if ds >= 0.0 else -1.0
@@ -85,9 +85,9 @@ def advance_by_way(
 
 @compiled
 def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, int, float, float, float]:
-    """Return (road, lane, s, offset, heading to turn from) of a place counted from an entity's; road -1 for none.
+    """Return (road, lane, s, offset, reference heading) of a position relative to an entity; road -1 if there is none.
 
-    In lanes along the lane, ahead and left are those of the lane's travel, else those of the road's s.
+    With POSITION_ALONG_LANE, ahead and left refer to the lane's direction of travel, otherwise to the road's s.
     """
     other = p.position_entity[k]
     road = st.road[other]
@@ -113,7 +113,7 @@ def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> t
 
 @compiled
 def point_of(p: Program, st: State, k: int) -> tuple[float, float, float, float, int]:
-    """Return (x, y, z, heading, 1 where z counts) of a position that is a point of the world."""
+    """Return (x, y, z, heading, 1 if z counts) of a position that is a point in the world."""
     base = p.position_const[k]
     x = p.const[base + slot.P_S]
     y = p.const[base + slot.P_OFFSET]
@@ -137,7 +137,7 @@ def point_of(p: Program, st: State, k: int) -> tuple[float, float, float, float,
 
 @compiled
 def position_is_number(p: Program, k: int) -> int:
-    """Return 1 where the numbers of a position are finite."""
+    """Return 1 if the numbers of a position are finite."""
     base = p.position_const[k]
     total = p.const[base + slot.P_S] + p.const[base + slot.P_OFFSET] + p.const[base + slot.P_TURN]
     kind = p.position_op[k]
@@ -150,9 +150,10 @@ def position_is_number(p: Program, k: int) -> int:
 def place_of(
     n: RoadTables, p: Program, st: State, k: int, i: int
 ) -> tuple[int, int, int, float, float, float, float, float, float]:
-    """Return (PLACE_... code, road, lane, s, offset, x, y, z, heading) of a position, for entity i (NONE for none).
+    """Return (PLACE_... code, road, lane, s, offset, x, y, z, heading) of a position for entity i (or NONE).
 
-    Positions along trajectories lie nowhere here: they are made of others, and `on_tracks` finds them.
+    A position along a trajectory is PLACE_NONE here; because its vertices are positions themselves, `on_tracks`
+    resolves it.
     """
     if position_is_number(p, k) == 0 or p.position_op[k] == op.POSITION_ON_TRAJECTORY:
         return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

@@ -1,7 +1,7 @@
 """The road that an entity takes at a junction: by its guide, at random, or straight on.
 
-A guide is a row of `Program.guide_next`: for every road and each sense in which it is driven the road that comes next,
-so that an entity finds its way from wherever it is on it. It is over when the entity enters its last road.
+A guide is a row of `Program.guide_next`. For every road and each direction of travel it holds the next road, so that an
+entity finds its route from any place. The guide ends when the entity enters its last road.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 
 @compiled
 def random_turn(n: RoadTables, p: Program, st: State, i: int, road: int, sense: int) -> int:
-    """Return the road that an entity takes at random where several follow its lane; the same each time."""
+    """Return the road that an entity takes at random where several follow its lane; it is the same every time."""
     section = n.road_section[road]
     end = AT_START
     if sense > 0:
@@ -37,9 +37,9 @@ def random_turn(n: RoadTables, p: Program, st: State, i: int, road: int, sense: 
 
 @compiled
 def against_traffic(n: RoadTables, p: Program, st: State, i: int, ahead: int, at_end: int) -> int:
-    """Return the road that goes where the guide's next one goes, for an entity that drives against its lane's travel.
+    """Return the next road for an entity that drives against its lane's direction of travel.
 
-    No lane of the guide's road follows its own: the road of the other direction does.
+    No lane of the guide's next road continues its lane; the road of the opposite direction does, and is returned.
     """
     road = st.road[i]
     section = n.road_section[road + at_end] - at_end
@@ -58,7 +58,7 @@ def against_traffic(n: RoadTables, p: Program, st: State, i: int, ahead: int, at
 
 @compiled
 def next_turn(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
-    """Return the road that an entity takes at the junction after `road`, -1 for straight on."""
+    """Return the road that an entity takes at the junction after `road`, or -1 for straight on."""
     if p.entity_motion[i] == op.MOTION_TRAFFIC:
         return st.turn_to[i] if st.turn_from[i] == road else -1
     guide = st.guide[i]
@@ -80,7 +80,7 @@ def next_turn(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
 
 @compiled
 def leave_guide(p: Program, st: State, i: int) -> None:
-    """Drop an entity's guide when it has reached the last road."""
+    """Remove an entity's guide when the entity has reached its last road."""
     guide = st.guide[i]
     if guide >= 0 and p.guide_last[guide] == st.road[i]:
         st.guide[i] = op.NONE

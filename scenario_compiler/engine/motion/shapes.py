@@ -1,4 +1,4 @@
-"""Transition shapes of ASAM OpenSCENARIO's dynamics: value, slope and peak slope over a progress of 0 to 1."""
+"""Transition shapes of ASAM OpenSCENARIO's dynamics: value, slope and peak slope over a progress from 0 to 1."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def shape_value(st: State, shape: int, u: float) -> float:
-    """Return how much of the change is done at progress u."""
+    """Return the completed share of the change at progress u."""
     if shape == op.SHAPE_LINEAR:
         return u
     if shape == op.SHAPE_SINUSOIDAL:
@@ -37,7 +37,7 @@ def shape_slope(shape: int, u: float) -> float:
 
 @compiled
 def shape_peak(shape: int) -> float:
-    """Return the greatest slope: what `rate` means for esmini is the peak rate of the change."""
+    """Return the greatest slope; esmini reads `rate` as the peak rate of the change."""
     if shape == op.SHAPE_SINUSOIDAL:
         return 0.5 * pi
     if shape == op.SHAPE_CUBIC:
@@ -47,7 +47,7 @@ def shape_peak(shape: int) -> float:
 
 @compiled
 def transition_span(shape: int, dimension: int, value: float, change: float) -> float:
-    """Return the length of a transition given by time (or distance) or by peak rate, 0 for a step."""
+    """Return the length of a transition given by time, distance or peak rate, in s or m; 0 for a step."""
     if shape == op.SHAPE_STEP:
         return 0.0
     if dimension != op.DIMENSION_RATE:

@@ -1,8 +1,8 @@
-"""The next signal on a walked way that a vehicle has to stop at.
+"""The next signal on a walked way at which a vehicle has to stop.
 
-A signal counts for the lanes and the direction of travel that the road file gives it, where it stands and where another
-road refers to it. It says stop, or caution, by its state: a text of the scenario, read by `aspect_of`. A vehicle stops
-where its brakes still can: at caution only with the deceleration that it likes.
+A signal applies to the lanes and the direction of travel that the road file states, where it stands and where another
+road refers to it. Its state, a text of the scenario, means stop or caution (`aspect_of`). A vehicle stops if its brakes
+still suffice; at caution, only if a comfortable deceleration suffices.
 """
 
 from __future__ import annotations
@@ -18,16 +18,17 @@ from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
 LINE_BEFORE = 1.0
-"""How far before a signal the front of a waiting vehicle stands, m."""
+"""Distance between the front of a waiting vehicle and the signal, m."""
 
 CAUTION_DECELERATION = 3.5
-"""Deceleration with which a vehicle stops at the latest when a signal turns yellow, m/s2: that from which the times of
-yellow are computed in Germany (RiLSA), not verified."""
+"""Greatest deceleration with which a vehicle stops when a signal turns yellow, m/s2: that from which yellow times are
+computed in Germany (RiLSA), not verified.
+"""
 
 
 @compiled
 def signal_counts(n: RoadTables, p: Program, st: State, k: int, w: int) -> int:
-    """Return 1 where a head of a signal lies ahead on the way's row w and is meant for its lane and direction."""
+    """Return 1 if a head of a signal lies ahead on the way's row w and applies to its lane and direction."""
     if p.head_road[k] != st.way_road[w] or p.head_sense[k] * st.way_sign[w] < 0:
         return 0
     s = p.const[p.head_const[k]]
@@ -43,7 +44,7 @@ def signal_counts(n: RoadTables, p: Program, st: State, k: int, w: int) -> int:
 
 @compiled
 def red_ahead(n: RoadTables, p: Program, st: State, i: int) -> float:
-    """Return the distance along the walked way from i's reference point to the line that it stops at, FAR for none."""
+    """Return the distance along the way from i's reference point to the line at which it stops, m; FAR if none."""
     line = op.FAR
     base = p.entity_const[i]
     front = front_of(p, i)

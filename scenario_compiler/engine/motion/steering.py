@@ -1,7 +1,7 @@
 """Lane keeping by the map: pure pursuit of the path with a planned offset, and pedals from an acceleration.
 
-Pure pursuit is Coulter's (1992, CMU-RI-TR-92-01): steer = atan(2 L sin(alpha) / d) towards a point d away on the
-path. A move to the side is planned over the distance driven: a cosine from one offset to another between two odometer
+Pure pursuit is Coulter's (1992, CMU-RI-TR-92-01): steer = atan(2 L sin(alpha) / d) towards a point of the path at the
+distance d. A lateral move is planned over the distance driven: a cosine from one offset to another between two odometer
 readings.
 """
 
@@ -13,6 +13,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.collision import face
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_piece_at
@@ -22,12 +23,14 @@ from scenario_compiler.roads.tables import RoadTables
 PREVIEW_TIME = 0.8
 PREVIEW_LEAST = 5.0
 PREVIEW_MOST = 25.0
-"""Distance to the point that is steered for: this time ahead, within these bounds, s and m; chosen."""
+"""Distance to the preview point: the distance driven in PREVIEW_TIME, s, within these limits, m; chosen."""
 
 CREEP = 0.2
 HOLD = 0.1
 HOLD_BRAKE = 1.0
-"""Below this speed, m/s, a wish for less than HOLD, m/s2, is a wish to stand, and HOLD_BRAKE is applied; chosen."""
+"""Below the speed CREEP, m/s, a wanted acceleration below HOLD, m/s2, means to stand; then HOLD_BRAKE is applied;
+chosen.
+"""
 
 SHIFT_PEAK = 4.934802200544679
 """pi^2 / 2: peak lateral acceleration of a cosine move of 1 m in 1 s, m/s2."""
@@ -35,7 +38,7 @@ SHIFT_PEAK = 4.934802200544679
 
 @compiled
 def planned_offset(st: State, odometer: float) -> float:
-    """Return the offset from the path lane's centre that is planned for an odometer reading."""
+    """Return the planned offset from the path lane's centre at an odometer reading, m, positive to the left."""
     span = st.shift_end[0] - st.shift_begin[0]
     gone = odometer - st.shift_begin[0]
     if gone >= span or span <= 0.0:
@@ -47,14 +50,14 @@ def planned_offset(st: State, odometer: float) -> float:
 
 @compiled
 def shift_distance(v: float, change: float, acceleration: float) -> float:
-    """Return the distance in which a change of offset keeps the lateral acceleration, m; at least twice the change."""
+    """Return the distance over which a change of offset keeps a lateral acceleration, m; at least twice the change."""
     time = safe_sqrt(SHIFT_PEAK * abs(change) / max(acceleration, 0.1))
     return max(v * time, 2.0 * abs(change) + 0.1)
 
 
 @compiled
 def plan_shift(st: State, i: int, target: float, distance: float) -> None:
-    """Plan a move from the present offset to another one over a distance from here."""
+    """Plan a move from the present offset to `target` over a distance from here, m."""
     st.shift_from[0] = st.path_off[0]
     st.shift_to[0] = target
     st.shift_begin[0] = st.odometer[i]
@@ -63,7 +66,7 @@ def plan_shift(st: State, i: int, target: float, distance: float) -> None:
 
 @compiled
 def preview_distance(st: State, i: int) -> float:
-    """Return the distance to the point that is steered for, m."""
+    """Return the distance to the preview point, m."""
     return clip(PREVIEW_TIME * st.v[i], PREVIEW_LEAST, PREVIEW_MOST)
 
 
@@ -71,7 +74,10 @@ def preview_distance(st: State, i: int) -> float:
 def path_point(
     n: RoadTables, p: Program, st: State, i: int, ahead: float, gone: float, aside: float
 ) -> tuple[float, float]:
-    """Return the point (x, y) of the path a distance ahead, `aside` of the offset planned for when `gone` is driven."""
+    """Return the point (x, y) of the path `ahead` m ahead.
+
+    Its offset is `aside` plus the one that is planned for when `gone` more metres have been driven.
+    """
     road, lane, row, s, rest = path_ahead(n, p, st, ahead)
     direction = st.path_sense[0] if row == st.path_row[0] else lane_direction(n, road, lane)
     off = direction * (planned_offset(st, st.odometer[i] + gone) + aside)
@@ -84,9 +90,9 @@ def path_point(
 
 @compiled
 def aim(p: Program, st: State, i: int, ahead: float, aside: float, most: float) -> float:
-    """Return the angle of the front wheels that leads to a point ahead and to the left in the vehicle's axes.
+    """Return the angle of the front wheels that leads to a point ahead and to the left in the vehicle's axes, rad.
 
-    `most` bounds the lateral acceleration, m/s2.
+    `most` limits the lateral acceleration, m/s2.
     """
     squared = ahead * ahead + aside * aside
     if squared < 0.25:
@@ -101,9 +107,9 @@ def aim(p: Program, st: State, i: int, ahead: float, aside: float, most: float) 
 
 @compiled
 def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> float:
-    """Return the angle of the front wheels that leads along the path and its planned offset, and `aside` of that.
+    """Return the angle of the front wheels that follows the path with its planned offset plus `st.aside`, rad.
 
-    `most` bounds the lateral acceleration, m/s2.
+    `most` limits the lateral acceleration, m/s2.
     """
     if st.path_road[0] < 0:
         return 0.0
@@ -111,21 +117,22 @@ def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> 
     x, y = path_point(n, p, st, i, preview, preview, st.aside[0])
     dx = x - st.x[i]
     dy = y - st.y[i]
-    c = cos(st.h[i])
-    w = sin(st.h[i])
+    face(st, i)
+    c = st.box_cos[i]
+    w = st.box_sin[i]
     return aim(p, st, i, dx * c + dy * w, dy * c - dx * w, most)
 
 
 @compiled
 def command_angle(p: Program, st: State, i: int, angle: float) -> None:
-    """Ask for an angle of the front wheels."""
+    """Command an angle of the front wheels, rad."""
     limit = p.const[p.entity_const[i] + slot.E_MAX_STEER]
     st.command_steer[i] = clip(angle / limit, -1.0, 1.0) if limit > 0.0 else 0.0
 
 
 @compiled
 def come_to_rest(v: float, wanted: float) -> float:
-    """Return the acceleration to ask for: a creeping vehicle that is not to speed up is stopped and held."""
+    """Return the acceleration to command, m/s2: a creeping vehicle that is not to accelerate is stopped and held."""
     if v < CREEP and wanted < HOLD:
         return -HOLD_BRAKE
     return wanted
@@ -133,7 +140,7 @@ def come_to_rest(v: float, wanted: float) -> float:
 
 @compiled
 def command_acceleration(p: Program, st: State, i: int, acceleration: float) -> None:
-    """Ask for an acceleration by throttle or brake."""
+    """Command an acceleration by throttle or brake, m/s2."""
     base = p.entity_const[i]
     st.command_throttle[i] = 0.0
     st.command_brake[i] = 0.0

@@ -37,5 +37,5 @@ def time_of_day(st: State) -> float:
 
 @compiled
 def grip(st: State, limit: float) -> float:
-    """Return what the road's friction leaves of a vehicle's greatest acceleration or deceleration."""
+    """Return the share of a vehicle's greatest acceleration or deceleration that the road's friction allows, m/s2."""
     return limit * min(st.friction[0], 1.0)

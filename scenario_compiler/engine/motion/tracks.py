@@ -1,7 +1,7 @@
 """Poses on a trajectory at a distance or a time, and the trajectory that an entity follows.
 
-A clothoid is integrated; everything else is straight between two vertices. The heading of a line is that of esmini
-3.6: it turns near the corners alone, or, where the vertices give headings and are followed smoothly, evenly from one
+A clothoid is integrated; other trajectories are straight between two vertices. The heading on a line is that of esmini
+3.6: it changes only near the corners, or, if the vertices have headings and are followed smoothly, linearly from one
 vertex to the next.
 """
 
@@ -17,7 +17,7 @@ from scenario_compiler.engine.motion.laying import spiral_step
 from scenario_compiler.marker import compiled
 
 CORNER = 2.0
-"""Distance before and behind a corner over which the heading turns, m (esmini 3.6)."""
+"""Distance before and after a corner over which the heading changes, m (esmini 3.6)."""
 
 
 @compiled
@@ -28,7 +28,7 @@ def track_length(p: Program, st: State, track: int) -> float:
 
 @compiled
 def track_is_timed(p: Program, st: State, track: int) -> int:
-    """Return 1 where a trajectory's vertices have times."""
+    """Return 1 if a trajectory's vertices have times."""
     first = p.track_vertex[track]
     last = p.track_vertex[track + 1] - 1
     return 1 if st.track_time[first] >= 0.0 and st.track_time[last] > st.track_time[first] else 0
@@ -36,7 +36,7 @@ def track_is_timed(p: Program, st: State, track: int) -> int:
 
 @compiled
 def vertex_before(p: Program, st: State, track: int, s: float) -> int:
-    """Return the vertex that a distance lies behind, the first one where several lie there; not the last vertex."""
+    """Return the vertex before a distance, the first one if several are at the same distance; never the last vertex."""
     low = p.track_vertex[track]
     high = p.track_vertex[track + 1] - 1
     while high - low > 1:
@@ -50,7 +50,7 @@ def vertex_before(p: Program, st: State, track: int, s: float) -> int:
 
 @compiled
 def distance_at_time(p: Program, st: State, track: int, time: float) -> float:
-    """Return the distance along a trajectory at a time of its own."""
+    """Return the distance along a trajectory at a time on its own time scale, m."""
     v = p.track_vertex[track]
     last = p.track_vertex[track + 1] - 1
     if time > st.track_time[last]:
@@ -72,7 +72,7 @@ def distance_at_time(p: Program, st: State, track: int, time: float) -> float:
 
 @compiled
 def time_at_distance(p: Program, st: State, track: int, s: float) -> float:
-    """Return the time at a distance along a trajectory as if speeds were even between vertices."""
+    """Return the time at a distance along a trajectory, assuming constant speed between vertices, s."""
     v = vertex_before(p, st, track, s)
     if v == p.track_vertex[track + 1] - 1:
         return st.track_time[v]
@@ -83,9 +83,9 @@ def time_at_distance(p: Program, st: State, track: int, s: float) -> float:
 
 @compiled
 def near_corner(p: Program, st: State, track: int, v: int, s: float) -> tuple[int, int, float]:
-    """Return (vertex, vertex, share): angles of a polyline turn from one vertex's to the other's, near corners alone.
+    """Return (vertex, vertex, share): near a corner of a polyline, angles change from one vertex's to the other's.
 
-    `v` is the vertex that s lies behind.
+    `v` is the vertex before s.
     """
     begin = st.track_s[v]
     end = st.track_s[v + 1]
@@ -101,7 +101,7 @@ def near_corner(p: Program, st: State, track: int, v: int, s: float) -> tuple[in
 
 @compiled
 def corner_heading(p: Program, st: State, track: int, v: int, s: float) -> float:
-    """Return the heading behind vertex v of a polyline that turns near its corners alone."""
+    """Return the heading after vertex v of a polyline whose heading changes only near its corners."""
     before, after, share = near_corner(p, st, track, v, s)
     h = st.track_h[before]
     return h + share * angle_between(st.track_h[after], h)
@@ -109,7 +109,7 @@ def corner_heading(p: Program, st: State, track: int, v: int, s: float) -> float
 
 @compiled
 def track_height(p: Program, st: State, track: int, s: float) -> tuple[float, float]:
-    """Return (z, pitch) at a distance along a trajectory that gives heights; the pitch turns near the corners alone."""
+    """Return (z, pitch) at a distance along a trajectory with heights; the pitch changes only near the corners."""
     last = p.track_vertex[track + 1] - 1
     if last == p.track_vertex[track]:
         return st.track_z[last], 0.0
@@ -125,9 +125,9 @@ def track_height(p: Program, st: State, track: int, s: float) -> tuple[float, fl
 
 @compiled
 def track_pose(p: Program, st: State, track: int, s: float, smooth: int) -> tuple[float, float, float, float]:
-    """Return (x, y, heading, direction in which the trajectory goes) at a distance along it, no farther than its ends.
+    """Return (x, y, heading, direction of the trajectory) at a distance along it, which is clipped to its ends.
 
-    `smooth` is 1 where given headings are followed smoothly.
+    `smooth` is 1 if given headings are followed smoothly.
     """
     last = p.track_vertex[track + 1] - 1
     if last == p.track_vertex[track]:
@@ -153,7 +153,7 @@ def track_pose(p: Program, st: State, track: int, s: float, smooth: int) -> tupl
 
 @compiled
 def nearest_on_track(p: Program, st: State, track: int, x: float, y: float) -> float:
-    """Return the distance along a trajectory of its point that is nearest to a point, straight between vertices."""
+    """Return the distance along a trajectory of its point nearest to (x, y), straight between vertices, m."""
     first = p.track_vertex[track]
     best = st.track_s[first]
     nearest = length_of(x - st.track_x[first], y - st.track_y[first])
@@ -170,7 +170,7 @@ def nearest_on_track(p: Program, st: State, track: int, x: float, y: float) -> f
 
 @compiled
 def beside_track(x: float, y: float, h: float, ahead: float, left: float) -> tuple[float, float]:
-    """Return the point ahead and to the left of a pose."""
+    """Return the point `ahead` of and `left` of a pose, m."""
     return x + ahead * cos(h) + left * cos(h + 0.5 * pi), y + ahead * sin(h) + left * sin(h + 0.5 * pi)
 
 

@@ -1,7 +1,7 @@
-"""Trailers: the coupler of each follows the hitch of the vehicle that tows it (esmini 3.6).
+"""Trailers: the coupler of each follows the hitch of the towing vehicle (esmini 3.6).
 
-A trailer's heading points from where its axle was to where the hitch is now; its axle then stands a coupler's length
-before the hitch. Trailers may tow further ones.
+A trailer's heading points from the last position of its axle to the present position of the hitch; its axle is then
+placed one coupler length behind the hitch. A trailer may tow another one.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def follow_hitch(n: RoadTables, p: Program, st: State, i: int, j: int, straight: int) -> None:
-    """Put trailer j behind i, in line with it where `straight` is 1."""
+    """Put trailer j behind i, and in line with it if `straight` is 1."""
     hitch = p.const[p.entity_const[i] + slot.E_HITCH]
     coupler = p.const[p.entity_const[j] + slot.E_COUPLER]
     x = st.x[i] + hitch * cos(st.h[i])
@@ -56,7 +56,7 @@ def straighten_trailers(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def draw_trailers(n: RoadTables, p: Program, st: State) -> None:
-    """Draw all trailers behind what tows them, from the front of each train to its end."""
+    """Move all trailers behind their towing vehicles, from the front of each combination to its end."""
     for i in range(p.entity_count[0]):
         if st.towed_by[i] < 0 and st.towed[i] >= 0 and st.present[i] == 1:
             at = i
@@ -70,7 +70,7 @@ def draw_trailers(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def connect_trailer(p: Program, st: State, i: int, j: int) -> None:
-    """Let an entity tow another, in place of what it has towed; a circle is not made."""
+    """Let an entity tow another one instead of its present trailer; a circle of trailers is not made."""
     at = i
     for _ in range(p.entity_count[0]):
         if at == j:
@@ -87,7 +87,7 @@ def connect_trailer(p: Program, st: State, i: int, j: int) -> None:
 
 @compiled
 def disconnect_trailer(st: State, i: int) -> None:
-    """Let go of an entity's trailer, which stops where it is."""
+    """Uncouple an entity's trailer, which stops where it is."""
     j = st.towed[i]
     if j >= 0:
         st.v[j] = 0.0

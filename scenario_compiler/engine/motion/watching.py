@@ -1,8 +1,8 @@
 """Quantities of entities that are measured after each step because conditions use them.
 
-How long it has stood, been off the roads or stood at the end of one: time since it was first so, -1 while it is not.
-Velocity and acceleration are differences of positions over a step, as in esmini 3.6; in the frame of length 0 and
-after a leap they are those of the speed along the heading.
+The times of standing, of being off the roads and of standing at the end of a road count from the first step in which
+this holds; they are -1 while it does not. Velocity and acceleration are differences of positions over a step, as in
+esmini 3.6; at the start and after a leap they are computed from the speed along the heading.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ WATCH_ACCELERATION = 2
 WATCH_STILL = 4
 WATCH_OFF_ROAD = 8
 WATCH_AT_END = 16
-"""Bits of `Program.watches`: what some condition asks for. The acceleration needs the motion; the times come last."""
+"""Bits of `Program.watches`: quantities that conditions use. The acceleration needs the motion; the times come last."""
 
 LEAP = 3.0
-"""How many times farther than its speed takes it an entity has moved that was put somewhere else."""
+"""A displacement of more than this many times the speed times the step is a leap: the entity was put somewhere else."""
 
 
 @compiled
 def held_for(so: int, before: float, dt: float) -> float:
-    """Return how long something has been so, from how long it had been before; -1 while it is not."""
+    """Return how long a state has held, s, from the duration before the step; -1 while it does not hold."""
     if so == 0:
         return -1.0
     return 0.0 if before < 0.0 else before + dt
@@ -38,7 +38,7 @@ def held_for(so: int, before: float, dt: float) -> float:
 
 @compiled
 def is_off_road(n: RoadTables, st: State, i: int) -> int:
-    """Return 1 where an entity's reference point lies on no lane of any road, or on one of the type none (esmini)."""
+    """Return 1 if an entity's reference point lies on no lane of any road, or on a lane of the type "none" (esmini)."""
     road = st.road[i]
     if road < 0:
         return 1
@@ -52,7 +52,7 @@ def is_off_road(n: RoadTables, st: State, i: int) -> int:
 
 @compiled
 def heads_at_speed(st: State, i: int) -> tuple[float, float, float]:
-    """Return the velocity that is an entity's speed along its heading."""
+    """Return the velocity (x, y, z) of an entity that moves with its speed along its heading, m/s."""
     slope = st.pitch[i] - st.body_pitch[i]
     level = st.v[i] * cos(slope)
     return level * cos(st.h[i]), level * sin(st.h[i]), -st.v[i] * sin(slope)
@@ -60,13 +60,13 @@ def heads_at_speed(st: State, i: int) -> tuple[float, float, float]:
 
 @compiled
 def farthest_without_leap(v: float, dt: float) -> float:
-    """Return how far an entity of a speed moves in a step at most, unless it was put somewhere else."""
+    """Return the greatest displacement in a step that is not a leap, m."""
     return LEAP * abs(v) * dt + 0.1
 
 
 @compiled
 def measure_motion(st: State, i: int, watches: int, dt: float) -> None:
-    """Take an entity's velocity, and its acceleration where that is asked for."""
+    """Write an entity's velocity, and its acceleration if a condition uses it."""
     x = st.x[i] - st.before_x[i]
     y = st.y[i] - st.before_y[i]
     z = st.z[i] - st.before_z[i]
@@ -90,7 +90,7 @@ def measure_motion(st: State, i: int, watches: int, dt: float) -> None:
 
 @compiled
 def watch_entity(n: RoadTables, st: State, i: int, watches: int, dt: float) -> None:
-    """Take the times of an entity that is there; it is at its road's end from the step that took it there."""
+    """Update the times of a present entity; it is at its road's end from the step that took it there."""
     if watches & WATCH_STILL != 0:
         st.still[i] = held_for(1 if abs(st.v[i]) < op.AT_REST else 0, st.still[i], dt)
     if watches & WATCH_AT_END != 0:
@@ -102,7 +102,7 @@ def watch_entity(n: RoadTables, st: State, i: int, watches: int, dt: float) -> N
 
 @compiled
 def begin_watches(p: Program, st: State) -> None:
-    """Take the motion that entities begin with, once the init's actions have set it."""
+    """Write the initial motion of the entities, after the actions of the init have set it."""
     if p.watches[0] & WATCH_MOTION != 0:
         for i in range(p.entity_count[0]):
             measure_motion(st, i, WATCH_MOTION, 0.0)

@@ -21,14 +21,14 @@ LIGHTS = (
     *("warningLights", "indicatorLeft", "indicatorRight", "reversingLights", "licensePlateIllumination"),
     "specialPurposeLights",
 )
-"""Lights of vehicles that are kept in the state, by ASAM OpenSCENARIO's names."""
+"""Lights of vehicles that are part of the state, by ASAM OpenSCENARIO's names."""
 
 LOGGED = "A light or an animation of `entity` changes: `cause` is its name, `message` its state."
 
 
 @compiled
 def start_light(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Switch a light of an entity; one of the author's own naming, which has no bit, stays in the log alone."""
+    """Switch a light of an entity; a light with a user-defined name has no bit and is only logged."""
     del n
     i = p.action_entity[k]
     bit = p.action_mode[k]
@@ -40,14 +40,14 @@ def start_light(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_animation(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Let the time of an animation pass; return 1 when it is over."""
+    """Advance an animation; return 1 if it is over."""
     del n
     st.action_progress[k] = st.action_progress[k] + dt
     return 1 if st.action_progress[k] >= p.const[p.action_const[k] + slot.A_DYNAMICS] - op.TOLERANCE else 0
 
 
 def light_row(draft: ProgramDraft, word: LightAction, actor: int) -> ActionRow:
-    """Return the row of a light that is switched."""
+    """Return the row of an action that switches a light."""
     del draft, actor
     bit = 1 << LIGHTS.index(word.type) if word.type in LIGHTS else 0
     return ActionRow(mode=bit, flags=0 if word.mode == "off" else 1)

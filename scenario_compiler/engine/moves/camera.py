@@ -47,7 +47,7 @@ def start_noise(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def start_failure(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Let a failure of the camera begin."""
+    """Begin a failure of the camera."""
     del n
     begin_failure(st, p.action_other[k])
     update_camera(p, st)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     )
 
 CONTROLLERS = {"acc": op.CONTROLLER_FOLLOW, "alks": op.CONTROLLER_FOLLOW}
-"""Models of assigned controllers that drive an entity; every other one leaves it as it is."""
+"""Models of assigned controllers that drive an entity; all others leave it unchanged."""
 
 INPUTS = {
     "throttle": op.HELD_THROTTLE,
@@ -43,7 +43,7 @@ INPUTS = {
 """Codes of the inputs of the ego that an action may hold."""
 
 GAPS = {"timeGap": slot.E_TIME_GAP, "time_gap": slot.E_TIME_GAP, "minimum_gap": slot.E_MINIMUM_GAP}
-"""Properties of car following that are numbers of the entity, and where these stand."""
+"""Properties of car following that are numbers of the entity, and their slots."""
 
 
 @compiled
@@ -62,7 +62,7 @@ def start_assign(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def start_override(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Hold an input of the ego, or let go of it."""
+    """Hold an input of the ego, or release it."""
     del n
     override_controller(p, st, k)
 
@@ -74,13 +74,13 @@ def _switched(longitudinal: bool | None) -> int:
 
 
 def activate_row(draft: ProgramDraft, word: ActivateControllerAction, actor: int) -> ActionRow:
-    """Return the row of a controller that is switched on or off."""
+    """Return the row of an action that activates or deactivates a controller."""
     del draft, actor
     return ActionRow(flags=_switched(word.longitudinal))
 
 
 def assign_row(draft: ProgramDraft, word: AssignControllerAction, actor: int) -> ActionRow:
-    """Return the row of a controller that is given; properties of car following become numbers of the entity."""
+    """Return the row of an action that assigns a controller; its car-following properties become the entity's."""
     model = CONTROLLERS.get(word.model, op.CONTROLLER_DEFAULT)
     given = {one.name: one.value for one in word.properties} if model == op.CONTROLLER_FOLLOW else {}
     for name, place in GAPS.items():
@@ -91,7 +91,7 @@ def assign_row(draft: ProgramDraft, word: AssignControllerAction, actor: int) ->
 
 
 def override_row(draft: ProgramDraft, word: OverrideControllerAction, actor: int) -> ActionRow:
-    """Return the row of an input that is held."""
+    """Return the row of an action that holds an input."""
     del draft, actor
     return ActionRow((word.value, 0.0), mode=INPUTS[word.input], flags=HOLDS_INPUT if word.active else 0)
 

@@ -1,4 +1,4 @@
-"""`Entry`: the one declaration of an action, from which its number, its dispatch, its checks and its log follow."""
+"""`Entry`: the declaration of an action, from which its opcode, dispatch, checks and log text are derived."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from scenario_compiler.roads.tables import RoadTables
 
 HOLDS_SPEED = 1
 HOLDS_LANE = 2
-"""Domains of an entity's motion, as bits. An action that starts ends the one that holds the same domain of the same
-entity, wherever that stands (esmini 3.6).
+"""Domains of an entity's motion, as bits. An action that starts ends the one that controls the same domain of the same
+entity, wherever it stands in the storyboard (esmini 3.6).
 """
 
 
 @compiled
 def nothing_to_start(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Start an action that is only logged."""
+    """Start an action without an effect of its own, which is only logged."""
     del n, p, st, k
 
 
 @compiled
 def done_at_once(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Step an action that its start has done: return 1."""
+    """Advance an action that was complete when it started: return 1."""
     del n, p, st, k, dt
     return 1
 
@@ -40,7 +40,7 @@ class Told:
     Attributes:
         event: The kind of the event.
         text: The meaning of that kind, for readers.
-        words: From the action's word what it is about, and what it does there.
+        words: Returns (subject, what happens to it) for the action's word.
     """
 
     event: str
@@ -53,15 +53,15 @@ class Entry:
     """An action of the engine.
 
     Attributes:
-        words: Tags of the words of the language that become it.
-        row: Makes its row, from the draft, its word, and the number of the entity that does it, or NONE.
-        start: Starts it: the marked function `(n, p, st, k)` of the action's row k.
-        step: Moves it on by dt: the marked function `(n, p, st, k, dt)`, which returns 1 when the action is done.
-        holds: The domains of its entity's motion that it holds, as bits.
-        whose: Whether the entity does it ("entity"), the run as a whole ("run"), or the run for the ego ("ego"). The
-            last two are done once however many actors there are.
-        told: What the log says when it starts; None for nothing.
-        refers: What fields of its row refer to, beyond what every action's may.
+        words: Tags of the words of the language that are lowered to it.
+        row: Makes its row from the draft, the word, and the index of the acting entity, or NONE.
+        start: Starts it: the marked function `(n, p, st, k)` for the action's row k.
+        step: Advances it by dt: the marked function `(n, p, st, k, dt)`, which returns 1 if the action is complete.
+        holds: The domains of its entity's motion that it controls, as bits.
+        whose: Whether it belongs to an entity ("entity"), to the run as a whole ("run"), or to the run on behalf of the
+            ego ("ego"). The last two are executed once, regardless of the number of actors.
+        told: The log entry at its start; None if it is not logged.
+        refers: Allowed values of the fields of its row that refer to something, beyond those of every action.
     """
 
     words: tuple[str, ...]
@@ -75,12 +75,12 @@ class Entry:
 
     @property
     def of_the_run(self) -> bool:
-        """Whether it is done once, however many actors there are."""
+        """Whether it is executed once, regardless of the number of actors."""
         return self.whose != "entity"
 
     @property
     def module(self) -> str:
-        """The module that executes it, below the package: that of its step, of its start, or of its row."""
+        """The module that executes it, relative to the package: that of its step, its start or its row."""
         if self.step is not done_at_once:
             home = self.step.__module__
         else:

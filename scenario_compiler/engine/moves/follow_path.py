@@ -1,7 +1,6 @@
 """Motion along a path of points in the plane, at the entity's speed or by the points' times.
 
-The entity's place on the road is looked up at each step, so that conditions and sensors know where it is; beside all
-roads it has none.
+The entity's position on the road is looked up in each step for conditions and sensors; off all roads it has none.
 """
 
 from __future__ import annotations
@@ -27,9 +26,9 @@ if TYPE_CHECKING:
 
 @compiled
 def path_goes_on(p: Program, st: State, k: int, i: int, progress: float) -> int:
-    """Put the entity where its path is after a distance, or a time, and say (1) that it goes on beyond or (0) not.
+    """Put the entity on its path after a distance or a time; return 1 if the path continues, 0 at its end.
 
-    Legs without length, or without time, are passed at once.
+    Legs without length, or without duration, are passed at once.
     """
     first = p.action_point[k]
     last = first + p.action_points[k]
@@ -63,7 +62,7 @@ def path_goes_on(p: Program, st: State, k: int, i: int, progress: float) -> int:
 
 @compiled
 def start_follow_path(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Begin a path where its entity is; one that stood at the end of another walks again."""
+    """Begin a path at its entity's position; an entity that stood at the end of another path moves again."""
     del n
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED:
@@ -82,7 +81,7 @@ def start_follow_path(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_follow_path(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Move an entity along its path; return 1 when it has reached the end."""
+    """Move an entity along its path; return 1 if it has reached the end."""
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED or p.action_points[k] <= 0:
         return 1
@@ -102,7 +101,7 @@ def step_follow_path(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
 
 
 def follow_path_row(draft: ProgramDraft, word: FollowPathAction | Path, actor: int) -> ActionRow:
-    """Return the row of a path of one's own."""
+    """Return the row of a path of points."""
     del actor
     p = draft.program
     first = len(p.point_position)

@@ -1,8 +1,8 @@
-"""Reaching and keeping a distance to another entity across the road.
+"""Reaching and keeping a lateral distance to another entity.
 
-Sides are those of the other entity's forward direction. Without limits the entity is put at the distance; with a limit
-of speed it moves there by that speed, with one of acceleration by a critically damped spring, and what it moves to the
-side is missing ahead. It acts from the step after the one it starts in (esmini 3.6).
+Sides are relative to the other entity's forward direction. Without limits the entity is put at the distance. With a
+limit of speed it moves there at that speed; with a limit of acceleration a critically damped spring moves it. The
+lateral motion reduces the motion ahead. The action has an effect from the step after its start (esmini 3.6).
 """
 
 from __future__ import annotations
@@ -32,14 +32,15 @@ if TYPE_CHECKING:
     from scenario_compiler.vocabulary.actions import LateralDistanceAction
 
 NEAR_ASIDE = 0.01
-"""Error at which a distance aside counts as reached, m (esmini 3.6)."""
+"""Error at which a lateral distance counts as reached, m (esmini 3.6)."""
 
 
 @compiled
 def left_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, float]:
-    """Return (how far the other is to the left of the entity, 1 where it faces the same way, else -1).
+    """Return (distance of the other entity to the left, m; 1 if it faces in the same direction, else -1).
 
-    FAR to the left where no road leads there. Left is as the entity goes along its road, or in its own axes.
+    The distance is FAR if no road leads there. Left is relative to the entity's motion along its road, or to its own
+    axes.
     """
     i = p.action_entity[k]
     j = p.action_other[k]
@@ -55,7 +56,7 @@ def left_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, f
 
 @compiled
 def widths_between(p: Program, k: int) -> float:
-    """Return what of the distance the boxes take."""
+    """Return the part of the distance between reference points that the boxes cover, m."""
     if p.action_flags[k] & op.FLAG_FREESPACE == 0:
         return 0.0
     own = p.const[p.entity_const[p.action_entity[k]] + slot.E_WIDTH]
@@ -64,7 +65,7 @@ def widths_between(p: Program, k: int) -> float:
 
 @compiled
 def start_keep_aside(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Choose the side, where any will do the present one, and the distance, where none is given the present one."""
+    """Determine side and distance; the present ones if the action leaves them open."""
     st.lateral[p.action_entity[k]] = k
     flags = p.action_flags[k]
     left, same = left_between(n, p, st, k)
@@ -81,7 +82,7 @@ def start_keep_aside(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def shift_by(n: RoadTables, p: Program, st: State, i: int, left: float) -> None:
-    """Move a scripted entity to the left, by its lane; its heading is left alone."""
+    """Move a scripted entity to the left within its lane; its heading does not change."""
     centre, _ = lane_centre(n, st.road[i], st.kept_lane[i], st.s[i])
     st.kept_off[i] += st.facing[i] * left
     st.t[i] = centre + st.kept_off[i]
@@ -89,7 +90,7 @@ def shift_by(n: RoadTables, p: Program, st: State, i: int, left: float) -> None:
 
 @compiled
 def step_keep_aside(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Go on towards the distance; return 1 where it is reached and need not be kept."""
+    """Advance towards the distance; return 1 if it is reached and need not be kept."""
     i = p.action_entity[k]
     if p.action_other[k] < 0:
         return 1
@@ -122,7 +123,7 @@ def step_keep_aside(n: RoadTables, p: Program, st: State, k: int, dt: float) -> 
 
 @compiled
 def steer_aside(p: Program, st: State, k: int, error: float, dt: float) -> None:
-    """Turn an entity that is off every road towards the distance, as its acceleration lets it."""
+    """Turn an entity that is off every road towards the distance, within its acceleration."""
     i = p.action_entity[k]
     j = p.action_other[k]
     if abs(st.v[i]) < op.TOLERANCE:
@@ -135,15 +136,15 @@ def steer_aside(p: Program, st: State, k: int, error: float, dt: float) -> None:
 
 @compiled
 def drift(st: State, j: int) -> float:
-    """Return an entity's speed to the left of its own heading: its motion of the last step in the axes of now."""
+    """Return an entity's speed to the left of its own heading, from its motion in the last step, m/s."""
     return st.velocity_y[j] * cos(st.h[j]) - st.velocity_x[j] * sin(st.h[j])
 
 
 @compiled
 def drive_aside(n: RoadTables, p: Program, st: State, k: int, error: float, dt: float) -> None:
-    """Move for one step to the side as the spring and the limits say, and ahead by what is left of the way.
+    """Move sideways for one step by the spring within the limits, and ahead by the rest of the distance driven.
 
-    Kept between steps: the speed to the left as `action_change`, the acceleration as `action_span`.
+    `action_change` stores the speed to the left between steps, `action_span` the acceleration.
     """
     i = p.action_entity[k]
     fastest = limit_or(p, k, slot.A_MOST_SPEED, op.FAR)
@@ -167,7 +168,7 @@ def drive_aside(n: RoadTables, p: Program, st: State, k: int, error: float, dt: 
 
 
 def keep_lateral_distance_row(draft: ProgramDraft, word: LateralDistanceAction, actor: int) -> ActionRow:
-    """Return the row of a distance that is kept across the road."""
+    """Return the row of a lateral distance."""
     del actor
     draft.program.watches[0] |= WATCH_MOTION
     return ActionRow(

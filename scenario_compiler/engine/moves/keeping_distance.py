@@ -1,8 +1,8 @@
 """Reaching and keeping a distance or a time gap to another entity along the road.
 
-Without limits the entity is put at the distance and takes the other's speed; with them a critically damped spring
-drives it there. The distance is that along the roads, or along the entity's own axis, between the reference points or
-the boxes. After esmini 3.6.
+Without limits the entity is put at the distance and takes the other's speed; with limits a critically damped spring
+moves it there. The distance is measured along the roads, or along the entity's own axis, between the reference points
+or the boxes. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -34,22 +34,22 @@ NEAR_ENOUGH = 0.1
 
 @compiled
 def limit_or(p: Program, k: int, place: int, otherwise: float) -> float:
-    """Return a limit of an action, or another number where the action sets none (negative)."""
+    """Return a limit of an action, or another value if the action has none (negative)."""
     value = p.const[p.action_const[k] + place]
     return value if value >= 0.0 else otherwise
 
 
 @compiled
 def limit_of_vehicle(p: Program, k: int, place: int, of_vehicle: int) -> float:
-    """Return a limit of an action, or its vehicle's own where the action sets none."""
+    """Return a limit of an action, or the vehicle's own if the action has none."""
     return limit_or(p, k, place, max(p.const[p.entity_const[p.action_entity[k]] + of_vehicle], 0.0))
 
 
 @compiled
 def ahead_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, float]:
-    """Return (how far the other is ahead, what of it the boxes take): between the points, or the boxes' centres.
+    """Return (distance to the other entity ahead, part of it that the boxes cover), m; FAR if no road leads there.
 
-    FAR ahead where no road leads there.
+    With `freespace` it is measured between the centres of the boxes, otherwise between the reference points.
     """
     i = p.action_entity[k]
     j = p.action_other[k]
@@ -76,7 +76,7 @@ def ahead_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, 
 
 @compiled
 def start_keep_distance(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Choose the side, where any will do the present one, and the distance, where none is given the present one."""
+    """Determine side and distance; the present ones if the action leaves them open."""
     st.longitudinal[p.action_entity[k]] = k
     flags = p.action_flags[k]
     ahead, reach = ahead_between(n, p, st, k)
@@ -92,7 +92,7 @@ def start_keep_distance(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Go on towards the distance; return 1 in the step that begins within reach of one that need not be kept."""
+    """Advance towards the distance; return 1 if the step begins near enough to one that need not be kept."""
     i = p.action_entity[k]
     j = p.action_other[k]
     if j < 0 or (p.entity_motion[i] != op.MOTION_SCRIPTED and i != p.ego[0]):
@@ -118,9 +118,9 @@ def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) 
 
 @compiled
 def within_jerk(p: Program, k: int, before: float, wanted: float, dt: float) -> float:
-    """Return an acceleration as near to the wanted one as the action's limits of jerk let it come in a step.
+    """Return the acceleration nearest to the wanted one that the action's limits of jerk allow in a step, m/s2.
 
-    They hold while acceleration or deceleration grows; letting go of the throttle or the brake is not limited (esmini
+    The limits apply while the acceleration or deceleration grows; releasing throttle or brake is not limited (esmini
     3.6).
     """
     if wanted < 0.0:
@@ -130,7 +130,7 @@ def within_jerk(p: Program, k: int, before: float, wanted: float, dt: float) -> 
 
 @compiled
 def drive_to_distance(p: Program, st: State, k: int, error: float, dt: float) -> None:
-    """Change the speed for one step as the spring and the limits say."""
+    """Change the speed for one step by the spring within the limits."""
     i = p.action_entity[k]
     most = limit_of_vehicle(p, k, slot.A_ACCELERATION, slot.E_MAX_ACCELERATION)
     least = limit_of_vehicle(p, k, slot.A_DECELERATION, slot.E_MAX_DECELERATION)
@@ -143,7 +143,7 @@ def drive_to_distance(p: Program, st: State, k: int, error: float, dt: float) ->
 
 
 def keep_distance_row(draft: ProgramDraft, word: LongitudinalDistanceAction, actor: int) -> ActionRow:
-    """Return the row of a distance that is kept along the road."""
+    """Return the row of a longitudinal distance."""
     del actor
     given = word.time_gap if word.time_gap is not None else word.distance
     return ActionRow(

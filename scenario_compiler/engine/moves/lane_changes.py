@@ -1,9 +1,9 @@
-"""Changes of lane: to a neighbouring lane, counted from the entity's own or another one's, or to the lane of an id.
+"""Lane changes: to a neighbouring lane, counted from the entity's own or another one's, or to the lane of an id.
 
-The entity is led by its new lane from the begin, offset by the gap to it. Offsets of a running change are kept as
-seen in the entity's forward direction, so that a road that runs the other way does not turn it round. By time or
-rate, the speed is that along the path: what the entity moves to the side is missing ahead; it is placed by the
-progress after the step, and heads by the slope before it. After esmini 3.6.
+The entity follows its new lane from the beginning, offset by the gap to it. Offsets of a running change are relative to
+the entity's forward direction, so that a road with the opposite direction of s does not mirror them. By time or rate,
+the speed is that along the path: the lateral motion reduces the motion ahead. The position follows from the progress
+after the step, the heading from the slope before it. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ if TYPE_CHECKING:
 
 LANES_AWAY = 0
 LANE_BY_ID = 1
-"""Whether a change counts lanes, or names the lane by its id."""
+"""Whether a change counts lanes, or gives the lane by its id."""
 
 OFFSET_ACCELERATION = 1.0
-"""Greatest lateral acceleration with which the ego's automation moves to an offset, m/s2."""
+"""Greatest lateral acceleration with which the automation moves the ego to an offset, m/s2."""
 
 
 @compiled
 def lane_aimed_at(n: RoadTables, p: Program, st: State, k: int) -> int:
-    """Return the target lane of a change, on the road that its entity is on, 0 where there is none.
+    """Return the target lane of a change, on the road of its entity; 0 if there is none.
 
-    Lanes are counted from the lane that the entity itself, or another one, belongs to, to the left of where that one
-    faces.
+    Lanes are counted to the left, as seen in the forward direction, from the lane of the entity itself or of another
+    one.
     """
     i = p.action_entity[k]
     target = p.action_lanes[k]
@@ -61,10 +61,10 @@ def lane_aimed_at(n: RoadTables, p: Program, st: State, k: int) -> int:
 
 @compiled
 def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Freeze the target lane and lead the entity by it, offset by the present gap; its heading is reset to the lane's.
+    """Fix the target lane and let the entity follow it, offset by the present gap, with its heading along the lane.
 
-    The ego's automation takes the target as its lane and steers there by itself. A target that does not exist leaves a
-    change of 0.
+    For the ego, the target becomes the lane of its path, and the automation steers there by itself. If the target does
+    not exist, the change is 0.
     """
     i = p.action_entity[k]
     road = st.road[i]
@@ -103,7 +103,7 @@ def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def shift_to(n: RoadTables, st: State, k: int, i: int, progress: float, left: float) -> int:
-    """Write the progress and offset of a lane change; return 1 when it is done, with the heading along the lane."""
+    """Write the progress and offset of a lane change; return 1 if it is complete, with the heading along the lane."""
     st.action_progress[k] = progress
     done = 0
     if progress >= st.action_span[k] - op.TOLERANCE:
@@ -118,7 +118,7 @@ def shift_to(n: RoadTables, st: State, k: int, i: int, progress: float, left: fl
 
 @compiled
 def lane_change_by_distance(n: RoadTables, p: Program, st: State, k: int, i: int, dt: float) -> int:
-    """Move an entity through a lane change whose progress is the distance ahead; return 1 when it is done."""
+    """Move an entity in a lane change whose progress is the distance ahead; return 1 if it is complete."""
     span = max(st.action_span[k], op.TOLERANCE)
     progress = st.action_progress[k]
     slope = st.action_change[k] * shape_slope(p.action_shape[k], progress / span) / span
@@ -134,10 +134,11 @@ def lane_change_by_distance(n: RoadTables, p: Program, st: State, k: int, i: int
 
 @compiled
 def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt: float) -> int:
-    """Move an entity through a lane change whose progress is time; return 1 when it is done.
+    """Move an entity in a lane change whose progress is time; return 1 if it is complete.
 
-    Where the change asks for more than the entity moves in the step, it goes straight sideways as far as it can, with
-    the share done as if the shape were linear. The offset is shifted first: on a curve s moves by the new offset.
+    If the change requires more lateral motion than the entity moves in the step, the entity moves straight sideways as
+    far as it can, with the share completed as for a linear shape. The offset changes first: on a curve, s moves by the
+    new one.
     """
     span = max(st.action_span[k], op.TOLERANCE)
     progress = st.action_progress[k]
@@ -161,9 +162,9 @@ def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt
 
 @compiled
 def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Step a lane change or a move to an offset over a time; return 1 when it is done.
+    """Advance a lane change or a move to an offset over a time; return 1 if it is complete.
 
-    A standing entity waits; the ego has done so at once.
+    A standing entity waits; for the ego it is complete at once.
     """
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED or st.road[i] < 0:
@@ -200,7 +201,7 @@ def lane_change_row(draft: ProgramDraft, word: LaneChangeAction, actor: int) -> 
 
 
 def lane_change_to_row(draft: ProgramDraft, word: LaneChangeToAction, actor: int) -> ActionRow:
-    """Return the row of a change to the lane of an id."""
+    """Return the row of a change to a lane given by its id."""
     del draft, actor
     value, dimension = dynamics_of(word.over_time, word.dynamics)
     shape = SHAPES[word.shape]

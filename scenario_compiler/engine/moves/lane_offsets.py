@@ -1,8 +1,8 @@
-"""Moves to an offset from the lane's centre: over a time, or as fast as a lateral acceleration lets them.
+"""Moves to an offset from the lane's centre: over a time, or as fast as a lateral acceleration allows.
 
-One over a time moves as a lane change does. One limited by its acceleration is placed by the progress before the
-step, so it begins one step late, heads by the lateral rate over the speed, and leaves the motion ahead as it is. Its
-offset counts along the t axis of the road. After esmini 3.6.
+A move over a time works like a lane change. A move limited by its acceleration takes its position from the progress
+before the step, so it begins one step late; its heading follows from the lateral rate over the speed, and it does not
+change the motion ahead. Its offset is measured along the t axis of the road. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from scenario_compiler.vocabulary.actions import LaneOffsetAction, LimitedLaneOffsetAction
 
 USUAL_ACCELERATION = 0.5
-"""Lateral acceleration of a move that names none, m/s2 (esmini 3.6)."""
+"""Lateral acceleration of a move without a given one, m/s2 (esmini 3.6)."""
 
 
 @compiled
@@ -62,10 +62,10 @@ def start_lane_offset(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def offset_aimed_at(n: RoadTables, p: Program, st: State, k: int) -> float:
-    """Return the offset from the lane's centre that is to be reached, along the t axis.
+    """Return the target offset from the lane's centre, along the t axis, m.
 
-    Relative to another entity it is counted to that one's own left, from where it is, or, on another road, from its
-    offset in its lane.
+    An offset relative to another entity is measured to that entity's left, from its position, or, if it is on another
+    road, from its offset in its lane.
     """
     i = p.action_entity[k]
     target = p.const[p.action_const[k] + slot.A_TARGET]
@@ -81,7 +81,7 @@ def offset_aimed_at(n: RoadTables, p: Program, st: State, k: int) -> float:
 
 @compiled
 def limited_span(shape: int, change: float, acceleration: float) -> float:
-    """Return the time of a move whose greatest lateral acceleration is given; a linear one takes as long as a cubic."""
+    """Return the duration of a move with a greatest lateral acceleration, s; a linear one lasts as long as a cubic."""
     if shape == op.SHAPE_STEP:
         return 0.0
     most = max(acceleration if acceleration > op.TOLERANCE else USUAL_ACCELERATION, op.TOLERANCE)
@@ -118,7 +118,7 @@ def start_limited_offset(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_limited_offset(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Step a move limited by its lateral acceleration; return 1 when it is done; a continuous one keeps the offset."""
+    """Advance a move limited by its lateral acceleration; return 1 if it is complete; a continuous one never is."""
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED or st.road[i] < 0:
         return 1
@@ -152,7 +152,7 @@ def lane_offset_row(draft: ProgramDraft, word: LaneOffsetAction, actor: int) -> 
 
 
 def limited_lane_offset_row(draft: ProgramDraft, word: LimitedLaneOffsetAction, actor: int) -> ActionRow:
-    """Return the row of a move to an offset within an acceleration."""
+    """Return the row of a move to an offset within a lateral acceleration."""
     del actor
     return ActionRow(
         (word.to, -1.0 if word.acceleration is None else word.acceleration),

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @compiled
 def start_teleport(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Put an entity at a position, which is all that moves it in this step."""
+    """Put an entity at a position, which is its only motion in this step."""
     i = p.action_entity[k]
     put_at(n, p, st, i, p.action_position[k])
     st.moved[i] = 1
@@ -56,7 +56,7 @@ def start_visibility(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def start_connect(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Connect a trailer: by the init it stands in line behind, later where its hitch draws it."""
+    """Connect a trailer: in the init it is put in line behind the entity, later its hitch pulls it from where it is."""
     i = p.action_entity[k]
     connect_trailer(p, st, i, p.action_other[k])
     if st.action_element[k] < 0:
@@ -77,13 +77,13 @@ def teleport_row(draft: ProgramDraft, word: TeleportAction, actor: int) -> Actio
 
 
 def add_row(draft: ProgramDraft, word: AddEntityAction, actor: int) -> ActionRow:
-    """Return the row of an entity that appears."""
+    """Return the row of an action that lets an entity appear."""
     del actor
     return ActionRow(other=draft.entities[word.entity], position=draft.position(word.position))
 
 
 def delete_row(draft: ProgramDraft, word: DeleteEntityAction, actor: int) -> ActionRow:
-    """Return the row of an entity that disappears."""
+    """Return the row of an action that lets an entity disappear."""
     del actor
     return ActionRow(other=draft.entities[word.entity])
 
@@ -96,13 +96,13 @@ def visibility_row(draft: ProgramDraft, word: VisibilityAction, actor: int) -> A
 
 
 def connect_row(draft: ProgramDraft, word: ConnectTrailerAction, actor: int) -> ActionRow:
-    """Return the row of a trailer that is connected."""
+    """Return the row of an action that connects a trailer."""
     del actor
     return ActionRow(other=draft.entities[word.trailer])
 
 
 def disconnect_row(draft: ProgramDraft, word: DisconnectTrailerAction, actor: int) -> ActionRow:
-    """Return the row of a trailer that is disconnected."""
+    """Return the row of an action that disconnects a trailer."""
     del draft, word, actor
     return ActionRow()
 

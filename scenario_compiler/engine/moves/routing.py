@@ -19,25 +19,25 @@ if TYPE_CHECKING:
 
 @compiled
 def start_route(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Give an entity the guide that it takes its turns by."""
+    """Set the guide that determines an entity's turns."""
     del n
     st.guide[p.action_entity[k]] = p.action_other[k]
 
 
 def assign_route_row(draft: ProgramDraft, word: AssignRouteAction, actor: int) -> ActionRow:
-    """Return the row of a route."""
+    """Return the row of an action that assigns a route."""
     del actor
     return ActionRow(other=draft.route(word.route))
 
 
 def acquire_position_row(draft: ProgramDraft, word: AcquirePositionAction, actor: int) -> ActionRow:
-    """Return the row of a way to a position."""
+    """Return the row of an action that leads to a position."""
     del actor
     return ActionRow(other=draft.goal(word.position))
 
 
 def random_route_row(draft: ProgramDraft, word: RandomRouteAction, actor: int) -> ActionRow:
-    """Return the row of turns at random."""
+    """Return the row of an action for random turns."""
     del draft, word, actor
     return ActionRow(other=op.RANDOM_GUIDE)
 

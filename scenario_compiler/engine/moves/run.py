@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @compiled
 def start_weather(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Let the weather change from now on."""
+    """Begin a change of the weather."""
     del n
     begin_weather(p, st, k)
 
@@ -54,7 +54,7 @@ def weather_row(draft: ProgramDraft, word: WeatherAction, actor: int) -> ActionR
 
 
 def environment_row(draft: ProgramDraft, word: EnvironmentAction, actor: int) -> ActionRow:
-    """Return the row of a time of day and a friction."""
+    """Return the row of an action on the time of day and the friction."""
     del actor
     flags = SETS_TIME if word.date_time else 0
     flags |= TIME_RUNS if word.animated else 0
@@ -71,7 +71,7 @@ def message_row(draft: ProgramDraft, word: MessageAction, actor: int) -> ActionR
 
 
 def stop_row(draft: ProgramDraft, word: StopAction, actor: int) -> ActionRow:
-    """Return the row of the run's end."""
+    """Return the row of an action that ends the run."""
     del draft, word, actor
     return ActionRow()
 

@@ -1,7 +1,7 @@
 """Traffic signals: controllers that repeat their phases, and the states of the signals.
 
-A controller begins its first phase as much later than its reference as its delay says (one without reference, than the
-run); until then it is in none of its phases. An action may put it into a phase, which then begins again.
+A controller begins its first phase with its delay after its reference begins (after the start of the run if it has no
+reference); until then it is in none of its phases. An action may set a phase, which then begins again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @compiled
 def enter_phase(p: Program, st: State, c: int, phase: int, since: float) -> None:
-    """Let a controller's phase begin, and give its signals their states."""
+    """Begin a phase of a controller, and set the states of its signals."""
     st.phase_now[c] = phase
     st.phase_since[c] = since
     for k in range(p.light_first[phase], p.light_first[phase + 1]):
@@ -32,7 +32,7 @@ def enter_phase(p: Program, st: State, c: int, phase: int, since: float) -> None
 
 @compiled
 def begin_of(p: Program, c: int) -> float:
-    """Return when a controller begins: its delay after the one that it refers to, and so on."""
+    """Return the time at which a controller begins, s: its delay after the beginning of its reference, and so on."""
     at = c
     begin = 0.0
     for _ in range(p.controller_count[0]):
@@ -45,7 +45,7 @@ def begin_of(p: Program, c: int) -> float:
 
 @compiled
 def update_signals(p: Program, st: State) -> None:
-    """Bring every controller to the phase of now; of phases shorter than a step no more pass than it has."""
+    """Advance every controller to the present phase, by at most one round of its phases in a step."""
     for c in range(p.controller_count[0]):
         first = p.phase_first[c]
         last = p.phase_first[c + 1]
@@ -65,21 +65,21 @@ def update_signals(p: Program, st: State) -> None:
 
 @compiled
 def reset_signals(p: Program, st: State) -> None:
-    """Note when each controller begins."""
+    """Write when each controller begins."""
     for c in range(p.controller_count[0]):
         st.phase_since[c] = begin_of(p, c)
 
 
 @compiled
 def phase_holds(p: Program, st: State, c: int, name: int) -> int:
-    """Return 1 where a controller is in a phase of a name."""
+    """Return 1 if a controller is in a phase with a given name."""
     phase = st.phase_now[c]
     return 1 if phase >= 0 and p.phase_name[phase] == name else 0
 
 
 @compiled
 def set_phase(p: Program, st: State, c: int, name: int) -> None:
-    """Put a controller into its first phase of a name, from now on."""
+    """Begin a controller's first phase with a given name now."""
     for phase in range(p.phase_first[c], p.phase_first[c + 1]):
         if p.phase_name[phase] == name:
             enter_phase(p, st, c, phase, st.clock[0])
@@ -88,26 +88,26 @@ def set_phase(p: Program, st: State, c: int, name: int) -> None:
 
 @compiled
 def start_signal_state(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Give a signal a state."""
+    """Set the state of a signal."""
     del n
     st.signal_state[p.action_other[k]] = p.action_mode[k]
 
 
 @compiled
 def start_signal_phase(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Put a controller of signals into a phase."""
+    """Set the phase of a traffic signal controller."""
     del n
     set_phase(p, st, p.action_other[k], p.action_mode[k])
 
 
 def signal_state_row(draft: ProgramDraft, word: TrafficSignalStateAction, actor: int) -> ActionRow:
-    """Return the row of a signal that gets a state."""
+    """Return the row of an action that sets a signal's state."""
     del actor
     return ActionRow(other=draft.signal(word.signal), mode=draft.texts[word.state])
 
 
 def signal_phase_row(draft: ProgramDraft, word: TrafficSignalControllerAction, actor: int) -> ActionRow:
-    """Return the row of a controller of signals that gets into a phase."""
+    """Return the row of an action that sets a controller's phase."""
     del actor
     return ActionRow(other=draft.controllers[word.controller], mode=draft.texts[word.phase])
 

@@ -1,9 +1,9 @@
-"""The plan of a series of speeds: pieces of even jerk over time, made once when the action begins. After esmini 3.6.
+"""The plan of a series of speeds: pieces of constant jerk over time, computed when the action begins. After esmini 3.6.
 
-The entries are the corners of a polyline of speed over time. Followed by position, the polyline is the plan. Followed
-smoothly, its corners are rounded by parabolas of the greatest jerk that touch both lines; from a corner on that they
-cannot round, the polyline is the plan. A plan with a single target begins with the present acceleration and ends with
-none: the acceleration changes by the greatest jerk, stays, and goes back.
+The entries are the corners of a polyline of speed over time. Followed by position, the polyline itself is the plan.
+Followed smoothly, its corners are rounded by parabolas of the greatest jerk that are tangent to both lines; from the
+first corner that cannot be rounded, the polyline is the plan. A plan with a single target begins with the present
+acceleration and ends with none: the acceleration changes with the greatest jerk, stays constant, and changes back.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import compiled
 
 SHARPEST = 1.0e6
-"""Jerk where none is given: the acceleration changes at once, m/s3."""
+"""Jerk if none is given, m/s3: the acceleration changes practically at once."""
 
 
 def pieces_needed(entries: int) -> int:
-    """Return the pieces that a profile of so many entries needs: its corners first, then its plan and the end of it."""
+    """Return the number of pieces for a profile with so many entries: its corners, then its plan and the end of it."""
     return (entries + 1) + (2 * entries + 5)
 
 
 @compiled
 def limit_in_profile(p: Program, k: int, change: float, timed: int) -> float:
-    """Return the greatest acceleration of an entry: the action's, else, where no time is given, the vehicle's."""
+    """Return the greatest acceleration of an entry, m/s2: the action's, or without a given time also the vehicle's."""
     place = slot.A_ACCELERATION if change > 0.0 else slot.A_DECELERATION
     limit = p.const[p.action_const[k] + place]
     if limit >= 0.0:
@@ -39,7 +39,7 @@ def limit_in_profile(p: Program, k: int, change: float, timed: int) -> float:
 
 @compiled
 def jerk_towards(p: Program, k: int, change: float) -> float:
-    """Return the jerk by which an acceleration rises (change > 0) or falls, signed."""
+    """Return the signed jerk with which an acceleration rises (change > 0) or falls, m/s3."""
     place = slot.A_ACCELERATION_RATE if change > 0.0 else slot.A_DECELERATION_RATE
     jerk = p.const[p.action_const[k] + place]
     if jerk < 0.0:
@@ -49,7 +49,7 @@ def jerk_towards(p: Program, k: int, change: float) -> float:
 
 @compiled
 def speed_of_entry(p: Program, st: State, k: int, entry: int) -> float:
-    """Return an entry's speed, no faster than the entity can be: its own, or added to the reference entity's now."""
+    """Return an entry's speed, absolute or relative to the reference entity's present speed, within the limits, m/s."""
     speed = p.const[p.action_const[k] + slot.A_ENTRIES + 2 * entry]
     if p.action_other[k] >= 0:
         speed = speed + st.v[p.action_other[k]]
@@ -61,7 +61,7 @@ def speed_of_entry(p: Program, st: State, k: int, entry: int) -> float:
 
 @compiled
 def note_piece(st: State, at: int, time: float, speed: float, slope: float, jerk: float) -> int:
-    """Write a piece of a plan, or a corner; return the place of the next one."""
+    """Write a piece of a plan, or a corner; return the index of the next one."""
     st.piece_time[at] = time
     st.piece_speed[at] = speed
     st.piece_slope[at] = slope
@@ -71,11 +71,11 @@ def note_piece(st: State, at: int, time: float, speed: float, slope: float, jerk
 
 @compiled
 def set_corners(p: Program, st: State, k: int, speed: float) -> int:
-    """Write the corners of a profile from a speed on, each with the slope of the line behind it; return their number.
+    """Write the corners of a profile from a speed, each with the slope of the line after it; return their number.
 
-    An entry counts its time from the one before. One without a time, or steeper than the limits, takes the limit as its
-    slope, and all later ones come later. A first entry of time 0 sets the speed at once, and is passed over where
-    speeds are met smoothly.
+    The time of an entry counts from the previous one. An entry without a time, or with a line steeper than the limits,
+    gets the limit as its slope, and all later ones are delayed. A first entry with time 0 sets the speed at once, and
+    is skipped if speeds are followed smoothly.
     """
     first = p.action_piece[k]
     last = note_piece(st, first, st.clock[0], speed, 0.0, 0.0) - 1
@@ -107,7 +107,7 @@ def set_corners(p: Program, st: State, k: int, speed: float) -> int:
 
 @compiled
 def drive_corners(st: State, corner: int, last: int, at: int) -> int:
-    """Plan the polyline itself from a corner on; return the place behind the plan."""
+    """Plan the polyline itself from a corner on; return the index after the plan."""
     for c in range(corner, last + 1):
         at = note_piece(st, at, st.piece_time[c], st.piece_speed[c], st.piece_slope[c], 0.0)
     return at
@@ -115,11 +115,11 @@ def drive_corners(st: State, corner: int, last: int, at: int) -> int:
 
 @compiled
 def plan_single(p: Program, st: State, k: int, a: float, at: int) -> int:
-    """Plan the way to a single target from an acceleration a to none; return the place behind the plan.
+    """Plan the speed to a single target from an acceleration a to none; return the index after the plan.
 
-    The acceleration goes to a level q by a jerk i, stays for a time, and goes to 0 by a jerk j. The change of speed dv
-    and the time T ask for q^2 (1/j - 1/i) / 2 + q (T + a/i) - a^2 / (2 i) = dv. Where no level does that, or the limits
-    are below it, the change takes longer.
+    The acceleration goes to a level q with a jerk i, stays constant, and goes to 0 with a jerk j. The change of speed
+    dv and the time T require q^2 (1/j - 1/i) / 2 + q (T + a/i) - a^2 / (2 i) = dv. If no level satisfies this, or the
+    limits are below it, the change takes longer.
     """
     first = p.action_piece[k]
     begin = st.piece_time[first]
@@ -155,10 +155,11 @@ def plan_single(p: Program, st: State, k: int, a: float, at: int) -> int:
 
 @compiled
 def plan_rounded(p: Program, st: State, k: int, a: float, last: int, at: int) -> int:
-    """Plan the polyline with its corners rounded, from an acceleration a on; return the place behind the plan.
+    """Plan the polyline with rounded corners from an acceleration a; return the index after the plan.
 
-    A parabola of jerk j from slope q to r takes (r - q) / j; its begin follows from where it touches both lines. The
-    first line is reached by a parabola from the present acceleration, so it lies beside the one between the corners.
+    A parabola of jerk j from slope q to r takes (r - q) / j; its start follows from its tangency to both lines. The
+    first line begins after a parabola from the present acceleration, and is therefore parallel to the one between the
+    corners.
     """
     first = p.action_piece[k]
     start = at
@@ -196,7 +197,7 @@ def plan_rounded(p: Program, st: State, k: int, a: float, last: int, at: int) ->
 
 @compiled
 def plan_speeds(p: Program, st: State, k: int, speed: float, acceleration: float) -> None:
-    """Plan a profile from a speed and an acceleration on; its pieces end with one that never begins."""
+    """Plan a profile from a speed and an acceleration; a piece that never begins ends the plan."""
     first = p.action_piece[k]
     count = set_corners(p, st, k, speed)
     last = first + count - 1

@@ -1,7 +1,7 @@
-"""A series of speeds: each entry is reached after its time, or as soon as the limits let it.
+"""A series of speeds: each entry is reached after its time, or as soon as the limits allow.
 
-The whole series is planned when the action begins (`speed_plans`) and driven by the clock from then on, so entries that
-are relative to another entity are relative to the speed that it has then.
+The whole series is planned when the action begins (`speed_plans`) and then follows the clock, so entries relative to
+another entity use the speed that it has when the action begins.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @compiled
 def start_profile(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Plan the whole profile from the present speed and acceleration on."""
+    """Plan the whole profile from the present speed and acceleration."""
     del n
     i = p.action_entity[k]
     st.longitudinal[i] = k
@@ -33,7 +33,7 @@ def start_profile(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_profile(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Set the speed that is planned for the time after dt; return 1 in the step that reaches the last speed."""
+    """Set the planned speed for the time after dt; return 1 in the step that reaches the last speed."""
     del n
     time = st.clock[0] + dt
     at = st.action_phase[k]

@@ -1,9 +1,9 @@
-"""Actions on an entity's speed: to a target, or to one that depends on another entity's speed.
+"""Actions on an entity's speed: to an absolute target, or to one relative to another entity's speed.
 
-The speed of a change is read at its progress after the step, so it changes in the first step already. A relative target
-is read again in every step. A change by a rate keeps its rate while the target moves, so its duration is computed again
-for the whole change ("rate: change per second", ASAM OpenSCENARIO, DynamicsDimension). A change that exceeds the limits
-of the entity takes longer; accelerations that still exceed them are limited. After esmini 3.6.
+The speed is taken at the progress after the step, so it changes in the first step already. A relative target is
+evaluated again in every step. A change by a rate keeps its rate while the target moves, so its duration is computed
+again for the whole change ("rate: change per second", ASAM OpenSCENARIO, DynamicsDimension). A change that exceeds the
+entity's limits takes longer; accelerations that still exceed them are limited. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from scenario_compiler.vocabulary.actions import RelativeSpeedAction, SpeedAction
 
 AUTOMATION_LEAD = 2.0
-"""How far ahead the speed is that the ego's automation is asked for to make it accelerate, s. Our choice."""
+"""Prediction time with which an acceleration of the ego is turned into a target speed of the automation, s; chosen."""
 
 
 @compiled
@@ -40,7 +40,7 @@ def set_speed(p: Program, st: State, i: int, speed: float) -> None:
 
 @compiled
 def push_speed(p: Program, st: State, i: int, acceleration: float, most: float, dt: float) -> None:
-    """Let an entity accelerate for a step, within a speed; the ego's automation is asked for the speed it leads to."""
+    """Let an entity accelerate for a step, within a speed; for the ego, set the target speed accordingly."""
     if p.entity_motion[i] == op.MOTION_SCRIPTED:
         set_speed(p, st, i, clip(st.v[i] + acceleration * dt, -most, most))
         return
@@ -50,7 +50,7 @@ def push_speed(p: Program, st: State, i: int, acceleration: float, most: float, 
 
 @compiled
 def speed_before(p: Program, st: State, i: int) -> float:
-    """Return what `set_speed` changes."""
+    """Return the speed that `set_speed` would change, m/s."""
     if p.entity_motion[i] != op.MOTION_SCRIPTED and i == p.ego[0]:
         return st.target_speed[0]
     return st.v[i]
@@ -58,13 +58,13 @@ def speed_before(p: Program, st: State, i: int) -> float:
 
 @compiled
 def greatest_rate(p: Program, i: int, change: float) -> float:
-    """Return the greatest acceleration, or deceleration, of an entity for a change of its speed."""
+    """Return the greatest acceleration of an entity, or its greatest deceleration if the change is negative, m/s2."""
     return max(p.const[p.entity_const[i] + (slot.E_MAX_ACCELERATION if change > 0.0 else slot.E_MAX_DECELERATION)], 0.0)
 
 
 @compiled
 def related_speed(speed: float, mode: int, value: float) -> float:
-    """Return a speed plus a value, or times it."""
+    """Return a speed plus a value, or multiplied by it."""
     if mode == op.MODE_FACTOR:
         return speed * value
     return speed + value
@@ -72,9 +72,9 @@ def related_speed(speed: float, mode: int, value: float) -> float:
 
 @compiled
 def wanted_speed(p: Program, st: State, k: int) -> float:
-    """Return the target of a change of speed as it is now, no faster than the entity can be.
+    """Return the present target of a change of speed, within the entity's greatest speed, m/s.
 
-    One relative to the entity itself is relative to the speed that it had at the begin.
+    A target relative to the entity itself is relative to its speed at the start.
     """
     i = p.action_entity[k]
     value = p.const[p.action_const[k] + slot.A_TARGET]
@@ -87,9 +87,9 @@ def wanted_speed(p: Program, st: State, k: int) -> float:
 
 @compiled
 def time_over_distance(begin: float, target: float, distance: float) -> float:
-    """Return the time of a change of speed over a distance, 0 where the entity would not move at all.
+    """Return the time of a change of speed over a distance, s; 0 if the entity would not move at all.
 
-    The mean of a change in one direction is the mean of both speeds; one that passes 0 covers way on both sides of it.
+    Without a change of sign, the mean speed is the mean of both; otherwise the distances on both sides of 0 are added.
     """
     if begin * target < 0.0:
         both = abs(begin) + abs(target)
@@ -100,7 +100,7 @@ def time_over_distance(begin: float, target: float, distance: float) -> float:
 
 @compiled
 def start_speed(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Prepare a change of speed; one whose peak is above the entity's limits takes longer, but a step does not."""
+    """Prepare a change of speed; if its peak exceeds the entity's limits, it takes longer, unless it is a step."""
     del n
     i = p.action_entity[k]
     begin = speed_before(p, st, i)
@@ -127,9 +127,9 @@ def start_speed(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def span_to_moving_target(p: Program, st: State, k: int) -> float:
-    """Return the time of a change to a speed that has moved: by a rate that of the whole change, else as it began.
+    """Return the duration of a change to a speed that has moved, s: that of the whole change if a rate is given.
 
-    What the entity's limits stretched at the begin stays stretched by the same factor (esmini 3.6).
+    A duration that was extended because of the entity's limits is extended by the same factor (esmini 3.6).
     """
     if p.action_dimension[k] != op.DIMENSION_RATE:
         return st.action_span[k]
@@ -139,9 +139,9 @@ def span_to_moving_target(p: Program, st: State, k: int) -> float:
 
 @compiled
 def step_speed(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Set the speed after dt of a change; return 1 in the step that reaches the target.
+    """Set the speed of a change after dt; return 1 in the step that reaches the target.
 
-    A step that the entity's limits cut short counts for the share of it that they let happen.
+    A step that the entity's limits reduce counts with the share that they allow.
     """
     del n
     i = p.action_entity[k]
@@ -179,7 +179,7 @@ def speed_row(draft: ProgramDraft, word: SpeedAction, actor: int) -> ActionRow:
 
 
 def relative_speed_row(draft: ProgramDraft, word: RelativeSpeedAction, actor: int) -> ActionRow:
-    """Return the row of a change to a speed that depends on another entity's."""
+    """Return the row of a change to a speed relative to another entity's."""
     del actor
     value, dimension = dynamics_of(word.over_time, word.dynamics)
     return ActionRow(

@@ -1,10 +1,10 @@
-"""Arriving at a position at the same time as another entity, the master, arrives at its own.
+"""Arriving at a position at the same time as another entity, the master, arrives at its own position.
 
-The speed is solved for again in each step from the ways that remain up to the tolerances. With a speed on arrival two
-phases of even acceleration meet way, time and speed; whether the entity speeds up or slows down first is decided once.
-Near the second phase the rest is a straight line of speed. The last stretch may be driven at the final speed; the way
-and the time of it are taken off first. While the master stands the entity comes to a stand and waits. Without a final
-speed the speed goes in a straight line towards whatever it is on arrival. After esmini 3.6.
+The speed is computed again in each step from the remaining distances up to the tolerances. With a final speed, two
+phases of constant acceleration satisfy distance, time and speed; whether the entity accelerates or decelerates first is
+decided once. Near the second phase the speed changes linearly to the end. The last stretch may be driven at the final
+speed; its distance and time are subtracted first. While the master stands, the entity stops and waits. Without a final
+speed, the speed changes linearly to whatever it is on arrival. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from scenario_compiler.vocabulary.actions import FinalSpeed, SynchronizeAction
 
 ALONG_ROAD = 4 * op.FRAME_ROAD + op.MEASURE_ALONG
-"""Along the roads, as `distance_to` takes it."""
+"""Mode of `distance_to` for distances along the roads."""
 
 PHASE_UNDECIDED = 0
 PHASE_RUSH = 1
@@ -40,27 +40,27 @@ PHASE_BRAKE = 4
 PHASE_WAIT = 5
 PHASE_REST = 6
 PHASE_STEADY = 7
-"""Phases of an arrival at a final speed: not decided yet; first faster, or first slower, than in a straight line of
-speed; on such a line to the end; braking hard because the way is too short; standing until the master moves; standing
-until a straight line from rest arrives in time; at the final speed.
+"""Phases of an arrival at a final speed: undecided; first faster, or first slower, than a linear change of speed;
+linear change of speed to the end; hard braking because the distance is too short; standing until the master moves;
+standing until a linear change of speed from rest arrives in time; at the final speed.
 """
 
 HARD_BRAKING = 8.0
-"""Deceleration where the way to stop is too short, m/s2 (esmini 3.6)."""
+"""Deceleration if the distance to stop is too short, m/s2 (esmini 3.6)."""
 
 ON_THE_LINE = 0.1
-"""How near the speed must come to the straight line of speed to go on along it, m/s (esmini 3.6)."""
+"""Difference to the speed of a linear change at which the entity switches to it, m/s (esmini 3.6)."""
 
 NEARLY = 0.001
-"""Way, m, and time, s, under which a line of speed is not solved any more (esmini 3.6)."""
+"""Distance, m, and time, s, below which a linear change of speed is no longer computed (esmini 3.6)."""
 
 FOREVER = 1.0e10
-"""Time until a master that stands, or goes backwards, arrives, s (esmini 3.6)."""
+"""Time until a master that stands or goes backwards arrives, s (esmini 3.6)."""
 
 
 @compiled
 def on_own_path(p: Program, st: State, i: int) -> int:
-    """Return 1 where an entity moves along points of its own, not along the road."""
+    """Return 1 if an entity moves along points of its own, not along the road."""
     k = st.lateral[i]
     if k < 0 or k >= p.action_count[0]:
         return 0
@@ -69,7 +69,7 @@ def on_own_path(p: Program, st: State, i: int) -> int:
 
 @compiled
 def way_to(n: RoadTables, p: Program, st: State, i: int, k: int) -> float:
-    """Return how far an entity is from a position: along its trajectory or the roads, straight on a path of its own."""
+    """Return the distance from an entity to a position, m: along its trajectory or the roads, else straight."""
     on_track = track_followed(p, st, i)
     if on_track < 0 and on_own_path(p, st, i) == 0:
         along = distance_to(n, p, st, i, k, ALONG_ROAD, 0)
@@ -85,7 +85,7 @@ def way_to(n: RoadTables, p: Program, st: State, i: int, k: int) -> float:
 
 @compiled
 def final_speed(p: Program, st: State, k: int) -> float:
-    """Return the speed on arrival as it is now."""
+    """Return the present value of the final speed, m/s."""
     value = p.const[p.action_const[k] + slot.A_TARGET]
     if p.action_mode[k] == op.FINAL_ABSOLUTE:
         return value
@@ -95,7 +95,7 @@ def final_speed(p: Program, st: State, k: int) -> float:
 
 @compiled
 def start_synchronize(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Begin with no distances known, and fix how far the last stretch at the final speed goes."""
+    """Begin the action without known distances, and fix the length of the last stretch at the final speed."""
     del n
     st.longitudinal[p.action_entity[k]] = k
     st.action_a[k] = op.FAR
@@ -109,7 +109,7 @@ def start_synchronize(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def speed_ahead(st: State, i: int) -> float:
-    """Return how fast an entity moves along its road, m/s; what it moves to the side is not counted."""
+    """Return the speed of an entity along its road, m/s, without its lateral motion."""
     if st.road[i] < 0:
         return st.v[i]
     return st.v[i] * abs(cos(st.turn[i]))
@@ -117,12 +117,12 @@ def speed_ahead(st: State, i: int) -> float:
 
 @compiled
 def bend(st: State, k: int, v: float, last: float, way: float, time: float, dt: float) -> float:
-    """Return the acceleration for a step of the first of two phases of even acceleration; set the phase that follows.
+    """Return the acceleration, m/s2, in the first of two phases of constant acceleration; set the next phase.
 
-    With the mean m = way / time, the speeds v now and w at the end, and an acceleration a, then -a, the way and the
-    speeds give the peak u = m +- r with r^2 = ((m - v)^2 + (m - w)^2) / 2, and a = (2 u - v - w) / time: plus where m
-    lies above the mean of v and w, minus where it lies below. Where u would be negative the entity brakes to a stop in
-    the share v^2 / (v^2 + w^2) of the way; it brakes at HARD_BRAKING where that is more than half of it.
+    With the mean m = way / time, the speeds v now and w at the end, and an acceleration a, then -a, distance and speeds
+    give the peak u = m +- r with r^2 = ((m - v)^2 + (m - w)^2) / 2, and a = (2 u - v - w) / time: plus if m is above
+    the mean of v and w, minus if it is below. If u would be negative, the entity brakes to a stop within the share v^2
+    / (v^2 + w^2) of the distance; it brakes with HARD_BRAKING if this is more than half of it.
     """
     time = max(time, op.TOLERANCE)
     mean = way / time
@@ -154,7 +154,7 @@ def bend(st: State, k: int, v: float, last: float, way: float, time: float, dt: 
 
 @compiled
 def meet_at_speed(p: Program, st: State, k: int, last: float, way: float, time: float, dt: float) -> None:
-    """Choose the speed of a step towards a position that is to be reached at a final speed, by phases (esmini 3.6)."""
+    """Choose the speed for a step towards a position that is to be reached at a final speed, by phases (esmini 3.6)."""
     i = p.action_entity[k]
     v = st.v[i]
     least = max(last, op.TOLERANCE)
@@ -192,7 +192,7 @@ def meet_at_speed(p: Program, st: State, k: int, last: float, way: float, time: 
 
 @compiled
 def slow_down(p: Program, st: State, i: int, acceleration: float, dt: float) -> None:
-    """Let an entity accelerate for a step, or brake, to a stop at most."""
+    """Let an entity accelerate or brake for a step, at most to a stop."""
     if dt > 0.0:
         fastest = max(p.const[p.entity_const[i] + slot.E_MAX_SPEED], 0.0)
         push_speed(p, st, i, max(acceleration, -max(st.v[i], 0.0) / dt), fastest, dt)
@@ -200,10 +200,10 @@ def slow_down(p: Program, st: State, i: int, acceleration: float, dt: float) -> 
 
 @compiled
 def step_synchronize(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Choose the speed for one step; return 1 on arrival of either, or where one goes away from its position.
+    """Choose the speed for one step; return 1 if either entity has arrived, or moves away from its position.
 
-    Without a final speed the acceleration is twice what the mean speed asks for; while the master stands nothing is
-    asked.
+    Without a final speed, the acceleration is twice the one that the mean speed requires; it is almost 0 while the
+    master stands.
     """
     i = p.action_entity[k]
     master = p.action_other[k]
@@ -235,7 +235,7 @@ def step_synchronize(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
 
 
 def synchronize_row(draft: ProgramDraft, word: SynchronizeAction, actor: int) -> ActionRow:
-    """Return the row of an arrival at the time of another entity's."""
+    """Return the row of a synchronized arrival."""
     del actor
     p = draft.program
     final = word.final_speed

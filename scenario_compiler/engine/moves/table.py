@@ -1,4 +1,4 @@
-"""The table of all actions in the order of their numbers, and tables derived from their entries."""
+"""The table of all actions in the order of their opcodes, and tables derived from their entries."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ FAMILIES: tuple[ModuleType, ...] = (
     *(lane_changes, lane_offsets, keeping_aside, follow_path, trajectories),
     *(routing, places, control, appearance, camera, run, variables, signals, traffic, takeover),
 )
-"""The modules of the actions, one a family."""
+"""The modules of the actions, one for each family."""
 
 ACTIONS: tuple[Entry, ...] = tuple(
     one for family in FAMILIES for one in vars(family).values() if isinstance(one, Entry)
 )
-"""Every action, as the families declare them; its place is the number that a program has for it."""
+"""Every action in the order of the families; the index of an action is its opcode."""
 
 STARTS = tuple(entry.start for entry in ACTIONS)
 STEPS = tuple(entry.step for entry in ACTIONS)
 HOLDS = tuple(entry.holds for entry in ACTIONS)
 TOLD = tuple(1 if entry.told is not None else 0 for entry in ACTIONS)
-"""By the number of an action: its start, its step, the domains that it holds, whether it is logged."""
+"""By opcode: start, step, controlled domains, and whether the action is logged."""
 
 NUMBERS: dict[str, int] = {tag: number for number, entry in enumerate(ACTIONS) for tag in entry.words}
-"""Number of the action that a word becomes, by the word's tag."""
+"""Opcode of the action to which a word is lowered, by the word's tag."""

@@ -56,7 +56,7 @@ def request_row(draft: ProgramDraft, word: RequestAction, actor: int) -> ActionR
 
 
 def plain_row(draft: ProgramDraft, word: WarnAction | HandBackAction, actor: int) -> ActionRow:
-    """Return the row of an action without numbers."""
+    """Return the row of an action without parameters."""
     del draft, word, actor
     return ActionRow()
 

@@ -1,4 +1,4 @@
-"""Actions on background traffic: swarms, sources, sinks, and their end."""
+"""Actions on background traffic: swarms, sources, sinks, and stopping them."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     )
 
 VEHICLES = Allowed(Of("entity", lambda p: p.entity_count[0] + 1))
-"""First of the entities of an action on traffic, or a number of them."""
+"""Index of the first entity of an action on traffic, or a number of entities."""
 
 
 @compiled
 def start_keeping(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Begin a swarm, source or sink: its first step is the next."""
+    """Begin a swarm, source or sink, which has its first effect in its next step."""
     del n, p
     st.action_a[k] = 0.0
     st.action_b[k] = 0.0
@@ -38,7 +38,7 @@ def start_keeping(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_swarm(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Keep a swarm; return 1 when it has been stopped."""
+    """Update a swarm; return 1 if it has been stopped."""
     del dt
     if st.action_b[k] == op.ACTION_ENDS:
         return 1
@@ -48,7 +48,7 @@ def step_swarm(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
 
 @compiled
 def step_source(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Let vehicles appear at a source when they are due; return 1 when it has been stopped."""
+    """Let vehicles appear at a source when they are due; return 1 if it has been stopped."""
     del dt
     if st.action_b[k] == op.ACTION_ENDS:
         return 1
@@ -58,7 +58,7 @@ def step_source(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
 
 @compiled
 def step_sink(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Let vehicles disappear at a sink when they are due; return 1 when it has been stopped."""
+    """Let vehicles disappear at a sink when they are due; return 1 if it has been stopped."""
     del dt
     if st.action_b[k] == op.ACTION_ENDS:
         return 1
@@ -68,9 +68,9 @@ def step_sink(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
 
 @compiled
 def start_stop_traffic(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Take background traffic away, `action_lanes` entities from `action_other` on, and end actions of that name.
+    """Remove background traffic: `action_lanes` entities from index `action_other`; end the actions of that name.
 
-    `action_mode` is the number of the name, 0 for all.
+    `action_mode` is the index of the name, 0 for all.
     """
     del n
     for i in range(max(p.action_other[k], 0), p.action_other[k] + p.action_lanes[k]):
@@ -121,9 +121,9 @@ def sink_row(draft: ProgramDraft, word: TrafficSinkAction, actor: int) -> Action
 
 
 def stop_traffic_row(draft: ProgramDraft, word: StopTrafficAction, actor: int) -> ActionRow:
-    """Return the row of the end of traffic.
+    """Return the row of an action that stops traffic.
 
-    Entities of one background traffic stand side by side in the plan, and their ids begin with the traffic's.
+    The entities of one background traffic are adjacent in the plan, and their ids begin with the traffic's name.
     """
     del actor
     of = [

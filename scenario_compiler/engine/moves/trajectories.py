@@ -1,12 +1,13 @@
 """Following a trajectory: at the entity's own speed, or by the trajectory's times. After esmini 3.6.
 
-Without timing the distance along it grows by speed times step. An entity that drives backwards when it begins faces
-against the trajectory, so that it goes along it; where the vertices give headings these decide which way it goes. What
-is left over at the end goes straight on. With timing the place is that of the time after the step, and the speed is
-the way over the step. It ends at its end, or at its last time; a closed one without timing goes on at its begin.
+Without timing, the distance along it grows by speed times step. An entity that drives backwards at the start faces
+against the trajectory, so that it still moves along it; if the vertices have headings, these determine its direction of
+motion. The part of the last step beyond the end goes straight on. With timing, the position is that of the time after
+the step, and the speed is the distance over the step. A trajectory ends at its end, or at its last time; a closed one
+without timing continues at its beginning.
 
-An entity that is elsewhere leaps onto its trajectory: where `begin` says, or the time that it is. The leap is no
-distance covered and makes no speed.
+An entity that is elsewhere leaps to its trajectory: to the distance `begin`, or to the present time. The leap counts
+neither for the odometer nor for the speed.
 """
 
 from __future__ import annotations
@@ -42,22 +43,22 @@ if TYPE_CHECKING:
 
 @compiled
 def keeps_times(p: Program, st: State, k: int) -> int:
-    """Return 1 where an action follows its trajectory by times."""
+    """Return 1 if an action follows its trajectory by times."""
     return 1 if p.action_mode[k] != op.TIMING_NONE and track_is_timed(p, st, p.action_other[k]) == 1 else 0
 
 
 @compiled
 def heads_itself(p: Program, track: int) -> int:
-    """Return 1 where a trajectory's vertices give headings."""
+    """Return 1 if a trajectory's vertices have given headings."""
     return 1 if p.track_kind[track] != op.TRACK_CLOTHOIDS and p.vertex_heading[p.track_vertex[track]] == 1 else 0
 
 
 @compiled
 def put_on_track(n: RoadTables, p: Program, st: State, k: int, s: float, beyond: float) -> int:
-    """Put an entity at a distance along its trajectory, and straight on beyond it.
+    """Put an entity at a distance along its trajectory, or straight on beyond its end.
 
-    Where the trajectory gives heights it is at that height, else on the road's surface.
-    Returns 1 where it faces the way the trajectory goes, else -1.
+    Its height is that of the trajectory if given, otherwise that of the road surface. Returns 1 if the entity faces in
+    the trajectory's direction, else -1.
     """
     i = p.action_entity[k]
     smooth = 1 if p.action_flags[k] & op.FOLLOW_SMOOTHLY != 0 else 0
@@ -80,7 +81,7 @@ def put_on_track(n: RoadTables, p: Program, st: State, k: int, s: float, beyond:
 
 @compiled
 def time_on_track(p: Program, st: State, k: int, clock: float) -> float:
-    """Return the time of a timed trajectory at a time of the run; a relative one keeps its own."""
+    """Return the time on a trajectory at a time of the run; relative timing counts from the start of the action."""
     base = p.action_const[k]
     scale = p.const[base + slot.J_SCALE]
     time = st.action_b[k]
@@ -91,7 +92,7 @@ def time_on_track(p: Program, st: State, k: int, clock: float) -> float:
 
 @compiled
 def start_trajectory(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Lay the trajectory for its entity, which is on it from then on; one at rest takes its first speed."""
+    """Compute the trajectory and put the entity on it; a standing entity takes the trajectory's first speed."""
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED:
         return
@@ -119,7 +120,7 @@ def start_trajectory(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_by_time(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Move an entity to where its trajectory is at the time after dt; return 1 where the last time has come."""
+    """Move an entity to its trajectory's position at the time after dt; return 1 if the last time has been reached."""
     i = p.action_entity[k]
     track = p.action_other[k]
     st.action_b[k] += ratio(dt, p.const[p.action_const[k] + slot.J_SCALE], dt)
@@ -136,9 +137,10 @@ def step_by_time(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int
 
 @compiled
 def step_by_speed(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Move an entity along its trajectory at its speed; return 1 where it has come to an end of it.
+    """Move an entity along its trajectory at its speed; return 1 if it has reached an end of it.
 
-    Where the vertices give headings what is left over goes ahead of where the entity faces, even when it reverses.
+    If the vertices have headings, the part of a step beyond the end goes in the direction that the entity faces, even
+    if it reverses.
     """
     i = p.action_entity[k]
     track = p.action_other[k]
@@ -158,7 +160,10 @@ def step_by_speed(n: RoadTables, p: Program, st: State, k: int, dt: float) -> in
 
 @compiled
 def step_trajectory(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Move an entity along its trajectory; return 1 where it has come to the end, off every road to stand there."""
+    """Move an entity along its trajectory; return 1 if it has reached the end.
+
+    Off every road it stays there.
+    """
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED:
         return 1
@@ -173,7 +178,7 @@ def step_trajectory(n: RoadTables, p: Program, st: State, k: int, dt: float) -> 
 
 
 TIMINGS = {"absolute": op.TIMING_ABSOLUTE, "relative": op.TIMING_RELATIVE}
-"""Codes of what a trajectory's times count from."""
+"""Codes of the reference of a trajectory's times."""
 
 
 def follow_trajectory_row(draft: ProgramDraft, word: FollowTrajectoryAction, actor: int) -> ActionRow:

@@ -1,4 +1,4 @@
-"""Variables of the scenario: every one is a number; of a text it is the text's place in the program's list of texts."""
+"""Variables of the scenario, all of them numbers; a text is represented by its index in the list of texts."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ if TYPE_CHECKING:
 
 @compiled
 def reset_variables(p: Program, st: State) -> None:
-    """Give all variables the values that they begin with."""
+    """Give all variables their start values."""
     for k in range(p.variable_count[0]):
         st.variable[k] = p.const[p.variable_const[k]]
 
 
 @compiled
 def set_variable(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Give a variable the value of an action."""
+    """Set a variable to the value of an action."""
     del n
     st.variable[p.action_other[k]] = p.const[p.action_const[k] + slot.A_TARGET]
 
 
 @compiled
 def modify_variable(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Add the value of an action to a variable, or multiply it by that."""
+    """Add the value of an action to a variable, or multiply the variable by it."""
     del n
     at = p.action_other[k]
     value = p.const[p.action_const[k] + slot.A_TARGET]
@@ -45,14 +45,14 @@ def modify_variable(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 
 def set_variable_row(draft: ProgramDraft, word: SetVariableAction, actor: int) -> ActionRow:
-    """Return the row of a variable that gets a value."""
+    """Return the row of an action that sets a variable."""
     del actor
     at, variable = draft.variables[word.variable]
     return ActionRow((draft.variable_value(variable, word.value), 0.0), other=at)
 
 
 def modify_variable_row(draft: ProgramDraft, word: ModifyVariableAction, actor: int) -> ActionRow:
-    """Return the row of a variable that is added to, or multiplied."""
+    """Return the row of an action that adds to a variable or multiplies it."""
     del actor
     mode = op.MODIFY_ADD if word.by == "add" else op.MODIFY_MULTIPLY
     return ActionRow((word.value, 0.0), other=draft.variables[word.variable][0], mode=mode)

@@ -1,7 +1,7 @@
-"""Makes a program from a plan: indices for ids, codes for words, and one slot for every number.
+"""Makes a program from a plan: indices for ids, codes for words, and a slot for every number.
 
-`build` goes through the plan; what a word becomes stands in a table by the word's type: `positions.POSITIONS`,
-`actions.ACTIONS` and `conditions.CONDITIONS`, each entry a small function that returns the word's row.
+`build` goes through the plan. The row of a position is made by `positions.POSITIONS`, by the type of its word; those of
+actions and conditions are made by their entries (`moves.table`, `story.table`).
 """
 
 from scenario_compiler.engine.columns.program import Program

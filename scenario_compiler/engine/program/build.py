@@ -21,19 +21,19 @@ from scenario_compiler.vocabulary.scenario import parameter_values
 
 
 def build_program(plan: Plan, network: Network, *, posed: bool = False) -> Program:
-    """Lower a plan, with its parameters at their defaults; `posed` leaves the ego's motion to another program.
+    """Lower a plan, with the default values of its parameters; `posed` leaves the ego's motion to another program.
 
     Raises:
-        KeyError: The plan names a road or entity that there is not; a plan that was made for another map.
-        ValueError: The plan holds a word that has no row.
-        ExpressionError: A parameter without default leaves a number open.
+        KeyError: The plan names a road or entity that does not exist; it was made for another map.
+        ValueError: The plan has a word without a row.
+        ExpressionError: A number depends on a parameter without a default value.
     """
     return lowered(plan, network, posed=posed).program
 
 
 @dataclass(frozen=True)
 class Lowered:
-    """A program, and what its numbers stand for.
+    """A program, and the names that its indices stand for.
 
     Attributes:
         program: The program.
@@ -47,7 +47,7 @@ class Lowered:
 
 
 def lowered(plan: Plan, network: Network, *, posed: bool = False) -> Lowered:
-    """Return the program of a plan with the names of what it counts; see `build_program`."""
+    """Return the program of a plan with the names of its indices; see `build_program`."""
     draft = _drafted(plan, network, posed=posed)
     draft.program.const = draft.row(parameter_values(plan.parameters))
     draft.program.road_count[0] = len(network.road_ids)
@@ -56,23 +56,23 @@ def lowered(plan: Plan, network: Network, *, posed: bool = False) -> Lowered:
 
 
 def rows(plan: Plan, network: Network, samples: Sequence[Mapping[str, Value]]) -> list[list[float]]:
-    """Return a row of `Program.const` for each sample of the parameters; what a sample leaves out is at its default."""
+    """Return a row of `Program.const` for each sample of the parameters; missing ones have their default values."""
     numbers = Numbers(plan, network)
     return [numbers.row(sample) for sample in samples]
 
 
 class Numbers:
-    """The numbers of a plan: those that hang on parameters are evaluated for each variant, the others once."""
+    """The numbers of a plan: those that depend on parameters are evaluated for each variant, the others once."""
 
     def __init__(self, plan: Plan, network: Network) -> None:
-        """Go through the plan."""
+        """Collect the numbers of the plan."""
         numbers = _drafted(plan, network, posed=False).numbers
         self._usual = parameter_values(plan.parameters)
         self._row = [0.0 if isinstance(number, Expression) else float(number) for number in numbers]
         self._open = [(slot, number) for slot, number in enumerate(numbers) if isinstance(number, Expression)]
 
     def row(self, sample: Mapping[str, Value]) -> list[float]:
-        """Return the row of `Program.const` for a sample of the parameters; what it leaves out is at its default.
+        """Return the row of `Program.const` for a sample of the parameters; missing ones have their default values.
 
         Raises:
             ExpressionError: A number has no value.

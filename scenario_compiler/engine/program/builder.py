@@ -1,6 +1,6 @@
 """A program under construction: columns, numbers that are still expressions, and appended rows.
 
-What a row holds is decided by the word's own entry (`moves`, `story`) or table (`positions`); here it gets its place.
+The entry of a word (`moves`, `story`) or a table (`positions`) makes its row; this module appends it.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from scenario_compiler.vocabulary.word import Word, number_value
 
 
 class ProgramBuilder:
-    """Collects a program's columns; numbers stay expressions until a row is asked for.
+    """Collects a program's columns; numbers remain expressions until a row of values is requested.
 
     Attributes:
-        plan: What is lowered.
+        plan: The plan that is lowered.
         network: Its map.
         program: The columns so far; `const` stays empty.
         numbers: Every number, by its slot.
-        entities: Number of each entity, by its id.
+        entities: Index of each entity, by its id.
         elements: The storyboard's elements, by their kind and name; see `note`.
-        texts: Place of every text that is compared, in the order of the texts.
-        variables: Number and word of each variable, by its name.
-        signals: Number of each traffic signal, by its id.
-        controllers: Number of each controller of traffic signals, by its name.
+        texts: Index of every text that is compared, in the order of the texts.
+        variables: Index and word of each variable, by its name.
+        signals: Index of each traffic signal, by its id.
+        controllers: Index of each traffic signal controller, by its name.
         messages: Number of messages so far.
-        traffic: Number of actions so far that have vehicles of traffic, by their name.
-        spans: Stretches of random positions that stand in the program already, by position and kind of entity.
+        traffic: Number of actions so far that have traffic vehicles, by their name.
+        spans: Stretches of random positions that are already in the program, by position and kind of entity.
     """
 
     def __init__(self, plan: Plan, network: Network) -> None:
@@ -56,7 +56,7 @@ class ProgramBuilder:
         self._awaited: list[tuple[int, tuple[str, str]]] = []
 
     def row(self, values: Mapping[str, Value]) -> list[float]:
-        """Evaluate all numbers."""
+        """Evaluate all numbers with the values of the parameters."""
         return [number_value(number, values) for number in self.numbers]
 
     def block(self, *numbers: Slot) -> int:
@@ -81,7 +81,7 @@ class ProgramBuilder:
         return p.position_count[0] - 1
 
     def add_action(self, number: int, row: ActionRow, actor: int) -> int:
-        """Append an action, by its number, of an entity or of none (NONE); return its row."""
+        """Append an action by its opcode, for an entity or for none (NONE); return its row."""
         p = self.program
         p.action_op.append(number)
         p.action_entity.append(actor)
@@ -102,7 +102,7 @@ class ProgramBuilder:
         return p.action_count[0] - 1
 
     def signal(self, name: str) -> int:
-        """Return the number of a traffic signal, a new one for an id that has none yet."""
+        """Return the index of a traffic signal; an unknown id gets a new one."""
         number = self.signals.setdefault(name, len(self.signals))
         self.program.signal_count[0] = len(self.signals)
         return number
@@ -120,13 +120,13 @@ class ProgramBuilder:
         """Append a condition to the group under construction.
 
         Args:
-            number: The number of the condition.
+            number: The opcode of the condition.
             row: Its row.
             entities: Triggering entities, none for a condition on the run.
-            every: Whether all of them must fulfil it, not any.
+            every: Whether all of them must fulfil it; otherwise any suffices.
             edge: EDGE_... code.
-            delay: How much later its value counts, s.
-            owner: Element whose trigger it stands in, NONE for the stop trigger of the storyboard.
+            delay: Time by which its value is delayed, s.
+            owner: Element to whose trigger it belongs, NONE for the stop trigger of the storyboard.
         """
         p = self.program
         p.condition_owner.append(owner)
@@ -159,7 +159,7 @@ class ProgramBuilder:
         priority: int = op.PRIORITY_PARALLEL,
         action: int = op.NONE,
     ) -> int:
-        """Append an element as the last child of `parent`, whose subtree and its parents' grow by it."""
+        """Append an element as the last child of `parent`; the subtrees of all its parents grow by one."""
         p = self.program
         at = p.element_count[0]
         p.element_kind.append(kind)
@@ -177,10 +177,10 @@ class ProgramBuilder:
         return at
 
     def find_awaited(self) -> None:
-        """Give the conditions that watch elements these, once all are there.
+        """Set the elements of the conditions that watch elements, after all elements have been added.
 
         Raises:
-            KeyError: There is no element of that name.
+            KeyError: There is no element with that name.
         """
         for condition, name in self._awaited:
             found = self.elements[name]
@@ -188,7 +188,7 @@ class ProgramBuilder:
             self.program.condition_flags[condition] = found[-1] - found[0]
 
     def note(self, kind: str, name: str, element: int) -> None:
-        """Remember an element by its name; of several the first, and those that follow it at once."""
+        """Register an element by its name; for equal names the first one, and those that directly follow it."""
         known = self.elements.setdefault((kind, name), [element])
         if element == known[-1] + 1:
             known.append(element)

@@ -16,21 +16,21 @@ FROM_AN_ENTITY = (
     op.POSITION_RELATIVE_OBJECT,
     op.POSITION_RELATIVE_WORLD,
 )
-"""Positions counted from where an entity is."""
+"""Positions that are relative to an entity."""
 
 REFERRING = {
     **dict.fromkeys(FROM_AN_ENTITY, ("entity", index(ENTITY))),
     op.POSITION_ON_TRAJECTORY: ("lane", index(TRACK)),
     op.POSITION_LANE: ("road", index(ROAD)),
 }
-"""What a field of a position refers to, by its kind."""
+"""The field of a position that refers to something, and its allowed values, by the position's kind."""
 
 
 def check_program(program: Program) -> None:
     """Check every size, code, index and row start of a program.
 
     Raises:
-        ValueError: A column refers outside another one; a fault of the code that filled it.
+        ValueError: A column refers outside of another one, because of an error in the code that filled it.
     """
     p = program
     check_columns(p)

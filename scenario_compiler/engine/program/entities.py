@@ -1,4 +1,4 @@
-"""Entities: how they move, their vehicles, where they start and in which order they are placed."""
+"""Entities: their kinds of motion, their vehicles, their start positions and the order in which they are placed."""
 
 from __future__ import annotations
 
@@ -31,18 +31,19 @@ KINDS: dict[Category, int] = {
     "sign": op.KIND_THING,
     "prop": op.KIND_THING,
 }
-"""What is no vehicle, by its category."""
+"""Codes of the categories that are not vehicles."""
 
 FOLLOW_EGO = (1.5, 2.0, 1.5, 2.0)
-"""Car following of the automation: time gap s, gap at standstill m, acceleration and comfortable deceleration m/s2. Our
-choice, the same as the defaults of `vocabulary.entities.Follow`."""
+"""Car following of the automation: time gap, s; gap at standstill, m; acceleration and comfortable deceleration, m/s2.
+Chosen; the same as the defaults of `vocabulary.entities.Follow`.
+"""
 
 
 def add_entities(draft: ProgramBuilder, *, posed: bool) -> None:
     """Append all entities; `posed` leaves the ego's motion to another program.
 
     Raises:
-        ValueError: Starts are relative to each other.
+        ValueError: Start positions are relative to each other.
     """
     p = draft.program
     touched = touched_by_init(draft.plan.storyboard)
@@ -58,20 +59,23 @@ def add_entities(draft: ProgramBuilder, *, posed: bool) -> None:
 
 
 def touched_by_init(storyboard: Storyboard) -> set[str]:
-    """Return the entities that the init does something with: without a start, these alone are there when it begins."""
+    """Return the entities with an action in the init.
+
+    Of the entities without a start position, only these are present when the run begins.
+    """
     touched = {initial.entity for initial in storyboard.init}
     actions = [initial.action for initial in storyboard.init]
     return touched | {action.trailer for action in actions if isinstance(action, ConnectTrailerAction)}
 
 
 def _towing(vehicle: Vehicle) -> tuple[float, float]:
-    """Return where a vehicle's hitch and coupler are, ahead of its reference point, m: at its ends if nowhere else."""
+    """Return the positions of a vehicle's hitch and coupler ahead of its reference point, m; by default its ends."""
     rear, front = vehicle.center - 0.5 * vehicle.length, vehicle.center + 0.5 * vehicle.length
     return rear if vehicle.hitch is None else vehicle.hitch, front if vehicle.coupler is None else vehicle.coupler
 
 
 def vehicle_numbers(vehicle: Vehicle) -> tuple[float, ...]:
-    """Return the numbers of a vehicle that an entity's block begins with, from slot E_LENGTH to E_MAX_SPEED."""
+    """Return the numbers of a vehicle at the beginning of an entity's block, from slot E_LENGTH to E_MAX_SPEED."""
     return (
         *(vehicle.length, vehicle.width, vehicle.height, vehicle.wheelbase, vehicle.center),
         *(radians(vehicle.max_steer), vehicle.max_acceleration, vehicle.max_deceleration, vehicle.max_speed),
@@ -109,7 +113,7 @@ def _add_entity(draft: ProgramBuilder, entity: Entity, posed: bool, touched: set
 
 
 def _start_order(draft: ProgramBuilder) -> list[int]:
-    """Return the entities so that each comes after the one that its start is relative to, random ones last."""
+    """Return the entities in an order in which each comes after the one that its start refers to, random ones last."""
     p = draft.program
     order: list[int] = []
     waiting = list(range(len(p.entity_motion)))
@@ -126,7 +130,7 @@ def _start_order(draft: ProgramBuilder) -> list[int]:
 
 
 def _start_follows(p: Program, i: int) -> int:
-    """Return the entity that the start of i is relative to, or NONE."""
+    """Return the entity that the start position of i is relative to, or NONE."""
     at = p.entity_position[i]
     return op.NONE if at < 0 else p.position_entity[at]
 

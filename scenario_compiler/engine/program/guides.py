@@ -1,4 +1,4 @@
-"""Guides: from routes and destinations to tables of the road that comes next."""
+"""Guides: tables of the next road, made from routes and destinations."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import Word, number_value
 
 JUNCTION_COST = 1.0e6
-"""What passing a junction costs on a way with the least intersections, m."""
+"""Cost of passing a junction on a route with the fewest intersections, m."""
 
 
 def add_guide(draft: ProgramBuilder, following: Iterable[tuple[Stretch, int]], last: int) -> int:
-    """Append a guide from stretches and the roads that come next, which ends with a road; return its row."""
+    """Append a guide from stretches and the roads that follow them, which ends with the road `last`; return its row."""
     p = draft.program
     roads = len(draft.network.road_ids)
     row = [op.NONE] * (2 * roads)
@@ -42,7 +42,7 @@ def add_guide(draft: ProgramBuilder, following: Iterable[tuple[Stretch, int]], l
 
 
 def add_legs(draft: ProgramBuilder, legs: Sequence[RouteLeg]) -> int:
-    """Append the guide of a way over lanes; return its row, NONE for no way."""
+    """Append the guide of a route over lanes; return its row, NONE for an empty one."""
     if not legs:
         return op.NONE
     path = [_stretch(draft.network, leg.road, leg.lane) for leg in legs]
@@ -50,7 +50,7 @@ def add_legs(draft: ProgramBuilder, legs: Sequence[RouteLeg]) -> int:
 
 
 def add_route(draft: ProgramBuilder, route: RouteWord) -> int:
-    """Append the guide of a route over its waypoints; return its row, NONE where none of them lies on a road."""
+    """Append the guide of a route over waypoints; return its row, NONE if none of them lies on a road."""
     path = route_path(draft, route)
     if not path:
         return op.NONE
@@ -62,7 +62,7 @@ def add_route(draft: ProgramBuilder, route: RouteWord) -> int:
 
 
 def add_goal(draft: ProgramBuilder, position: Word) -> int:
-    """Append the guide to a position from everywhere; return its row, NONE where it lies on no road."""
+    """Append the guide to a position from everywhere; return its row, NONE if it does not lie on a road."""
     goal = stretch_of(draft, position)
     if goal is None:
         return op.NONE
@@ -73,7 +73,7 @@ def add_goal(draft: ProgramBuilder, position: Word) -> int:
 
 
 def route_path(draft: ProgramBuilder, route: RouteWord) -> list[Stretch]:
-    """Return the stretches that a route leads over; waypoints to which no way leads are passed over."""
+    """Return the stretches of a route; waypoints that cannot be reached are skipped."""
     n = draft.network.tables
     path: list[Stretch] = []
     for waypoint in route.waypoints:
@@ -101,7 +101,7 @@ def route_path(draft: ProgramBuilder, route: RouteWord) -> list[Stretch]:
 def place_on_route(draft: ProgramBuilder, position: RoutePosition) -> tuple[int, int, float, float]:
     """Return (road, lane, s, offset) of a place on a route, which begins at its first waypoint.
 
-    Beyond the route's end it is the end. Of a route that lies on no road it is the begin of the map's first road.
+    Beyond the route's end it is the end. For a route that lies on no road it is the beginning of the map's first road.
     """
     n = draft.network.tables
     values = parameter_values(draft.plan.parameters)
@@ -130,7 +130,7 @@ def place_on_route(draft: ProgramBuilder, position: RoutePosition) -> tuple[int,
 
 
 def _waypoint_s(draft: ProgramBuilder, position: Word, values: Mapping[str, Value]) -> float:
-    """Return where a waypoint lies along its road, m."""
+    """Return the s of a waypoint on its road, m."""
     if isinstance(position, LanePositionWord):
         return number_value(position.s, values)
     assert isinstance(position, FreePosition)
@@ -139,7 +139,7 @@ def _waypoint_s(draft: ProgramBuilder, position: Word, values: Mapping[str, Valu
 
 
 def stretch_of(draft: ProgramBuilder, position: Word) -> Stretch | None:
-    """Return the road that a bound position lies on and the sense of its lane's travel; None off the roads."""
+    """Return the road of a bound position and its lane's direction of travel along s; None off the roads."""
     network = draft.network
     if isinstance(position, LanePositionWord):
         return _stretch(network, position.road, position.lane)

@@ -1,4 +1,4 @@
-"""The builder of a plan's program: it makes the rows of positions, routes, trajectories and whatever words need."""
+"""The builder of a plan's program, which makes the rows of positions, routes, trajectories and other parts."""
 
 from __future__ import annotations
 
@@ -26,38 +26,38 @@ from scenario_compiler.vocabulary.word import Word
 
 
 class PlanBuilder(ProgramBuilder):
-    """A builder that knows the words which actions and conditions are made of: positions, routes, trajectories, ..."""
+    """A builder that knows the parts of actions and conditions: positions, routes, trajectories and others."""
 
     def position(self, word: Word) -> int:
         """Append a position; return its row."""
         return add_position(self, word)
 
     def random_position(self) -> int:
-        """Append a position that vehicles of traffic are put at by draw; return its row."""
+        """Append a position for the random placement of traffic; return its row."""
         return add_position(self, RandomPosition(), "traffic")
 
     def track(self, trajectory: Trajectory) -> int:
-        """Append a trajectory; return its number."""
+        """Append a trajectory; return its index."""
         return add_track(self, trajectory, add_position)
 
     def route(self, route: RouteWord) -> int:
-        """Append the guide of a route; return its number."""
+        """Append the guide of a route; return its index."""
         return add_route(self, route)
 
     def goal(self, position: Word) -> int:
-        """Append the guide to a position; return its number."""
+        """Append the guide to a position; return its index."""
         return add_goal(self, position)
 
     def failure(self, failure: Failure) -> int:
-        """Append a failure of the camera that waits for its action; return its number."""
+        """Append a camera failure that an action begins; return its index."""
         return add_failure(self, failure, waits=True)
 
     def weather(self, weather: WeatherAction) -> int:
-        """Append a weather; return its number."""
+        """Append a weather; return its index."""
         return add_weather(self, weather)
 
     def variable_value(self, variable: Variable, text: str) -> float:
-        """Return a value of a variable as the engine has it."""
+        """Return the number that represents a variable's value, given as a text."""
         return variable_value(self, variable, text)
 
     def seconds_of(self, date_time: str) -> float:
@@ -65,15 +65,15 @@ class PlanBuilder(ProgramBuilder):
         return seconds_of(date_time)
 
     def traffic_number(self, name: str) -> int:
-        """Return the number of a name among those of actions on traffic, from 1; 0 for no name."""
+        """Return the index of a name among those of actions on traffic, from 1; 0 for an empty name."""
         kinds = (TrafficSwarmAction, TrafficSourceAction, TrafficSinkAction, StopTrafficAction)
         names = {word.traffic for word in walk(self.plan.storyboard) if isinstance(word, kinds)}
         return sorted({"", *names}).index(name)
 
     def vehicles_of(self, word: KeepsVehicles) -> tuple[int, int]:
-        """Return the first of the entities that an action on traffic keeps, and their number.
+        """Return the first entity that an action on traffic uses, and the number of its entities.
 
-        Actions are added in the plan's order, which tells those of one name apart.
+        Actions must be added in the plan's order, by which those with the same name are distinguished.
         """
         group = group_name(word, self.traffic)
         kept = [(k, one.id) for k, one in enumerate(self.plan.entities) if one.kind == "traffic" and one.start is None]

@@ -1,4 +1,4 @@
-"""What a position becomes: `POSITIONS`, by the type of its word."""
+"""The rows of positions: `POSITIONS`, by the type of their word."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.word import Word
 
 TRAFFIC_MARGINS = (5.0, 25.0)
-"""Distances that vehicles of traffic keep at the start from where a road is entered and left, m: enough to stop in."""
+"""Distances of traffic vehicles at the start from where a road is entered and left, m: enough to stop there."""
 
 
 Turning = (
@@ -41,15 +41,15 @@ Turning = (
     | RoutePosition
     | TrajectoryPosition
 )
-"""Positions with a heading relative to what they give, or in the world."""
+"""Positions with a heading that is relative to them or absolute."""
 
 
 def add_position(draft: ProgramBuilder, word: Word, kind: str = "") -> int:
-    """Append a position, of an entity of a kind; return its row.
+    """Append a position, for an entity of a kind; return its row.
 
     Raises:
         ValueError: POSITIONS has no entry for the word.
-        KeyError: It names a road or entity that there is not.
+        KeyError: It names a road or entity that does not exist.
     """
     if type(word) not in POSITIONS:
         raise ValueError(f"a program has no row for the position <{word.tag()}>")
@@ -64,7 +64,7 @@ def _lane(draft: ProgramBuilder, word: LanePositionWord, kind: str) -> PositionR
 
 
 def _heading(word: Turning) -> tuple[Slot, int]:
-    """Return the number of a position's heading, and the switch that says that it is the world's."""
+    """Return the number of a position's heading, and the flag for an absolute one."""
     return (word.turn, 0) if word.heading is None else (word.heading, op.POSITION_ABSOLUTE)
 
 
@@ -147,7 +147,7 @@ def _on_trajectory(draft: ProgramBuilder, word: TrajectoryPosition, kind: str) -
 
 
 def _spans(draft: ProgramBuilder, word: RandomPosition | AnyOfPosition, kind: str) -> tuple[int, int]:
-    """Append what a random position is drawn from, once; return its first row and the one after its last."""
+    """Append the stretches of a random position, once; return the first row and the one after the last."""
     p, network = draft.program, draft.network
     if (word, kind) not in draft.spans:
         first = p.span_count[0]
@@ -181,4 +181,6 @@ POSITIONS: dict[type[Word], Callable[[ProgramBuilder, Any, str], PositionRow]] =
     RoutePosition: _on_route,
     TrajectoryPosition: _on_trajectory,
 }
-"""By the type of a bound position, its row; the last argument is the kind of the entity that starts there, or empty."""
+"""Makes the row of a bound position, by its type; the last argument is the kind of the entity that starts there, or
+empty.
+"""

@@ -1,4 +1,4 @@
-"""What concerns the run as a whole: step, duration, camera, weather, the ego's way and the paint."""
+"""The run as a whole: step, duration, camera, weather, the ego's route and the road marks."""
 
 from __future__ import annotations
 
@@ -20,12 +20,13 @@ SENSOR_CODES: dict[SensorKind, int] = {
     "lidar": op.SENSOR_LIDAR,
 }
 LOW_BEAM = 100.0
-"""Distance to which headlights give 5 lux, m: 330 feet on a straight road are good in the tests of the Insurance
-Institute for Highway Safety, which measure that."""
+"""Distance at which headlights give 5 lux, m: in the tests of the Insurance Institute for Highway Safety, which measure
+it, 330 feet on a straight road are good.
+"""
 
 
 def add_run(draft: ProgramBuilder) -> None:
-    """Write the run's numbers, its camera and weather, and the ego's way."""
+    """Write the run's numbers, its camera and weather, and the ego's route."""
     plan, p, k = draft.plan, draft.program, draft.numbers
     k[slot.K_STEP] = plan.step
     k[slot.K_DURATION] = plan.duration
@@ -56,7 +57,7 @@ def add_run(draft: ProgramBuilder) -> None:
 
 
 def _add_forward_sensor(draft: ProgramBuilder) -> None:
-    """Write what the automation sees objects ahead with."""
+    """Write the sensor with which the automation detects objects ahead."""
     sensor, k = draft.plan.forward_sensor, draft.numbers
     draft.program.forward_sensor[0] = SENSOR_CODES[sensor.kind]
     k[slot.K_SENSOR_RANGE] = sensor.range
@@ -66,7 +67,7 @@ def _add_forward_sensor(draft: ProgramBuilder) -> None:
 
 
 def add_failure(draft: ProgramBuilder, failure: Failure, *, waits: bool) -> int:
-    """Append a failure of the camera, which `waits` for its action or counts from the start; return its row."""
+    """Append a camera failure, which `waits` for its action or counts from the start; return its row."""
     p = draft.program
     duration = -1.0 if failure.duration is None else failure.duration
     p.failure_kind.append(FAILURE_CODES[failure.kind])
@@ -86,7 +87,7 @@ def add_weather(draft: ProgramBuilder, weather: Weather) -> int:
 
 
 def add_markings(draft: ProgramBuilder) -> None:
-    """Append the stretches where the paint differs from the map's."""
+    """Append the stretches where the road marks differ from the map's."""
     p = draft.program
     for stretch in draft.plan.markings:
         begin = -1.0 if stretch.quality is None else stretch.quality

@@ -1,4 +1,4 @@
-"""A program without a story: places for entities that come and go, and are driven from outside."""
+"""A program without a storyboard: places for entities that come and go, and are driven from outside."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from scenario_compiler.engine.motion.watching import WATCH_MOTION
 from scenario_compiler.engine.program.checking import check_program
 
 BLOCK = slot.E_PITCH_GRADIENT + 1
-"""Numbers of an entity's block."""
+"""Size of an entity's block of numbers."""
 
 
 def build_stage(places: int, roads: int, step: float) -> Program:
-    """Return a program that never ends by itself, in which every place for an entity is empty.
+    """Return a program that does not end by itself, in which all places for entities are empty.
 
     Args:
-        places: How many entities there can be at once.
-        roads: How many roads the map has.
+        places: Greatest number of entities at the same time.
+        roads: Number of roads of the map.
         step: The time step, s.
     """
     p = Program()

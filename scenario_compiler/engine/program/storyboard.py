@@ -1,4 +1,4 @@
-"""The storyboard: the actions of the init, then stories down to actions as elements in document order."""
+"""The storyboard: the actions of the init, then the elements from stories down to actions, in document order."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ PRIORITIES: dict[Priority, int] = {
 }
 
 MOST_EXECUTIONS = (1 << 30) - 1
-"""Executions that no run ever reaches: what allows more allows as many."""
+"""Number of executions that no run reaches; greater limits are reduced to it."""
 
 
 def is_of_the_run(word: Word) -> bool:
-    """Return whether an action is done once however many actors there are."""
+    """Return whether an action is executed once, regardless of the number of actors."""
     return ACTIONS[ACTION_NUMBERS[word.tag()]].of_the_run
 
 
@@ -38,7 +38,7 @@ def add_action(draft: PlanBuilder, word: Word, actor: int) -> int:
     """Append an action of an entity, or of none (NONE); return its row.
 
     Raises:
-        ValueError: No action of the engine is declared for the word.
+        ValueError: The engine has no action for the word.
     """
     if word.tag() not in ACTION_NUMBERS:
         raise ValueError(f"the engine has no action for <{word.tag()}>")
@@ -60,10 +60,10 @@ def add_trigger(draft: PlanBuilder, trigger: Trigger | None, owner: int) -> int:
 
 
 def add_condition(draft: PlanBuilder, wrapped: TriggerCondition, owner: int) -> None:
-    """Append a condition to the group under construction; its triggering entities are the trigger's, else its own.
+    """Append a condition to the group under construction, with the trigger's triggering entities, or its own.
 
     Raises:
-        ValueError: No condition of the engine is declared for the word.
+        ValueError: The engine has no condition for the word.
     """
     word = wrapped.condition
     if word.tag() not in CONDITION_NUMBERS:
@@ -121,7 +121,7 @@ def _add_group(draft: PlanBuilder, group: ManeuverGroup, parent: int, path: str)
 
 
 def _add_event(draft: PlanBuilder, event: Event, parent: int, actors: list[int], path: str) -> None:
-    """Append an event and its actions, each once an actor, those of the run as a whole once."""
+    """Append an event and its actions: each once for every actor, those of the run as a whole once."""
     at = draft.element(
         op.ELEMENT_EVENT,
         parent,

@@ -1,4 +1,4 @@
-"""The coefficients of surrogate perception: their file, its place in a program, and which scenarios they are for."""
+"""The coefficients of surrogate perception: their file, place in a program, and range of validity."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from scenario_compiler.vocabulary.sensors import FailureKind
 FILE = "surrogate.json"
 
 MOUNTING = ("width", "height", "fov", "x", "y", "z", "yaw", "pitch", "roll")
-"""What must be the same of a camera: its image and where it looks from."""
+"""Properties of a camera that must be the same as in the fit."""
 
 UNFITTED: tuple[FailureKind, ...] = ("motion_blur", "misalignment")
-"""Failures of the camera that took no part in the fit."""
+"""Failures of the camera that were not part of the fit."""
 
 NO_SURROGATE = Code(
     "SC514",
@@ -43,13 +43,14 @@ class Surrogate:
         detector: The lane detector that it replaces.
         camera: The mounting of the camera, by the names of `MOUNTING`.
         runs: Number of runs that it was fitted to.
-        probes: What the detector says of pictures that the renderer draws for it (`perception.calibration.probes`):
-            where that has changed, the coefficients are those of another detector or renderer.
+        probes: The detector's output for pictures that the renderer draws for this purpose
+            (`perception.calibration.probes`). If it has changed, the coefficients are those of another detector or
+            renderer.
         low: (VIEW_SIZE,) least value of each feature in the domain.
         high: (VIEW_SIZE,) greatest value.
-        first: (VIEW_SIZE + 1, UNITS) what each feature, and last the bias, gives to the hidden units and the outputs.
-        second: (HIDDEN, OUTPUTS) what each hidden unit gives to the outputs.
-        noise: Size and cell, m, of the noise of the logit, and of the path's, m.
+        first: (VIEW_SIZE + 1, UNITS) weights of each feature, and last the bias, for hidden units and outputs.
+        second: (HIDDEN, OUTPUTS) weights of each hidden unit for the outputs.
+        noise: Size and cell length, m, of the logit's noise; the same of the path's, m.
     """
 
     detector: str
@@ -64,16 +65,16 @@ class Surrogate:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """The coefficients in the order of `ego.surrogate`, without how the automation drives."""
+        """The coefficients in the order of `ego.surrogate`, without the parameters of the automation's driving."""
         rows = [number for row in (*self.first, *self.second) for number in row]
         return (*self.low, *self.high, *rows, *self.noise)
 
 
 def read_surrogate(text: str) -> Surrogate:
-    """Return the coefficients that a file holds.
+    """Return the coefficients in the text of a file.
 
     Raises:
-        RuntimeError: It was made for other features.
+        RuntimeError: It was made for other features, or for a network of another size.
     """
     data: dict[str, Any] = json.loads(text)
     if tuple(data.pop("features")) != VIEW_NAMES:
@@ -85,19 +86,19 @@ def read_surrogate(text: str) -> Surrogate:
 
 
 def surrogate_text(surrogate: Surrogate) -> str:
-    """Return the text of the file that coefficients are kept in."""
+    """Return the text of the file for coefficients."""
     data = {"features": VIEW_NAMES, **{name: getattr(surrogate, name) for name in Surrogate.__slots__}}
     return json.dumps(data, separators=(",", ":")).replace("],", "],\n") + "\n"
 
 
 @lru_cache(maxsize=1)
 def load_surrogate() -> Surrogate:
-    """Return the coefficients that come with the program."""
+    """Return the packaged coefficients."""
     return read_surrogate(Path(__file__).with_name(FILE).read_text("utf-8"))
 
 
 def add_surrogate(draft: ProgramBuilder) -> None:
-    """Append the coefficients and how the automation drives."""
+    """Append the coefficients and the parameters of the automation's driving."""
     controller = draft.plan.controller
     own = {} if controller is None else {one.name: float(one.value) for one in controller.properties}
     driving = [own.get(name, usual) for name, usual in LANE_KEEPING.items()]
@@ -108,7 +109,7 @@ def add_surrogate(draft: ProgramBuilder) -> None:
 
 
 def check_surrogate(plan: Plan, sink: Diagnostics) -> None:
-    """Report a controller, a detector, a camera or a failure of it that the coefficients were not fitted for."""
+    """Report a controller, a detector, a camera or a camera failure that the coefficients were not fitted for."""
     controller = plan.controller
     if controller is None:
         return
@@ -135,5 +136,5 @@ def check_surrogate(plan: Plan, sink: Diagnostics) -> None:
 
 
 def _frozen(value: Any) -> Any:
-    """Return a value of JSON with tuples in the place of lists."""
+    """Return a JSON value with tuples instead of lists."""
     return tuple(_frozen(one) for one in value) if isinstance(value, list) else value

@@ -25,7 +25,7 @@ BUDGETS: tuple[tuple[CauseKind, str, int], ...] = (
     ("lane_ends", "budget", slot.K_LANE_END_BUDGET),
     ("lane_ends", "warning_budget", slot.K_LANE_END_WARNING),
 )
-"""Cause, its field, and the slot of that budget, which is negative where it has none of its own."""
+"""Cause, its field, and the slot of the budget, which is negative if the cause has none of its own."""
 
 CAUSE_LIMITS: tuple[tuple[CauseKind, str, int], ...] = (
     ("lane_confidence", "warning_below", slot.K_CONFIDENCE_WARNING),
@@ -47,7 +47,7 @@ CAUSE_LIMITS: tuple[tuple[CauseKind, str, int], ...] = (
     ("lane_ends", "of", slot.K_LANE_END_OF),
     ("no_progress", "after", slot.K_NO_PROGRESS_AFTER),
 )
-"""Cause, its field, and the slot of that number."""
+"""Cause, its field, and the slot of the number."""
 
 
 LAWS: dict[Law, int] = {
@@ -65,14 +65,14 @@ REFERENCES: dict[ReferenceName, int] = {
 """Codes of the reference drivers."""
 TASK_EFFECTS: dict[Task, EffectKind] = {"visual": "visual_task", "handheld": "handheld_task"}
 SEEN_ONLY: frozenset[Modality] = frozenset({"text", "icon", "overlay"})
-"""Channels of messages that are neither heard nor felt."""
+"""Modalities of messages that are neither heard nor felt."""
 
 
 def add_takeover(draft: ProgramBuilder) -> None:
     """Write the policy.
 
     Raises:
-        ValueError: The driver is a name of the catalog still.
+        ValueError: The driver is still a name of the catalog.
     """
     takeover, p, k = draft.plan.takeover, draft.program, draft.numbers
     k[slot.K_BUDGET] = takeover.budget
@@ -107,7 +107,7 @@ def add_takeover(draft: ProgramBuilder) -> None:
 
 
 def _add_driver(draft: ProgramBuilder) -> None:
-    """Write who answers."""
+    """Write the driver who responds."""
     driver, k = draft.plan.takeover.driver, draft.numbers
     if isinstance(driver, Driver) and driver.takeover_time is not None:
         driver = DriverModel(name=driver.preset, takeover_time=driver.takeover_time)
@@ -148,7 +148,7 @@ def _add_driver(draft: ProgramBuilder) -> None:
 
 
 def _add_effects(draft: ProgramBuilder, driver: DriverModel) -> None:
-    """Write the effects that hold: of the budget, of traffic and of repetition always, of others where they are."""
+    """Write the effects: those of the budget, traffic and repetition always, others if they apply."""
     k = draft.numbers
     by = {one.of: one.by for one in driver.effects}
     k[slot.K_EFFECT_REPETITION] = by.get("repetition", 0.0)

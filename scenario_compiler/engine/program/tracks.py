@@ -1,4 +1,4 @@
-"""Trajectories: from their forms to tables of corners and samples."""
+"""Trajectories: their tables of corners and samples."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import Number, Word, number_value
 
 Place = Callable[[ProgramBuilder, Word], int]
-"""What appends a corner's position and returns its row."""
+"""Function that appends a corner's position and returns its row."""
 
 SAMPLE_LENGTH = 4.0
 MOST_SAMPLES = 2000
@@ -30,10 +30,13 @@ MOST_SAMPLES = 2000
 
 SPAN_SAMPLES = 64
 TIMED_SPAN_SAMPLES = 256
-"""Samples of a NURBS between two knots, without times, and with them where its points are known only in a run."""
+"""Number of samples of a NURBS between two knots: without times, and with times if its points are known only in a run.
+"""
 
 TIMED_STEP = 1.0
-"""A NURBS with times is a polyline of so many pieces and one as its control points are steps apart, m (esmini 3.6)."""
+"""A NURBS with times is a polyline with one piece more than the length of its control polygon has such steps, m (esmini
+3.6).
+"""
 
 
 def add_track(draft: ProgramBuilder, trajectory: Trajectory, place: Place) -> int:
@@ -60,7 +63,7 @@ def add_track(draft: ProgramBuilder, trajectory: Trajectory, place: Place) -> in
 
 
 def raised(trajectory: Trajectory) -> bool:
-    """Return whether a position of a trajectory gives a height."""
+    """Return whether a position of a trajectory has a height."""
     shape = trajectory.shape
     if isinstance(shape, Clothoid | ClothoidSpline):
         return False
@@ -80,7 +83,7 @@ def _time(time: Number | None) -> Slot:
 
 
 def _add_polyline(draft: ProgramBuilder, line: Polyline, closed: bool, place: Place) -> None:
-    """Append a polyline; a closed one without times comes back to its first vertex."""
+    """Append a polyline; a closed one without times returns to its first vertex."""
     vertices = list(line.vertices)
     if closed and vertices[0].time is None and vertices[0] != vertices[-1]:
         vertices.append(vertices[0])
@@ -91,9 +94,9 @@ def _add_polyline(draft: ProgramBuilder, line: Polyline, closed: bool, place: Pl
 
 
 def headed(positions: Sequence[Word]) -> list[bool]:
-    """Return of each position whether its author gave it a heading: in the world, or relative to what it gives.
+    """Return for each position whether its heading is given, absolute or relative.
 
-    Where none of them is turned all of the latter are left to the trajectory.
+    If no position has a relative heading other than 0, headings that could be relative are left to the trajectory.
     """
     turned = any(getattr(one, "turn", 0.0) != 0.0 for one in positions)
     return [getattr(one, "heading", None) is not None or (turned and hasattr(one, "turn")) for one in positions]
@@ -146,10 +149,9 @@ def _add_nurbs(draft: ProgramBuilder, curve: Nurbs, place: Place) -> None:
 
 
 def _parameters(curve: Nurbs, length: float | None) -> list[tuple[int, float]]:
-    """Return the samples of a NURBS: the span of knots that each lies in, and its parameter.
+    """Return the samples of a NURBS: the knot span of each, and its parameter.
 
-    `length` is that of the line through the control points of one with times, m; None for any other one, and where it
-    is not known.
+    `length` is that of the control polygon of a NURBS with times, m; None without times, and if it is not known.
     """
     spans = [
         (at, low, high)
@@ -170,14 +172,14 @@ def _parameters(curve: Nurbs, length: float | None) -> list[tuple[int, float]]:
 
 
 def _control_length(draft: ProgramBuilder, curve: Nurbs) -> float | None:
-    """Return the length of the line through the control points, m, None where they are known only in a run."""
+    """Return the length of the control polygon, m; None if it is known only in a run."""
     points = [_known_point(draft, one.position) for one in curve.points]
     known = [one for one in points if one is not None]
     return sum(dist(one, other) for one, other in pairwise(known)) if len(known) == len(points) else None
 
 
 def _known_point(draft: ProgramBuilder, position: Word) -> tuple[float, float] | None:
-    """Return (x, y) of a position at the parameters' values; None for one relative to an entity."""
+    """Return (x, y) of a position with the default values of the parameters; None for one relative to an entity."""
     values = parameter_values(draft.plan.parameters)
     if isinstance(position, FreePosition):
         return number_value(position.x, values), number_value(position.y, values)
@@ -189,10 +191,10 @@ def _known_point(draft: ProgramBuilder, position: Word) -> tuple[float, float] |
 
 
 def _places_between(curve: Nurbs, samples: list[tuple[int, float]], shares: list[list[float]]) -> list[float]:
-    """Return where samples lie between the control points, counted from 0.
+    """Return the fractional index of each sample among the control points, from 0.
 
-    A control point belongs to the sample in which its share is greatest; between two of these places grow evenly with
-    the parameter (esmini 3.6).
+    A control point belongs to the sample in which its weight is greatest; between two of these samples the index grows
+    linearly with the parameter (esmini 3.6).
     """
     most = [0.0] * len(curve.points)
     peaks = [samples[0][1]] * len(curve.points)
@@ -212,7 +214,7 @@ def _places_between(curve: Nurbs, samples: list[tuple[int, float]], shares: list
 
 
 def basis(knots: tuple[float, ...], order: int, span: int, u: float) -> list[float]:
-    """Return the values of the B-splines that are not 0 in a span of knots (Piegl and Tiller 1997, algorithm A2.2)."""
+    """Return the values of the B-splines that are not 0 in a knot span (Piegl and Tiller 1997, algorithm A2.2)."""
     values = [1.0]
     for degree in range(1, order):
         saved = 0.0

@@ -1,4 +1,4 @@
-"""Variables and traffic signals: what a scenario names becomes numbers of the program."""
+"""Variables and traffic signals: indices and numbers for their names and texts."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ LAMPS = ("red", "yellow", "green")
 """Lamps of a signal head from the top."""
 
 COLOURS = {"red": "red", "stop": "red", "yellow": "yellow", "amber": "yellow", "green": "green", "go": "green"}
-"""Words in states that mean a colour."""
+"""Words in states that stand for a colour."""
 
 SENSES = {"+": 1, "-": -1}
 ALL_LANES = (-1000, 1000)
 
 
 def add_world(draft: ProgramBuilder) -> None:
-    """Append the variables, and the controllers of traffic signals with their phases."""
+    """Append the variables, and the traffic signal controllers with their phases."""
     plan, p = draft.plan, draft.program
     draft.texts = {text: k for k, text in enumerate(sorted(set(_texts(plan))))}
     draft.variables = {one.name: (k, one) for k, one in enumerate(plan.variables)}
@@ -58,7 +58,7 @@ def add_world(draft: ProgramBuilder) -> None:
 
 
 def add_heads(draft: ProgramBuilder) -> None:
-    """Append where on the roads the signals stand that the plan names, once it has named all of them."""
+    """Append the positions on the roads of the signals that the plan names, after all of it has been lowered."""
     p = draft.program
     p.text_aspect = [aspect_of(text) for text in draft.texts]
     if not draft.signals:
@@ -77,11 +77,11 @@ def add_heads(draft: ProgramBuilder) -> None:
 
 
 def aspect_of(state: str) -> int:
-    """Return what the state of a signal says.
+    """Return the meaning of a signal's state, ASPECT_...
 
-    A state is a text of the scenario: colours, or `on` and `off` for its lamps from the top (red, yellow, green), apart
-    by `;`, `,`, `|`, `+`, `-`, `_`, `:` or blanks. Red says stop, with yellow beside it too; yellow alone says caution;
-    all else says nothing.
+    A state is a text of the scenario: colours, or `on` and `off` for the lamps from the top (red, yellow, green),
+    separated by `;`, `,`, `|`, `+`, `-`, `_`, `:` or blanks. Red means stop, also together with yellow; yellow alone
+    means caution; everything else has no meaning.
     """
     words = [word for word in re.split(r"[;,|+\-_:\s]+", state.casefold()) if word]
     lit = {colour for colour, word in zip(LAMPS, words, strict=False) if word in ("on", "flashing")}
@@ -93,10 +93,10 @@ def aspect_of(state: str) -> int:
 
 
 def variable_value(draft: ProgramBuilder, variable: Variable, text: str) -> float:
-    """Return a value of a variable as the engine has it: of a text its place among all texts, which are sorted.
+    """Return the number that represents a variable's value: for a text its index among all texts, which are sorted.
 
     Raises:
-        ValueError: The text is no value of the variable's type.
+        ValueError: The text is not a value of the variable's type.
     """
     if variable.type == "string":
         return float(draft.texts[text])
@@ -107,7 +107,7 @@ def variable_value(draft: ProgramBuilder, variable: Variable, text: str) -> floa
 
 
 def _texts(plan: Plan) -> Iterator[str]:
-    """Yield every text that is compared with another while the scenario runs."""
+    """Yield every text that is compared with another one while the scenario runs."""
     for variable in plan.variables:
         yield variable.value
     for controller in plan.signal_controllers:

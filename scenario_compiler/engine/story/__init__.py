@@ -1,1 +1,1 @@
-"""The storyboard: triggers, conditions, running actions; and the step, the run and the sweep that they are part of."""
+"""The storyboard (triggers, conditions, running actions), and the step, the run and the sweep that use it."""

@@ -1,8 +1,8 @@
-"""How actions start, run and end, each writing its entity at once, in document order: the init's, then the story's.
+"""Starting, running and ending actions, which write to their entities at once, in document order: init, then story.
 
-Semi-implicit: a speed action writes the speed of the end of the step, and the entity moves with it. A lane change
-moves its entity along the path with the speed of that moment, so what it moves to the side is missing ahead. After
-esmini 3.6. What each action does is its entry's (`moves.table`).
+The integration is semi-implicit: a speed action writes the speed of the end of the step, and the entity moves with it.
+A lane change moves its entity along the path with the present speed, so the lateral motion reduces the motion ahead.
+After esmini 3.6. What an action does is defined in its entry (`moves.table`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def start_action(n: RoadTables, p: Program, st: State, k: int, element: int) -> None:
-    """Start an action that stands in an element, or in the init (-1)."""
+    """Start an action that belongs to a storyboard element, or to the init (-1)."""
     st.action_state[k] = op.RUNNING
     st.action_element[k] = element
     st.action_progress[k] = 0.0
@@ -29,7 +29,7 @@ def start_action(n: RoadTables, p: Program, st: State, k: int, element: int) -> 
 
 @compiled
 def end_action(p: Program, st: State, k: int) -> None:
-    """End an action and free the domain that it held."""
+    """End an action, and release the domains that it controlled."""
     st.action_state[k] = op.COMPLETE
     i = p.action_entity[k]
     if i < 0:

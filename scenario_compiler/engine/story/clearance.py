@@ -1,4 +1,4 @@
-"""Relative clearance: whether the lanes around an entity are free of others over some distance."""
+"""Relative clearance: whether the lanes around an entity are free of other entities within a range."""
 
 from __future__ import annotations
 
@@ -24,16 +24,18 @@ if TYPE_CHECKING:
 
 CLEARANCE_FREESPACE = 1
 CLEARANCE_OPPOSITE = 2
-"""Bits of a clearance condition's flags: boxes count, not reference points; lanes of the other direction count."""
+"""Bits of a clearance condition's flags: boxes count instead of reference points; lanes of the opposite direction
+count.
+"""
 
 
 MOST_LANES = 16
-"""Lanes to each side that are looked for."""
+"""Number of lanes on each side that are checked."""
 
 
 @compiled
 def is_member(p: Program, row: int, value: int) -> int:
-    """Return 1 where a set of the program holds a value, or holds nothing at all."""
+    """Return 1 if a set of the program contains a value, or is empty."""
     if p.set_first[row] == p.set_first[row + 1]:
         return 1
     for k in range(p.set_first[row], p.set_first[row + 1]):
@@ -44,7 +46,7 @@ def is_member(p: Program, row: int, value: int) -> int:
 
 @compiled
 def in_ranges(p: Program, row: int, value: int) -> int:
-    """Return 1 where a set of pairs holds one that the value lies between, or holds nothing at all."""
+    """Return 1 if a set of pairs has a pair that encloses a value, or is empty."""
     if p.set_first[row] == p.set_first[row + 1]:
         return 1
     for k in range(p.set_first[row], p.set_first[row + 1] - 1, 2):
@@ -55,7 +57,7 @@ def in_ranges(p: Program, row: int, value: int) -> int:
 
 @compiled
 def lanes_between(lane: int, other: int, direction: int) -> int:
-    """Return how many lanes `other` lies to the left of `lane`, as seen along s (1) or against it (-1).
+    """Return how many lanes `other` is to the left of `lane`, as seen along s (1) or against it (-1).
 
     The centre lane is not counted.
     """
@@ -69,7 +71,7 @@ def lanes_between(lane: int, other: int, direction: int) -> int:
 
 @compiled
 def lane_over(n: RoadTables, st: State, i: int, road: int, ahead: float) -> int:
-    """Return the lane that continues i's own on a road `ahead` of it; one of its own number where none leads there."""
+    """Return the lane that continues i's own on a road `ahead` metres ahead, or i's own lane id if none leads there."""
     if st.road[i] == road:
         return st.lane[i]
     along = st.facing[i] * lane_direction(n, st.road[i], st.lane[i])
@@ -81,7 +83,7 @@ def lane_over(n: RoadTables, st: State, i: int, road: int, ahead: float) -> int:
 
 @compiled
 def in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> int:
-    """Return 1 where entity j keeps a clearance condition of entity i from being true."""
+    """Return 1 if entity j prevents a clearance condition of entity i from being true."""
     if st.road[i] < 0 or st.road[j] < 0 or is_member(p, p.condition_other[c], j) == 0:
         return 0
     ahead, _, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
@@ -103,7 +105,7 @@ def in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> 
 
 @compiled
 def has_lane(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where one of the lanes that a clearance condition asks for is there for driving, and counts."""
+    """Return 1 if at least one of the lanes that a clearance condition requires exists, is for driving, and counts."""
     row = p.condition_other[c] + 1
     road = st.road[i]
     if road < 0 or p.set_first[row] == p.set_first[row + 1]:
@@ -121,7 +123,7 @@ def has_lane(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 @compiled
 def is_clear(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where no entity is in the way of a clearance condition of entity i, and the lanes are there (esmini)."""
+    """Return 1 if the lanes of a clearance condition of entity i exist and no entity is in the way (esmini)."""
     if has_lane(n, p, st, c, i) == 0:
         return 0
     for j in range(p.entity_count[0]):
@@ -131,11 +133,11 @@ def is_clear(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 
 ALL_LANES = 1 << 20
-"""Number of lanes that no road has: the end of a range without one."""
+"""Lane number that no road has: an open end of a range."""
 
 
 def clearance_row(draft: ProgramDraft, word: RelativeClearanceCondition) -> ConditionRow:
-    """Return the row of a clearance: the set of the others that count, and after it that of ranges of lanes."""
+    """Return the row of a clearance condition; `other` is the set of entities, followed by that of lane ranges."""
     others = draft.members(draft.entities[one] for one in word.of)
     draft.members(
         end

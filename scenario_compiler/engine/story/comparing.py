@@ -10,7 +10,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def compare(st: State, rule: int, value: float, limit: float) -> int:
-    """Return 1 where the value stands to the limit as the rule says."""
+    """Return 1 if value and limit satisfy the rule, with the tolerance TOLERANCE."""
     if rule == op.RULE_LESS:
         return 1 if value < limit - op.TOLERANCE else 0
     if rule == op.RULE_LESS_OR_EQUAL:

@@ -1,7 +1,7 @@
 """When a condition fires: its value for its triggering entities, then its edge and its delay.
 
-A condition is evaluated on the states before the step. Edges need an earlier evaluation that is forgotten whenever the
-trigger fires, and a delay shifts the record of the edge's results in time: all as in esmini 3.6.
+A condition is evaluated on the states before the step. An edge needs an earlier evaluation, which is forgotten whenever
+the trigger fires; a delay shifts the recorded results of the edge in time. Both are as in esmini 3.6.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def edge_of(p: Program, st: State, c: int, now: int) -> int:
-    """Return 1 where the wanted change of a condition's value has come; the first evaluation is never a change."""
+    """Return 1 if a condition's value has changed as its edge requires; the first evaluation is never a change."""
     edge = p.condition_edge[c]
     if edge > op.EDGE_BOTH:
         fault(st, op.FAULT_UNKNOWN_EDGE, c)
@@ -30,9 +30,9 @@ def edge_of(p: Program, st: State, c: int, now: int) -> int:
 
 @compiled
 def delayed(p: Program, st: State, c: int, now: int) -> int:
-    """Return what a condition's result was one delay ago; 0 before there was any.
+    """Return the result that a condition had one delay ago; 0 before the first result.
 
-    The record keeps changes only, in a ring of DELAY_RECORDS.
+    A ring of DELAY_RECORDS records stores only changes.
     """
     ring = p.condition_ring[c]
     base = ring * op.DELAY_RECORDS
@@ -62,9 +62,9 @@ def delayed(p: Program, st: State, c: int, now: int) -> int:
 
 @compiled
 def holds_for_entities(n: RoadTables, p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition holds for all its triggering entities that are there, or for any of them.
+    """Return 1 if a condition holds for all of its present triggering entities, or for any of them.
 
-    It does not hold where none is there (esmini 3.6).
+    It does not hold if none of them is present (esmini 3.6).
     """
     every = p.condition_all[c]
     there = 0
@@ -80,7 +80,7 @@ def holds_for_entities(n: RoadTables, p: Program, st: State, c: int) -> int:
 
 @compiled
 def condition_fires(n: RoadTables, p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition's value, edge and delay say so in this frame."""
+    """Return 1 if a condition fires in this frame, with its value, edge and delay."""
     if OF_THE_RUN[p.condition_op[c]] == 1:
         result = HOLDS[p.condition_op[c]](n, p, st, c, op.NONE)
     else:

@@ -1,4 +1,4 @@
-"""`Condition`: the one declaration of a condition, from which its number, its dispatch and its checks follow."""
+"""`Condition`: the declaration of a condition, from which its opcode, dispatch and checks are derived."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ RULES = {
 
 @compiled
 def compared(p: Program, st: State, c: int, value: float) -> int:
-    """Return 1 where a value compares with the condition's as its rule says."""
+    """Return 1 if a value satisfies the condition's rule with the condition's value."""
     return compare(st, p.condition_rule[c], value, p.const[p.condition_const[c] + slot.C_VALUE])
 
 
 @compiled
 def time_compared(p: Program, st: State, c: int, time: float) -> int:
-    """Return what `compared` does of a time, 0 where the time is not defined, which is below 0."""
+    """Return the result of `compared` for a time; 0 for a negative one, which is undefined."""
     return 0 if time < 0.0 else compared(p, st, c, time)
 
 
 @compiled
 def other_is_gone(p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition speaks of another entity that is not there."""
+    """Return 1 if a condition refers to another entity that is not present."""
     other = p.condition_other[c]
     return 1 if other >= 0 and st.present[other] == 0 else 0
 
@@ -51,12 +51,12 @@ class Condition:
     """A condition of the engine.
 
     Attributes:
-        words: Tags of the words of the language that become it.
-        row: Makes its row from the draft and its word.
-        holds: The marked function `(n, p, st, c, i)` of the condition's row c that returns 1 where it holds: for the
+        words: Tags of the words of the language that are lowered to it.
+        row: Makes its row from the draft and the word.
+        holds: The marked function `(n, p, st, c, i)` for the condition's row c that returns 1 if it holds for the
             triggering entity i, or for the run, where i is NONE.
-        of_the_run: Whether it speaks of the run as a whole, not of a triggering entity.
-        refers: What fields of its row refer to, beyond what every condition's may.
+        of_the_run: Whether it is about the run as a whole, not a triggering entity.
+        refers: Allowed values of the fields of its row that refer to something, beyond those of every condition.
     """
 
     words: tuple[str, ...]
@@ -67,5 +67,5 @@ class Condition:
 
     @property
     def module(self) -> str:
-        """The module that executes it, below the package."""
+        """The module that executes it, relative to the package."""
         return self.holds.__module__.removeprefix("scenario_compiler.")

@@ -1,7 +1,7 @@
-"""Conditions on an entity: what they measure of it, on the states before the step.
+"""Conditions on an entity, evaluated on the states before the step.
 
-As in esmini 3.6, what is not defined (the time gap to an entity behind, the time to a collision that does not come)
-fulfils no condition, and where no road leads to is far away.
+As in esmini 3.6, an undefined quantity (the time gap to an entity behind, the time to a collision that does not occur)
+fulfils no condition, and a place that no road leads to is far away.
 """
 
 from __future__ import annotations
@@ -71,12 +71,12 @@ KINDS = {
     "pedestrian": op.KIND_PEDESTRIAN,
     "miscellaneous": op.KIND_THING,
 }
-"""Codes of how distances are measured, of parts of a motion, of angles, and of kinds of entities."""
+"""Codes of the kinds of distances, components of a motion, angles, and kinds of entities."""
 
 
 @compiled
 def headway(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
-    """Return the time gap to the other entity ahead, s; -1 where it is behind, or i stands or drives backwards."""
+    """Return the time gap to the other entity ahead, s; -1 if it is behind, or if i stands or drives backwards."""
     gap = distance_between(n, p, st, i, p.condition_other[c], p.condition_mode[c], p.condition_flags[c] & 1)
     if gap < 0.0 or st.v[i] < op.TOLERANCE:
         return -1.0
@@ -85,9 +85,9 @@ def headway(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
 
 @compiled
 def closing_speed(st: State, i: int, j: int) -> float:
-    """Return how fast entity i comes up to j: the difference of speeds along the velocity of j (esmini 3.6), m/s.
+    """Return the speed at which entity i approaches j, m/s: the difference of speeds along j's velocity (esmini 3.6).
 
-    Where j stands, or there is no j, it is the speed of i.
+    It is the speed of i if j stands, or if there is no j.
     """
     if j < 0:
         return st.v[i]
@@ -101,7 +101,7 @@ def closing_speed(st: State, i: int, j: int) -> float:
 
 @compiled
 def time_to_collision(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
-    """Return the distance to the other entity, or the position, over the closing speed, s; -1 where there is none."""
+    """Return the distance to the other entity or the position divided by the closing speed, s; -1 if undefined."""
     other = p.condition_other[c]
     if other >= 0:
         gap = distance_between(n, p, st, i, other, p.condition_mode[c], p.condition_flags[c] & 1)
@@ -116,7 +116,7 @@ def time_to_collision(n: RoadTables, p: Program, st: State, c: int, i: int) -> f
 
 @compiled
 def part_of(st: State, i: int, x: float, y: float, z: float, part: int) -> float:
-    """Return the part of a vector of the world that is asked for, in an entity's own axes, or the vector's length."""
+    """Return a component of a world vector in an entity's own axes, or the vector's length."""
     if part == op.PART_ALONG:
         return x * cos(st.h[i]) + y * sin(st.h[i])
     if part == op.PART_ACROSS:
@@ -128,7 +128,7 @@ def part_of(st: State, i: int, x: float, y: float, z: float, part: int) -> float
 
 @compiled
 def relative_speed(st: State, i: int, j: int, part: int) -> float:
-    """Return how much faster i is than j: by their speeds, or by a part of the relative velocity in i's axes."""
+    """Return the speed of i minus that of j, or a component of the relative velocity in i's axes, m/s."""
     if part == op.PART_TOTAL:
         return st.v[i] - st.v[j]
     x = st.velocity_x[i] - st.velocity_x[j]
@@ -138,7 +138,7 @@ def relative_speed(st: State, i: int, j: int, part: int) -> float:
 
 @compiled
 def own_angle(st: State, i: int, kind: int) -> float:
-    """Return an entity's heading, pitch or roll in the world."""
+    """Return an entity's heading, pitch or roll in the world, rad."""
     if kind == op.ANGLE_HEADING:
         return st.h[i]
     return st.pitch[i] if kind == op.ANGLE_PITCH else st.roll[i]
@@ -146,7 +146,7 @@ def own_angle(st: State, i: int, kind: int) -> float:
 
 @compiled
 def angle_of(n: RoadTables, st: State, i: int, kind: int, frame: int) -> float:
-    """Return an entity's angle in the world, or against the road (along s) or the lane (its travel) below it."""
+    """Return an entity's angle in the world, or relative to the road (along s) or the lane (as travelled), rad."""
     angle = own_angle(st, i, kind)
     if frame in (op.FRAME_WORLD, op.FRAME_ENTITY) or st.road[i] < 0:
         return angle
@@ -162,7 +162,7 @@ def angle_of(n: RoadTables, st: State, i: int, kind: int, frame: int) -> float:
 
 @compiled
 def speed_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the speed, or a part of it, compares."""
+    """Return 1 if the speed, or a component of it, satisfies the condition."""
     del n
     part = p.condition_mode[c]
     if part == op.PART_TOTAL:
@@ -172,7 +172,7 @@ def speed_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 @compiled
 def acceleration_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the acceleration, or a part of it, compares."""
+    """Return 1 if the acceleration, or a component of it, satisfies the condition."""
     del n
     part = p.condition_mode[c]
     return compared(p, st, c, part_of(st, i, st.acceleration_x[i], st.acceleration_y[i], st.acceleration_z[i], part))
@@ -180,35 +180,35 @@ def acceleration_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> 
 
 @compiled
 def traveled_distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the distance covered compares."""
+    """Return 1 if the travelled distance satisfies the condition."""
     del n
     return compared(p, st, c, st.odometer[i])
 
 
 @compiled
 def standstill_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time of standing compares."""
+    """Return 1 if the duration of standing satisfies the condition."""
     del n
     return time_compared(p, st, c, st.still[i])
 
 
 @compiled
 def end_of_road_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time at the end of a road compares."""
+    """Return 1 if the duration at the end of a road satisfies the condition."""
     del n
     return time_compared(p, st, c, st.at_end[i])
 
 
 @compiled
 def off_road_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time off every lane compares."""
+    """Return 1 if the duration off every lane satisfies the condition."""
     del n
     return time_compared(p, st, c, st.off_road[i])
 
 
 @compiled
 def time_headway_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time gap compares."""
+    """Return 1 if the time gap satisfies the condition."""
     if other_is_gone(p, st, c) == 1:
         return 0
     return time_compared(p, st, c, headway(n, p, st, c, i))
@@ -216,7 +216,7 @@ def time_headway_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> 
 
 @compiled
 def time_to_collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time to a collision compares."""
+    """Return 1 if the time to collision satisfies the condition."""
     if other_is_gone(p, st, c) == 1:
         return 0
     return time_compared(p, st, c, time_to_collision(n, p, st, c, i))
@@ -224,7 +224,7 @@ def time_to_collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int
 
 @compiled
 def distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the distance to another entity compares; FAR where no road leads there."""
+    """Return 1 if the distance to another entity satisfies the condition; it is FAR if no road leads there."""
     if other_is_gone(p, st, c) == 1:
         return 0
     freespace = p.condition_flags[c] & 1
@@ -234,14 +234,14 @@ def distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 @compiled
 def position_distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the distance to a position compares; FAR where no road leads there."""
+    """Return 1 if the distance to a position satisfies the condition; it is FAR if no road leads there."""
     gap = distance_to(n, p, st, i, p.condition_position[c], p.condition_mode[c], p.condition_flags[c] & 1)
     return compared(p, st, c, abs(gap))
 
 
 @compiled
 def relative_speed_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the speed relative to another entity compares."""
+    """Return 1 if the speed relative to another entity satisfies the condition."""
     del n
     if other_is_gone(p, st, c) == 1:
         return 0
@@ -250,7 +250,7 @@ def relative_speed_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -
 
 @compiled
 def reach_position_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the distance to a point compares; FAR where the point lies nowhere."""
+    """Return 1 if the distance to a point satisfies the condition; it is FAR if the point lies nowhere."""
     found, x, y = point_at(n, p, st, p.condition_position[c], i)
     if found == 0:
         return compared(p, st, c, op.FAR)
@@ -259,7 +259,7 @@ def reach_position_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -
 
 @compiled
 def collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the box of i overlaps that of the entity meant, or of any of the kind that is meant."""
+    """Return 1 if the box of i overlaps that of the given entity, or of any entity of the given kind."""
     del n
     other = p.condition_other[c]
     if other >= 0:
@@ -273,7 +273,7 @@ def collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int
 
 @compiled
 def angle_compares(p: Program, c: int, angle: float) -> int:
-    """Return 1 where an angle is the condition's, within its tolerance."""
+    """Return 1 if an angle equals that of the condition within its tolerance."""
     base = p.condition_const[c]
     away = abs(angle_between(angle, p.const[base + slot.C_VALUE]))
     return 1 if away <= p.const[base + slot.C_TOLERANCE] + op.TOLERANCE else 0
@@ -281,10 +281,7 @@ def angle_compares(p: Program, c: int, angle: float) -> int:
 
 @compiled
 def angle_on_track(p: Program, st: State, i: int, k: int, kind: int) -> float:
-    """Return an entity's angle against the trajectory that action k leads it along: where that goes, and how steeply.
-
-    A trajectory has no roll.
-    """
+    """Return an entity's heading or pitch relative to the trajectory on which action k leads it, or its roll, rad."""
     track = p.action_other[k]
     if kind == op.ANGLE_HEADING:
         _, _, _, along = track_pose(p, st, track, st.action_a[k], 0)
@@ -298,7 +295,7 @@ def angle_on_track(p: Program, st: State, i: int, k: int, kind: int) -> float:
 
 @compiled
 def angle_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where an angle of the entity is the condition's; in a trajectory's system only while it follows one."""
+    """Return 1 if an angle of the entity satisfies the condition; relative to a trajectory only on one."""
     kind = p.condition_mode[c] % 4
     frame = p.condition_mode[c] // 4
     if frame != op.FRAME_TRAJECTORY:
@@ -309,7 +306,7 @@ def angle_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 @compiled
 def relative_angle_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the angle to another entity is the condition's."""
+    """Return 1 if the angle to another entity satisfies the condition."""
     del n
     if other_is_gone(p, st, c) == 1:
         return 0
@@ -331,25 +328,25 @@ def _gap(word: Gap, other: int, position: int) -> ConditionRow:
 
 
 def time_headway_row(draft: ProgramDraft, word: TimeHeadwayCondition) -> ConditionRow:
-    """Return the row of a time gap."""
+    """Return the row of a condition on the time gap."""
     return _gap(word, draft.entities[word.to], op.NONE)
 
 
 def distance_row(draft: ProgramDraft, word: DistanceCondition) -> ConditionRow:
-    """Return the row of a distance to another entity."""
+    """Return the row of a condition on the distance to another entity."""
     return _gap(word, draft.entities[word.to], op.NONE)
 
 
 def position_distance_row(draft: ProgramDraft, word: PositionDistanceCondition) -> ConditionRow:
-    """Return the row of a distance to a position."""
+    """Return the row of a condition on the distance to a position."""
     return _gap(word, op.NONE, draft.position(word.position))
 
 
 def time_to_collision_row(draft: ProgramDraft, word: TimeToCollisionCondition) -> ConditionRow:
-    """Return the row of a time to a collision.
+    """Return the row of a condition on the time to collision.
 
     Raises:
-        ValueError: Neither an entity nor a position is named.
+        ValueError: Neither an entity nor a position is given.
     """
     draft.program.watches[0] |= WATCH_MOTION
     if word.to:
@@ -360,73 +357,73 @@ def time_to_collision_row(draft: ProgramDraft, word: TimeToCollisionCondition) -
 
 
 def _part(draft: ProgramDraft, direction: str) -> int:
-    """Return the code of a part of a motion, and let it be measured."""
+    """Return the code of a component of a motion, and have it measured."""
     if direction != "total":
         draft.program.watches[0] |= WATCH_MOTION
     return PARTS[direction]
 
 
 def speed_row(draft: ProgramDraft, word: SpeedCondition) -> ConditionRow:
-    """Return the row of a speed."""
+    """Return the row of a condition on the speed."""
     return ConditionRow(RULES[word.rule], word.value, word.entity, mode=_part(draft, word.direction))
 
 
 def relative_speed_row(draft: ProgramDraft, word: RelativeSpeedCondition) -> ConditionRow:
-    """Return the row of a speed relative to another entity."""
+    """Return the row of a condition on the speed relative to another entity."""
     part, other = _part(draft, word.direction), draft.entities[word.to]
     return ConditionRow(RULES[word.rule], word.value, word.entity, other=other, mode=part)
 
 
 def acceleration_row(draft: ProgramDraft, word: AccelerationCondition) -> ConditionRow:
-    """Return the row of an acceleration."""
+    """Return the row of a condition on the acceleration."""
     draft.program.watches[0] |= WATCH_MOTION | WATCH_ACCELERATION
     return ConditionRow(RULES[word.rule], word.value, word.entity, mode=PARTS[word.direction])
 
 
 def reach_position_row(draft: ProgramDraft, word: ReachPositionCondition) -> ConditionRow:
-    """Return the row of a position that is reached."""
+    """Return the row of a condition on reaching a position."""
     return ConditionRow(value=word.tolerance, entity=word.entity, position=draft.position(word.position))
 
 
 def traveled_distance_row(draft: ProgramDraft, word: TraveledDistanceCondition) -> ConditionRow:
-    """Return the row of a distance covered."""
+    """Return the row of a condition on the travelled distance."""
     del draft
     return ConditionRow(op.RULE_GREATER_OR_EQUAL, word.distance, word.entity)
 
 
 def standstill_row(draft: ProgramDraft, word: StandstillCondition) -> ConditionRow:
-    """Return the row of a time of standing."""
+    """Return the row of a condition on the duration of standing."""
     draft.program.watches[0] |= WATCH_STILL
     return ConditionRow(op.RULE_GREATER, word.duration, word.entity)
 
 
 def off_road_row(draft: ProgramDraft, word: OffroadCondition) -> ConditionRow:
-    """Return the row of a time off every lane."""
+    """Return the row of a condition on the duration off every lane."""
     draft.program.watches[0] |= WATCH_OFF_ROAD
     return ConditionRow(op.RULE_GREATER_OR_EQUAL, word.duration, word.entity)
 
 
 def end_of_road_row(draft: ProgramDraft, word: EndOfRoadCondition) -> ConditionRow:
-    """Return the row of a time at the end of a road."""
+    """Return the row of a condition on the duration at the end of a road."""
     draft.program.watches[0] |= WATCH_AT_END
     return ConditionRow(op.RULE_GREATER_OR_EQUAL, word.duration, word.entity)
 
 
 def collision_row(draft: ProgramDraft, word: CollisionCondition) -> ConditionRow:
-    """Return the row of a collision."""
+    """Return the row of a condition on a collision."""
     other = draft.entities[word.with_entity] if word.with_entity else op.NONE
     return ConditionRow(entity=word.entity, other=other, mode=KINDS[word.with_type])
 
 
 def angle_row(draft: ProgramDraft, word: AngleCondition) -> ConditionRow:
-    """Return the row of an angle."""
+    """Return the row of a condition on an angle."""
     del draft
     mode = 4 * FRAMES[word.coordinates] + ANGLES[word.kind]
     return ConditionRow(value=word.value, entity=word.entity, mode=mode, const=(word.tolerance,))
 
 
 def relative_angle_row(draft: ProgramDraft, word: RelativeAngleCondition) -> ConditionRow:
-    """Return the row of an angle to another entity."""
+    """Return the row of a condition on the angle to another entity."""
     return ConditionRow(
         value=word.value,
         entity=word.entity,

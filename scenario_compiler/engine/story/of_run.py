@@ -1,4 +1,4 @@
-"""Conditions on the run as a whole: time, elements of the storyboard, what the automation knows, variables, signals."""
+"""Conditions on the run as a whole: time, storyboard elements, lane confidence, takeover, variables, signals."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 ALL_ELEMENTS = 0
 ANY_ELEMENT = 1
 FIRST_TRANSITION = 2
-"""Mode of a condition on elements: all states must compare, or any; from the third on, a transition that it awaits."""
+"""Mode of a condition on elements: all states must match, or any; from the third on, a transition to wait for."""
 
 SIDES = {"both": op.SIDE_BOTH, "either": op.SIDE_EITHER, "left": op.SIDE_LEFT, "right": op.SIDE_RIGHT}
 STATES = {
@@ -52,10 +52,10 @@ EVENT_STATES: dict[str, tuple[int, float]] = {
     "running": (op.RULE_EQUAL, 1.0 * op.RUNNING),
     "complete": (op.RULE_EQUAL, 1.0 * op.COMPLETE),
 }
-"""How an event's element is compared with a state."""
+"""Comparison of an event's element with a state, as rule and value."""
 
 NAMED_EVENT = "event by its name alone"
-"""Kind under which events are found without the names around them."""
+"""Kind under which events are found by their name alone, without the names of their parents."""
 
 ELEMENT_STATES = {
     "standbyState": 1.0 * op.STANDBY,
@@ -72,9 +72,9 @@ TRANSITIONS = {
 
 @compiled
 def states_compare(p: Program, st: State, c: int) -> int:
-    """Return 1 where the states of the elements that a condition watches compare as it says: 1 runs, 2 is complete.
+    """Return 1 if the states of the elements that a condition watches match: 1 is running, 2 complete.
 
-    An action of several actors is several elements; all must be as it says, or any where its mode is 1.
+    An action of several actors is several elements. All must match, or any of them with the mode ANY_ELEMENT.
     """
     any_suffices = p.condition_mode[c]
     limit = p.const[p.condition_const[c] + slot.C_VALUE]
@@ -87,10 +87,10 @@ def states_compare(p: Program, st: State, c: int) -> int:
 
 @compiled
 def transition_seen(p: Program, st: State, c: int, e: int, mark: int) -> int:
-    """Return 1 where a condition sees a transition of an element that was marked: for one frame.
+    """Return 1 if a condition sees a marked transition of an element in this frame.
 
-    What happened while the actions were run is seen in the next frame. What happens in a pass of triggers is seen in
-    that pass by what comes later in the storyboard, in the next one by what had its turn already.
+    A transition during the execution of the actions is visible in the next frame. A transition during a pass of
+    triggers is visible in the same pass to later elements of the storyboard, and in the next pass to earlier ones.
     """
     owner = p.condition_owner[c]
     frame = st.frame[0] if owner >= 0 else st.frame[0] + 1
@@ -101,7 +101,7 @@ def transition_seen(p: Program, st: State, c: int, e: int, mark: int) -> int:
 
 @compiled
 def transitions_seen(p: Program, st: State, c: int) -> int:
-    """Return 1 where an element, or all elements of an action, go through the transition that a condition waits for."""
+    """Return 1 if an element, or all elements of an action, have made the transition that a condition waits for."""
     kind = p.condition_mode[c] - FIRST_TRANSITION
     seen = 0
     for e in range(p.condition_other[c], p.condition_other[c] + p.condition_flags[c] + 1):
@@ -122,7 +122,7 @@ def transitions_seen(p: Program, st: State, c: int) -> int:
 
 @compiled
 def side_confidence(p: Program, st: State, c: int) -> float:
-    """Return the lane confidence that a condition speaks of: a side's, the weaker side's, else the stronger side's."""
+    """Return the lane confidence of a condition: that of a side, of the weaker side, or of the stronger side."""
     side = p.condition_other[c]
     if side == op.SIDE_LEFT:
         return st.conf_left[0]
@@ -135,14 +135,14 @@ def side_confidence(p: Program, st: State, c: int) -> float:
 
 @compiled
 def time_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time compares."""
+    """Return 1 if the time satisfies the condition."""
     del n, i
     return compared(p, st, c, st.clock[0])
 
 
 @compiled
 def element_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where elements are in a state, or go through a transition."""
+    """Return 1 if elements are in a state, or make a transition."""
     del n, i
     if p.condition_mode[c] >= FIRST_TRANSITION:
         return transitions_seen(p, st, c)
@@ -151,35 +151,35 @@ def element_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
 
 @compiled
 def lane_confidence_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the lane confidence compares."""
+    """Return 1 if the lane confidence satisfies the condition."""
     del n, i
     return compared(p, st, c, side_confidence(p, st, c))
 
 
 @compiled
 def sensor_health_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the camera's health compares."""
+    """Return 1 if the camera's health satisfies the condition."""
     del n, i
     return compared(p, st, c, st.health[0])
 
 
 @compiled
 def takeover_state_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the takeover is in a state."""
+    """Return 1 if the takeover is in the condition's state."""
     del n, i
     return 1 if st.takeover_state[0] == p.condition_other[c] else 0
 
 
 @compiled
 def variable_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where a variable compares."""
+    """Return 1 if a variable satisfies the condition."""
     del n, i
     return compared(p, st, c, st.variable[p.condition_other[c]])
 
 
 @compiled
 def time_of_day_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where the time of day compares; 0 where there is none."""
+    """Return 1 if the time of day satisfies the condition; 0 if there is none."""
     del n, i
     if st.day_known[0] == 0:
         return 0
@@ -189,52 +189,52 @@ def time_of_day_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> i
 
 @compiled
 def user_value_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 0: no other program gives values to a run."""
+    """Return 0, because no other program gives values to a run."""
     del n, p, st, c, i
     return 0
 
 
 @compiled
 def signal_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where a signal is in a state."""
+    """Return 1 if a signal is in the condition's state."""
     del n, i
     return 1 if st.signal_state[p.condition_other[c]] == p.condition_mode[c] else 0
 
 
 @compiled
 def signal_phase_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where a controller of signals is in a phase."""
+    """Return 1 if a traffic signal controller is in the condition's phase."""
     del n, i
     return phase_holds(p, st, p.condition_other[c], p.condition_mode[c])
 
 
 def time_row(draft: ProgramDraft, word: SimulationTimeCondition) -> ConditionRow:
-    """Return the row of a time."""
+    """Return the row of a condition on the time."""
     del draft
     return ConditionRow(RULES[word.rule], word.after)
 
 
 def lane_confidence_row(draft: ProgramDraft, word: LaneConfidenceCondition) -> ConditionRow:
-    """Return the row of a lane confidence."""
+    """Return the row of a condition on the lane confidence."""
     del draft
     return ConditionRow(value=word.below, other=SIDES[word.side])
 
 
 def sensor_health_row(draft: ProgramDraft, word: SensorHealthCondition) -> ConditionRow:
-    """Return the row of the camera's health."""
+    """Return the row of a condition on the camera's health."""
     del draft
     return ConditionRow(value=word.below)
 
 
 def event_row(draft: ProgramDraft, word: EventCondition) -> ConditionRow:
-    """Return the row of an event's state."""
+    """Return the row of a condition on an event's state."""
     del draft
     rule, state = EVENT_STATES[word.state]
     return ConditionRow(rule, state, mode=ALL_ELEMENTS, awaits=(NAMED_EVENT, word.name))
 
 
 def element_state_row(draft: ProgramDraft, word: ElementStateCondition) -> ConditionRow:
-    """Return the row of an element's state or transition."""
+    """Return the row of a condition on an element's state or transition."""
     del draft
     awaits = (word.kind, word.element)
     if word.state in TRANSITIONS:
@@ -244,34 +244,34 @@ def element_state_row(draft: ProgramDraft, word: ElementStateCondition) -> Condi
 
 
 def time_of_day_row(draft: ProgramDraft, word: TimeOfDayCondition) -> ConditionRow:
-    """Return the row of a time of day."""
+    """Return the row of a condition on the time of day."""
     return ConditionRow(RULES[word.rule], draft.seconds_of(word.date_time))
 
 
 def variable_row(draft: ProgramDraft, word: VariableCondition) -> ConditionRow:
-    """Return the row of a variable's value."""
+    """Return the row of a condition on a variable."""
     at, variable = draft.variables[word.variable]
     return ConditionRow(RULES[word.rule], draft.variable_value(variable, word.value), other=at)
 
 
 def user_value_row(draft: ProgramDraft, word: UserDefinedValueCondition) -> ConditionRow:
-    """Return the row of a value that another program would give."""
+    """Return the row of a condition on a value of another program."""
     del draft, word
     return ConditionRow()
 
 
 def signal_row(draft: ProgramDraft, word: TrafficSignalCondition) -> ConditionRow:
-    """Return the row of a signal's state."""
+    """Return the row of a condition on a signal's state."""
     return ConditionRow(other=draft.signal(word.signal), mode=draft.texts[word.state])
 
 
 def signal_phase_row(draft: ProgramDraft, word: TrafficSignalControllerCondition) -> ConditionRow:
-    """Return the row of the phase of a controller of signals."""
+    """Return the row of a condition on the phase of a traffic signal controller."""
     return ConditionRow(other=draft.controllers[word.controller], mode=draft.texts[word.phase])
 
 
 def takeover_state_row(draft: ProgramDraft, word: TakeoverStateCondition) -> ConditionRow:
-    """Return the row of a state of the takeover."""
+    """Return the row of a condition on the state of the takeover."""
     del draft
     return ConditionRow(op.RULE_EQUAL, other=STATES[word.state])
 

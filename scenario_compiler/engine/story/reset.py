@@ -1,4 +1,4 @@
-"""The state at t = 0: every column at its declared start, then what the plan's initial words say."""
+"""The state at t = 0: every column at its declared start value, then the start values of the plan."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from scenario_compiler.engine.moves.variables import reset_variables
 from scenario_compiler.engine.traffic.driving import prepare_traffic
 from scenario_compiler.forms.declaration import put_to_start
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_pose
 from scenario_compiler.roads.tables import RoadTables
 
 
 @compiled
 def reset_entities(p: Program, st: State) -> None:
-    """Set who is there, how fast, and the way that each takes."""
+    """Set which entities are present, their speeds and their guides."""
     for i in range(p.entity_count[0]):
         st.present[i] = p.entity_present[i]
         st.v[i] = p.const[p.entity_const[i] + slot.E_SPEED]
@@ -33,8 +34,19 @@ def reset_entities(p: Program, st: State) -> None:
 
 
 @compiled
+def reset_destination(n: RoadTables, p: Program, st: State) -> None:
+    """Write where the ego's destination is."""
+    road = p.destination_road[0]
+    if road >= 0:
+        s = p.const[slot.K_DESTINATION_S]
+        x, y, _, _, _, _ = lane_pose(n, road, p.destination_lane[0], s, p.const[slot.K_DESTINATION_OFFSET])
+        st.destination_x[0] = x
+        st.destination_y[0] = y
+
+
+@compiled
 def reset_columns(n: RoadTables, p: Program, st: State) -> None:
-    """Put every column to t = 0, before the init actions."""
+    """Set every column to its value at t = 0, before the init actions."""
     put_to_start(st)
     reset_camera(p, st)
     reset_weather(p, st)
@@ -49,5 +61,6 @@ def reset_columns(n: RoadTables, p: Program, st: State) -> None:
     if p.traffic_count[0] > 0:
         prepare_traffic(n, p, st)
     reset_positions(n, p, st)
+    reset_destination(n, p, st)
     prepare_boxes(p, st)
     update_boxes(p, st)

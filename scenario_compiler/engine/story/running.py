@@ -1,4 +1,4 @@
-"""Running actions: each is stepped once a frame, and completes what it completes when it is done."""
+"""Running actions: each is advanced once in a frame; when it ends, the elements that thereby complete are updated."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def step_action(n: RoadTables, p: Program, st: State, k: int, dt: float) -> None:
-    """Step one running action and complete it where it is done."""
+    """Advance one running action, and complete it if it is done."""
     if STEPS[p.action_op[k]](n, p, st, k, dt) == 1:
         action_done(p, st, k, 2 * (st.frame[0] + 1))
 
 
 @compiled
 def run_actions(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """Step all running actions: the init's, then the story's in document order, below running elements."""
+    """Advance all running actions: those of the init, then those of the story in document order."""
     if st.init_acting[0] == 1:
         st.init_acting[0] = 0
         for c in range(p.init_count[0]):

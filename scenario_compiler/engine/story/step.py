@@ -1,10 +1,10 @@
-"""One time step, a run, and a sweep of runs.
+"""One time step, split at the point where a world may move the ego.
 
-`reset` gives the row of t = 0, with the frame of length 0 that ends the init. `step` then does, for the time t_k: the
-stop trigger, the triggers of the storyboard, the actions; at control steps what the ego senses, the takeover machine
-and who drives; it moves time and all entities on by one step and takes stock. So a condition that is true at t_k
-shows in the row of t_k + dt. A world that moves the ego itself does so between `move_step`, after which all others are
-where they will be, and `end_step`, which takes stock of it too.
+`reset` makes the row of t = 0, with a frame of duration 0 that ends the init. `step` then does the following at the
+time t_k: the stop trigger, the triggers of the storyboard, the actions; at control steps the ego's sensing, the
+takeover and the driving. Then it advances time and all entities by one step and takes stock. So a condition that is
+true at t_k has an effect in the row of t_k + dt. A world that moves the ego itself does so between `move_step`, after
+which all others are at their new places, and `end_step`, which takes stock of the ego too.
 """
 
 from __future__ import annotations
@@ -32,19 +32,18 @@ from scenario_compiler.engine.story.running import run_actions
 from scenario_compiler.engine.story.storyboard import displace, run_triggers, trigger_fires
 from scenario_compiler.engine.traffic.driving import move_traffic
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_pose
 from scenario_compiler.roads.tables import RoadTables
 
 ARRIVED = 5.0
 """Distance to the destination at which a run ends, m."""
 
 STANDING_TIME = 3.0
-"""Time at a standstill, after the minimum-risk manoeuvre, a driver's stop or a collision, that ends a run, s."""
+"""Time at standstill, after the minimum-risk manoeuvre, a stop by the driver or a collision, that ends a run, s."""
 
 
 @compiled
 def drives_ego(p: Program) -> int:
-    """Return 1 where the ego is driven by commands, so that the takeover is about it."""
+    """Return 1 if the ego is driven by commands, and can therefore have a takeover."""
     ego = p.ego[0]
     if ego < 0:
         return 0
@@ -60,7 +59,7 @@ def play_story(n: RoadTables, p: Program, st: State, dt: float) -> None:
 
 @compiled
 def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """Take stock after all have moved."""
+    """Update positions, camera, weather, signals and collisions after all have moved."""
     take_stock(n, p, st, dt)
     if p.failure_count[0] > 0:
         update_camera(p, st)
@@ -76,7 +75,7 @@ def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
 
 @compiled
 def reset(n: RoadTables, p: Program, st: State) -> None:
-    """Put the state to the row of t = 0: start poses, init actions in order, and a frame of length 0."""
+    """Set the state to the row of t = 0: start poses, init actions in order, and a frame of duration 0."""
     reset_columns(n, p, st)
     if st.flag[0] != op.FAULT_NONE:
         return
@@ -94,7 +93,7 @@ def reset(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def begin_step(n: RoadTables, p: Program, st: State) -> int:
-    """Do a step up to the ego's commands; return 0, with `stop` set, where the run is over and no row follows."""
+    """Do a step up to the ego's commands; return 0, with `stop` set, if the run is over and no row follows."""
     if st.stop[0] != op.STOP_NONE:
         return 0
     if p.stop_trigger[0] >= 0 and trigger_fires(n, p, st, p.stop_trigger[0]) == 1:
@@ -115,9 +114,9 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
 
 @compiled
 def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
-    """End a run whose ego has stood for a while after a stop that ends the conflict; a person who stops may go on.
+    """End a run whose ego has stood for a while after a stop that ends the conflict; after a person's stop it goes on.
 
-    Who creeps on from where he stopped is not logged as stopping again.
+    An ego that creeps on from where it stopped is not logged as stopping again.
     """
     ego = p.ego[0]
     state = st.takeover_state[0]
@@ -138,20 +137,17 @@ def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
 
 
 @compiled
-def at_destination(n: RoadTables, p: Program, st: State) -> int:
-    """Return 1 where the ego is near its destination."""
-    road = p.destination_road[0]
-    if road < 0:
+def at_destination(p: Program, st: State) -> int:
+    """Return 1 if the ego is near its destination."""
+    if p.destination_road[0] < 0:
         return 0
-    s = p.const[slot.K_DESTINATION_S]
-    x, y, _, _, _, _ = lane_pose(n, road, p.destination_lane[0], s, p.const[slot.K_DESTINATION_OFFSET])
     ego = p.ego[0]
-    return 1 if length_of(x - st.x[ego], y - st.y[ego]) <= ARRIVED else 0
+    return 1 if length_of(st.destination_x[0] - st.x[ego], st.destination_y[0] - st.y[ego]) <= ARRIVED else 0
 
 
 @compiled
 def move_step(n: RoadTables, p: Program, st: State) -> None:
-    """Move time and all entities on that the engine moves."""
+    """Advance time, and move all entities that the engine moves."""
     dt = p.const[slot.K_STEP]
     st.steps[0] += 1
     st.clock[0] = st.steps[0] * dt
@@ -164,13 +160,13 @@ def move_step(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def end_step(n: RoadTables, p: Program, st: State) -> None:
-    """Take stock of where all are now; set `stop` where this row is the last."""
+    """Take stock after all have moved; set `stop` if this row is the last."""
     finish_frame(n, p, st, p.const[slot.K_STEP])
     if st.flag[0] != op.FAULT_NONE:
         return
     if drives_ego(p) == 1:
         watch_standstill(n, p, st)
-        if st.stop[0] == op.STOP_NONE and at_destination(n, p, st) == 1:
+        if st.stop[0] == op.STOP_NONE and at_destination(p, st) == 1:
             st.stop[0] = op.STOP_DESTINATION
     if st.stop[0] == op.STOP_NONE and st.clock[0] >= p.const[slot.K_DURATION] - 1.0e-6:
         st.stop[0] = op.STOP_DURATION
@@ -178,9 +174,9 @@ def end_step(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def step(n: RoadTables, p: Program, st: State) -> int:
-    """Do one step; return 1 where it made a new row, 0 where the run was over before it.
+    """Do one step; return 1 if it made a new row, 0 if the run was over before.
 
-    `stop` may be set with either: the row made is then the last.
+    `stop` may be set in both cases; a new row is then the last one.
     """
     if begin_step(n, p, st) == 0:
         return 0

@@ -1,10 +1,10 @@
 """The storyboard: triggers, and the states of stories, acts, groups, maneuvers, events and actions.
 
-A frame has two passes. `run_triggers` goes through the elements in document order, parents before children, on the
-states before the step; what starts there acts in the same frame. `run_actions` (in `running`) steps the running
-actions and calls `action_done`, which completes parents at once. A transition leaves a mark, by which conditions see it
-for one frame (see `conditions`): twice the frame and one in a pass of triggers, twice the next frame while actions are
-run. After esmini 3.6.
+A frame has two passes. `run_triggers` visits the elements in document order, parents before children, on the states
+before the step; actions that start there have an effect in the same frame. `run_actions` (in `running`) advances the
+running actions and calls `action_done`, which completes parents at once. A transition leaves a mark, by which
+conditions see it for one frame (see `conditions`): in a pass of triggers the mark is twice the frame plus one, while
+actions are executed it is twice the next frame. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -23,10 +23,11 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
-    """Return 1 where all conditions of any group of a trigger fire; one without groups never fires.
+    """Return 1 if all conditions of any group of a trigger fire; a trigger without groups never fires.
 
-    All groups are evaluated. After a false condition the later ones of its group are not, so their memory of edges
-    grows stale, unless they have a delay. A trigger that fires forgets what its conditions were before.
+    All groups are evaluated. After a false condition, the following ones of its group are not evaluated unless they
+    have a delay, so their memory of edges becomes outdated. A trigger that fires forgets the previous values of its
+    conditions.
     """
     fires = 0
     for g in range(p.trigger_first[trigger], p.trigger_first[trigger + 1]):
@@ -43,7 +44,7 @@ def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
 
 @compiled
 def forget_edges(p: Program, st: State, trigger: int) -> None:
-    """Let the conditions of a trigger forget what they were, so that an edge needs two evaluations again."""
+    """Make the conditions of a trigger forget their previous values, so that an edge needs two evaluations again."""
     last = p.group_first[p.trigger_first[trigger + 1]]
     for c in range(p.group_first[p.trigger_first[trigger]], last):
         st.condition_before[c] = op.NONE
@@ -51,7 +52,7 @@ def forget_edges(p: Program, st: State, trigger: int) -> None:
 
 @compiled
 def forget_records(p: Program, st: State, trigger: int) -> None:
-    """Let the conditions of a trigger forget what was recorded for their delays."""
+    """Make the conditions of a trigger forget the records for their delays."""
     last = p.group_first[p.trigger_first[trigger + 1]]
     for c in range(p.group_first[p.trigger_first[trigger]], last):
         if p.condition_ring[c] >= 0:
@@ -60,7 +61,7 @@ def forget_records(p: Program, st: State, trigger: int) -> None:
 
 @compiled
 def start_element(p: Program, st: State, e: int, mark: int) -> None:
-    """Set an element running."""
+    """Set an element to running."""
     st.element_state[e] = op.RUNNING
     st.element_runs[e] += 1
     st.element_started[e] = mark
@@ -68,7 +69,7 @@ def start_element(p: Program, st: State, e: int, mark: int) -> None:
 
 @compiled
 def stop_below(p: Program, st: State, e: int, mark: int) -> None:
-    """Stop an element and all that runs below it, actions included."""
+    """Stop an element and all running elements below it, including actions."""
     for k in range(e, p.element_end[e]):
         if st.element_state[k] == op.RUNNING:
             st.element_stopped[k] = mark
@@ -81,9 +82,9 @@ def stop_below(p: Program, st: State, e: int, mark: int) -> None:
 
 @compiled
 def rest_below(p: Program, st: State, e: int) -> None:
-    """Put everything below an element to standby with no executions, for its next one.
+    """Set everything below an element to standby without executions, for its next execution.
 
-    The delays of its own trigger and of those below count from then on: an execution knows nothing of the one before.
+    The delays of its own trigger and of those below start anew: an execution knows nothing of the previous one.
     """
     for k in range(e, p.element_end[e]):
         if p.element_start[k] >= 0:
@@ -95,7 +96,7 @@ def rest_below(p: Program, st: State, e: int) -> None:
 
 @compiled
 def children_complete(p: Program, st: State, e: int) -> int:
-    """Return 1 where all children of an element are complete."""
+    """Return 1 if all children of an element are complete."""
     k = e + 1
     while k < p.element_end[e]:
         if st.element_state[k] != op.COMPLETE:
@@ -106,7 +107,7 @@ def children_complete(p: Program, st: State, e: int) -> int:
 
 @compiled
 def parent_done(p: Program, st: State, e: int) -> int:
-    """Return the running parent of a complete element where all its children are complete, else NONE."""
+    """Return the running parent of a complete element if all children of the parent are complete, else NONE."""
     parent = p.element_parent[e]
     if parent < 0 or st.element_state[parent] != op.RUNNING:
         return op.NONE
@@ -118,9 +119,9 @@ def parent_done(p: Program, st: State, e: int) -> int:
 
 @compiled
 def complete_element(p: Program, st: State, e: int, mark: int) -> None:
-    """End an element, and its parents as far as all their children are complete.
+    """End an element, and then each parent whose children are all complete.
 
-    An event or group with executions left goes back to standby instead.
+    An event or group with executions left returns to standby instead.
     """
     at = e
     while at >= 0:
@@ -140,7 +141,7 @@ def complete_element(p: Program, st: State, e: int, mark: int) -> None:
 
 @compiled
 def action_done(p: Program, st: State, k: int, mark: int) -> None:
-    """End an action of the story or the init, and complete what that completes."""
+    """End an action of the story or the init, and complete its element and parents."""
     end_action(p, st, k)
     e = st.action_element[k]
     if e >= 0 and st.element_state[e] == op.RUNNING:
@@ -149,7 +150,7 @@ def action_done(p: Program, st: State, k: int, mark: int) -> None:
 
 @compiled
 def displace(p: Program, st: State, k: int, mark: int) -> None:
-    """End what runs on the domains (speed, lane) of the entity that action k is about to take."""
+    """End the actions that control the domains (speed, lane) that action k takes over from its entity."""
     i = p.action_entity[k]
     if i < 0:
         return
@@ -164,7 +165,7 @@ def displace(p: Program, st: State, k: int, mark: int) -> None:
 
 @compiled
 def start_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
-    """Start an event and its actions, in order; each ends the action that holds its entity's domain."""
+    """Start an event and its actions in order; each of them ends the actions that control its entity's domains."""
     start_element(p, st, e, mark)
     st.element_busy[p.element_parent[e]] += 1
     log_event(st, op.EVENT_STORYBOARD_START, 1.0 * e)
@@ -178,7 +179,7 @@ def start_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None
 
 @compiled
 def child_at(p: Program, parent: int, e: int) -> int:
-    """Return the child of an element that holds element e."""
+    """Return the child of `parent` whose subtree contains element e."""
     at = e
     while p.element_parent[at] != parent:
         at = p.element_parent[at]
@@ -187,9 +188,9 @@ def child_at(p: Program, parent: int, e: int) -> int:
 
 @compiled
 def stop_siblings(p: Program, st: State, e: int, mark: int) -> None:
-    """Stop the other running events of the same maneuver; executions that they have left are lost.
+    """Stop the other running events of the same maneuver, without the executions that they have left.
 
-    They are looked for backwards from the event, then forwards: the one that runs is mostly the one before.
+    The search goes backwards from the event and then forwards, because usually the previous event is the running one.
     """
     parent = p.element_parent[e]
     k = e - 1
@@ -207,7 +208,7 @@ def stop_siblings(p: Program, st: State, e: int, mark: int) -> None:
 
 @compiled
 def try_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
-    """Start an event in standby where its trigger fires and its priority lets it."""
+    """Start an event in standby if its trigger fires and its priority allows it."""
     trigger = p.element_start[e]
     if trigger >= 0 and trigger_fires(n, p, st, trigger) == 0:
         return
@@ -224,9 +225,9 @@ def try_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
 
 @compiled
 def try_stop(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
-    """Stop a running act whose stop trigger fires.
+    """Stop a running act if its stop trigger fires.
 
-    That stop is an end of the act too (esmini 3.6): conditions see both transitions.
+    This counts as an end of the act too (esmini 3.6): conditions see both transitions.
     """
     if trigger_fires(n, p, st, p.element_stop[e]) == 0:
         return
@@ -239,10 +240,10 @@ def try_stop(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
 
 @compiled
 def run_triggers(n: RoadTables, p: Program, st: State) -> None:
-    """Go through all elements in document order; what stands below an element that does not run is passed over.
+    """Visit all elements in document order, except those below an element that does not run.
 
-    What has no start trigger runs as soon as its parent does. A stop trigger is looked at in the frames after that in
-    which a start trigger has fired (esmini 3.6).
+    An element without a start trigger runs as soon as its parent does. A stop trigger is evaluated from the frame after
+    the one in which the start trigger has fired (esmini 3.6).
     """
     e = 0
     mark = 2 * st.frame[0] + 1

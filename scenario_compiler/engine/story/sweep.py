@@ -1,7 +1,7 @@
-"""Many variants of one plan in one call, each a row of numbers and a row of draws.
+"""Runs of many variants of a plan in one call, each given by a row of numbers and a row of draws.
 
-All arrays are flat: `rows` holds the numbers of `Program.const` variant by variant, `draws` DRAWS_PER_RUN of them,
-`out` gets SUMMARY_SIZE numbers a variant and `trace` the rows of its run.
+All arrays are flat: `rows` holds the numbers of `Program.const` for each variant, `draws` DRAWS_PER_RUN numbers for
+each; `out` receives SUMMARY_SIZE numbers for each variant, and `trace` the rows of its run.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def trace_row(p: Program, st: State, trace: list[float], base: int) -> int:
-    """Write the row of now into a trace from `base` on; return where the next one goes."""
+    """Write the present row into a trace at index `base`; return the index of the next one."""
     trace[base] = st.clock[0]
     trace[base + 1] = 1.0 * st.takeover_state[0]
     trace[base + 2] = 1.0 * st.cause[0]
@@ -55,9 +55,9 @@ def trace_row(p: Program, st: State, trace: list[float], base: int) -> int:
 def run_variant(
     n: RoadTables, p: Program, st: State, m: Totals, limit: int, trace: list[float], base: int, every: int
 ) -> None:
-    """Run from reset to stop, at most `limit` steps, and add up its rows.
+    """Run a variant from reset to stop, at most `limit` steps, and compute its totals.
 
-    With `every` above 0, each such row goes into the trace from `base` on, as long as it has room.
+    If `every` is positive, each such row is written to the trace from index `base`, as long as there is room.
     """
     reset(n, p, st)
     put_to_start(m)
@@ -93,7 +93,8 @@ def sweep(
 ) -> None:
     """Run `count` variants.
 
-    Variant k's trace starts at k * stride, with a row each `every` steps (0: none), its summary at k * SUMMARY_SIZE.
+    The trace of variant k starts at k * stride, with a row every `every` steps (0: none); its summary starts at k *
+    SUMMARY_SIZE.
     """
     width = len(p.const)
     for k in range(count):

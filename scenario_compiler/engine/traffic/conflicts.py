@@ -1,4 +1,4 @@
-"""Which connecting roads of a junction cross, merge or part, so that only one of them may be driven on."""
+"""Finds connecting roads of a junction that cross, merge or part, so that only one of them may be driven on."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_type
 
 NEAR = 2.9
-"""Distance between the middles of two lanes below which vehicles on them may touch, m: two wide cars side by side."""
+"""Distance between the centres of two lanes below which vehicles on them may touch, m: two wide cars side by side."""
 
 STEP = 1.5
-"""Distance between the points of a lane that are compared, m."""
+"""Distance between the compared points of a lane, m."""
 
 Points = list[tuple[float, float]]
 
 
 def conflicts_of(network: Network) -> tuple[list[int], list[int]]:
-    """Return row starts by road, and the roads that each one conflicts with, by the indices of the network."""
+    """Return row starts by road, and the roads that conflict with each road, by the indices of the network."""
     n = network.tables
     by_junction: dict[int, list[int]] = {}
     for road, junction in enumerate(n.road_junction):

@@ -1,11 +1,10 @@
-"""Background traffic: vehicles that keep their lanes, follow, change lanes, turn and yield, and people who walk.
+"""Background traffic: vehicles that keep their lanes, follow, change lanes, turn and yield, and pedestrians.
 
-Vehicles without a start belong to an action (`swarms`, `sources`), which lets them appear: off the map they disappear.
-
-Following is the intelligent driver model (see `following`), lane changing is MOBIL (Kesting, Treiber and Helbing 2007,
-Transportation Research Record 1999, 86-94). At a junction a vehicle claims its connecting road; it gets it when no
-crossing one is claimed or driven on, first come, first served, and else waits at the line. Turns are drawn by the
-counter hash from the seed, the vehicle and its number of turns so far.
+Vehicles without a start position belong to an action (`swarms`, `sources`), which lets them appear; they disappear when
+they leave the map. Following is the intelligent driver model (see `following`), lane changing is MOBIL (Kesting,
+Treiber and Helbing 2007, Transportation Research Record 1999, 86-94). At a junction a vehicle claims its connecting
+road. It gets the road if no crossing one is claimed or driven on, first come, first served; otherwise it waits at the
+line. Turns are drawn with the counter hash from the seed, the vehicle and the number of its turns so far.
 """
 
 from __future__ import annotations
@@ -44,54 +43,55 @@ from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 from scenario_compiler.roads.travel import advance, distance_to_lane_end
 
 LOOK_AHEAD = 120.0
-"""How far a driver looks ahead for vehicles, bends and the end of the lane, m."""
+"""Distance up to which a driver considers vehicles, bends and the end of the lane ahead, m."""
 
 LOOK_BEHIND = 60.0
-"""How far back a driver looks before a lane change, m."""
+"""Distance up to which a driver considers vehicles behind before a lane change, m."""
 
 THINK_EVERY = 10
-"""Frames between two decisions of a driver on speed, lane and turn."""
+"""Number of frames between two decisions of a driver on speed, lane and turn."""
 
 UNLIMITED = 36.0
-"""Speed aimed for where there is no speed limit, m/s: Germany's recommended 130 km/h."""
+"""Desired speed without a speed limit, m/s: the 130 km/h recommended in Germany."""
 
 UNSIGNED = 13.9
-"""Speed aimed for where the map states no limit, m/s: 50 km/h."""
+"""Desired speed where the map states no limit, m/s: 50 km/h."""
 
 LATERAL = 2.0
 """Greatest lateral acceleration in bends, m/s2: comfortable, as curve speeds of passenger cars are chosen."""
 
 BEND_STEP = 8.0
-"""Distance between the points at which bends ahead are looked at, m."""
+"""Distance between the points at which the curvature ahead is sampled, m."""
 
 THRESHOLD = 0.1
 SAFE = 4.0
 POLITENESS = 0.2
-"""MOBIL: gain in acceleration that is worth a change, greatest deceleration that it may cost the vehicle behind, m/s2,
-and the weight of the others' gains; threshold and deceleration are those of Kesting et al. 2007, table 1."""
+"""Parameters of MOBIL: gain in acceleration that justifies a change, m/s2; greatest deceleration that it may cause the
+vehicle behind, m/s2; weight of the others' gains. The first two are those of Kesting et al. 2007, table 1.
+"""
 
 CHANGE_TIME = 3.0
 """Duration of a lane change, s."""
 
 CHANGE_PAUSE = 6.0
-"""Least time between the begins of two lane changes, s."""
+"""Least time between the starts of two lane changes, s."""
 
 NARROWEST_LANE = 2.5
-"""Width that a lane must have to be changed into, m."""
+"""Least width of a lane that a vehicle changes to, m."""
 
 RETURN_ATTEMPTS = 5
-"""Places that a vehicle which has left the map tries in a frame."""
+"""Number of places that are tried in a frame for a vehicle that has left the map."""
 
 OUT_OF_SIGHT = 120.0
-"""Distance from the ego vehicle at which a vehicle that has left the map may come back, m."""
+"""Least distance from the ego at which a vehicle that has left the map may return, m."""
 
 WALK_ASIDE = 0.5
-"""How far pedestrians keep to the right of their sidewalk's middle, m."""
+"""Offset of pedestrians to the right of their sidewalk's centre, m."""
 
 
 @compiled
 def legal_speed(n: RoadTables, road: int, lane: int, s: float) -> float:
-    """Return the speed limit of a lane, else of the road; UNSIGNED where there is none, UNLIMITED at most."""
+    """Return the speed limit of a lane, or of the road, m/s; UNSIGNED if there is none, and at most UNLIMITED."""
     speed = -1.0
     row = lane_row_in(n, section_at(n, road, s), lane)
     if row >= 0:
@@ -109,9 +109,9 @@ def legal_speed(n: RoadTables, road: int, lane: int, s: float) -> float:
 
 @compiled
 def wished_speed(n: RoadTables, p: Program, st: State, i: int) -> float:
-    """Return the speed that a driver aims for: the limit by the driver's share, and slower before bends.
+    """Return the desired speed of a driver, m/s: the driver's share of the speed limit, reduced before bends.
 
-    A bend d ahead allows sqrt(v_bend^2 + 2 b d) now. The way must have been walked.
+    A bend at the distance d allows the present speed sqrt(v_bend^2 + 2 b d). The way must have been walked before.
     """
     base = p.entity_const[i]
     legal = legal_speed(n, st.road[i], st.lane[i], st.s[i])
@@ -132,7 +132,7 @@ def wished_speed(n: RoadTables, p: Program, st: State, i: int) -> float:
 
 @compiled
 def choose_turn(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Draw the road that a vehicle takes at the end of its own, where several follow its lane."""
+    """Draw the road that a vehicle takes at the end of its own, if several follow its lane."""
     road = st.road[i]
     st.turn_from[i] = road
     st.turn_to[i] = op.NONE
@@ -164,7 +164,7 @@ def choose_turn(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def acceleration_behind(p: Program, i: int, v: float, wish: float, gap: float, lead: float) -> float:
-    """Return the acceleration of a driver behind a vehicle; a gap that is negative or NaN asks for the full brake."""
+    """Return a driver's acceleration behind a vehicle, m/s2; a gap below 0.1 m counts as 0.1 m."""
     if gap < 0.1:
         return idm_acceleration(p, i, v, wish, 0.1, lead)
     return idm_acceleration(p, i, v, wish, gap, lead)
@@ -172,21 +172,21 @@ def acceleration_behind(p: Program, i: int, v: float, wish: float, gap: float, l
 
 @compiled
 def look(n: RoadTables, st: State, i: int, lane: int, along: int, horizon: float) -> None:
-    """Walk the way of a vehicle in a lane of its road, ahead by its turn or (-1) back."""
+    """Walk the way of a vehicle in a lane of its road, ahead (1) with its turn or backwards (-1)."""
     st.along_way[0] = along
     walk(n, st, st.road[i], lane, st.s[i], along, horizon, st.turn_to[i] if along > 0 else op.NONE)
 
 
 @compiled
 def change_gain(n: RoadTables, p: Program, st: State, i: int, lane: int, present: float) -> float:
-    """Return MOBIL's gain of a change to a lane beside, -FAR where it is not safe.
+    """Return MOBIL's gain of a change to a neighbouring lane, m/s2; -FAR if it is not safe.
 
     Args:
         n: The roads.
         p: The program.
-        st: The state; its way is walked again.
+        st: The state; its way is overwritten.
         i: The vehicle.
-        lane: The lane beside.
+        lane: The neighbouring lane.
         present: The vehicle's acceleration without a change, m/s2.
     """
     look(n, st, i, lane, 1, LOOK_AHEAD)
@@ -214,7 +214,7 @@ def change_gain(n: RoadTables, p: Program, st: State, i: int, lane: int, present
 
 @compiled
 def lane_beside(n: RoadTables, st: State, i: int, side: int) -> int:
-    """Return the lane to the left (1) or right (-1) that a vehicle may change into, 0 where there is none."""
+    """Return the lane to the left (1) or right (-1) that a vehicle may change to; 0 if there is none."""
     road = st.road[i]
     s = st.s[i]
     direction = lane_direction(n, road, st.kept_lane[i])
@@ -228,7 +228,7 @@ def lane_beside(n: RoadTables, st: State, i: int, side: int) -> int:
 
 @compiled
 def consider_change(n: RoadTables, p: Program, st: State, i: int, present: float, goes_on: float) -> None:
-    """Begin a lane change where it pays, or where the vehicle's own lane ends before the one beside."""
+    """Begin a lane change if it is worth it, or if the vehicle's own lane ends before the neighbouring one."""
     best = THRESHOLD
     target = 0
     for side in range(1, -2, -2):
@@ -248,7 +248,7 @@ def consider_change(n: RoadTables, p: Program, st: State, i: int, present: float
 
 @compiled
 def begin_change(n: RoadTables, st: State, i: int, lane: int) -> None:
-    """Lead a vehicle by another lane, offset by where it is now."""
+    """Let a vehicle follow another lane, with its present position as an offset."""
     st.kept_lane[i] = lane
     centre, _ = lane_centre(n, st.road[i], lane, st.s[i])
     st.change_from[i] = st.t[i] - centre
@@ -260,7 +260,7 @@ def begin_change(n: RoadTables, st: State, i: int, lane: int) -> None:
 
 @compiled
 def glide_over(st: State, i: int) -> None:
-    """Move a vehicle on in its lane change: a cosine over its time; the heading follows."""
+    """Advance a vehicle's lane change, which is a cosine over CHANGE_TIME; the heading follows it."""
     if st.lateral[i] != op.DRIVES_BY_RULES:
         return
     share = clip((st.clock[0] - st.change_at[i]) / CHANGE_TIME, 0.0, 1.0)
@@ -276,7 +276,7 @@ def glide_over(st: State, i: int) -> None:
 
 @compiled
 def way_end(n: RoadTables, st: State) -> float:
-    """Return how far the walked way reaches, m; less than the horizon where no road follows."""
+    """Return the length of the walked way, m; it is less than the horizon if no road follows."""
     w = st.way_count[0] - 1
     rest = n.road_length[st.way_road[w]] - st.way_s[w] if st.way_sign[w] > 0 else st.way_s[w]
     return st.way_from[w] + rest
@@ -284,7 +284,7 @@ def way_end(n: RoadTables, st: State) -> float:
 
 @compiled
 def lane_goes_on(n: RoadTables, st: State, i: int) -> float:
-    """Return how far the vehicle's lane goes on, m, LOOK_AHEAD at most; the end of the map is no end of the lane."""
+    """Return how far the vehicle's lane continues, m, at most LOOK_AHEAD; the end of the map does not end it."""
     rest = distance_to_lane_end(n, st.road[i], st.kept_lane[i], st.s[i], LOOK_AHEAD, st.turn_to[i])
     if rest > way_end(n, st) - 1.0:
         return LOOK_AHEAD
@@ -293,7 +293,7 @@ def lane_goes_on(n: RoadTables, st: State, i: int) -> float:
 
 @compiled
 def think(n: RoadTables, p: Program, st: State, i: int, gap: float, lead: float) -> None:
-    """Decide on the speed aimed for and on a lane change; the way ahead must have been walked, and is walked again."""
+    """Decide on the desired speed and on a lane change; needs the way ahead, and overwrites it."""
     st.wish[i] = max(wished_speed(n, p, st, i), 0.5)
     st.lane_rest[i] = lane_goes_on(n, st, i)
     room = st.way_from[1] if st.way_count[0] > 1 else LOOK_AHEAD
@@ -308,7 +308,7 @@ def think(n: RoadTables, p: Program, st: State, i: int, gap: float, lead: float)
 
 @compiled
 def pull(n: RoadTables, p: Program, st: State, i: int, dt: float) -> float:
-    """Return a vehicle's acceleration behind its leader, the line that it waits at and the end of its lane, m/s2."""
+    """Return a vehicle's acceleration with its leader, the line at which it waits and the end of its lane, m/s2."""
     look(n, st, i, st.kept_lane[i], 1, LOOK_AHEAD)
     gap, lead = leader_on_way(n, p, st, i)
     red = red_ahead(n, p, st, i) if p.head_count[0] > 0 else op.FAR
@@ -331,7 +331,7 @@ def pull(n: RoadTables, p: Program, st: State, i: int, dt: float) -> float:
 
 @compiled
 def come_back(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Put a vehicle that has left the map at another random place, once one is free and out of the ego's sight."""
+    """Put a vehicle that has left the map at another random place if one is free and out of the ego's sight."""
     st.v[i] = 0.0
     k = p.entity_position[i]
     first = op.PLACE_ATTEMPTS + RETURN_ATTEMPTS * (st.frame[0] & 65535)
@@ -356,7 +356,7 @@ def come_back(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def forget_decisions(st: State, i: int) -> None:
-    """Let a vehicle of traffic hold no claim, and have no lane to change into, no turn and no wish."""
+    """Reset a traffic vehicle's claim, lane change, turn and desired speed."""
     st.kept_off[i] = 0.0
     st.turn[i] = 0.0
     st.lateral[i] = op.NONE
@@ -373,7 +373,7 @@ def forget_decisions(st: State, i: int) -> None:
 
 @compiled
 def vanish(st: State, i: int) -> None:
-    """Let a vehicle of traffic disappear."""
+    """Let a traffic vehicle disappear."""
     forget_decisions(st, i)
     st.present[i] = 0
     st.v[i] = 0.0
@@ -382,7 +382,7 @@ def vanish(st: State, i: int) -> None:
 
 @compiled
 def prepare_driver(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Put a vehicle of traffic into the middle of its lane, without decisions so far."""
+    """Put a traffic vehicle at the centre of its lane, without earlier decisions."""
     base = p.entity_const[i]
     st.ended[i] = 0
     forget_decisions(st, i)
@@ -392,7 +392,7 @@ def prepare_driver(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def prepare_walker(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Let a pedestrian walk one way or the other, at the right of the sidewalk's middle."""
+    """Choose a pedestrian's direction, and put the pedestrian to the right of the sidewalk's centre."""
     bits = random_hash(run_seed(st, p.entity_seed[i]), op.STREAM_TURN, i, 0)
     st.facing[i] = 1 if bits % 2 == 0 else -1
     aside = min(WALK_ASIDE, 0.25 * lane_width(n, st.road[i], st.kept_lane[i], st.s[i]))
@@ -402,7 +402,7 @@ def prepare_walker(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def prepare_traffic(n: RoadTables, p: Program, st: State) -> None:
-    """Put background traffic to t = 0, after all have been placed."""
+    """Reset background traffic to t = 0, after all entities have been placed."""
     for i in range(p.entity_count[0]):
         kind = p.entity_motion[i]
         if kind == op.MOTION_TRAFFIC:
@@ -422,7 +422,7 @@ def prepare_traffic(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def move_driver(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
-    """Move a vehicle of traffic by one step."""
+    """Move a traffic vehicle by one step."""
     if st.ended[i] == 1:
         if p.entity_position[i] < 0:
             vanish(st, i)
@@ -444,7 +444,7 @@ def move_driver(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None
 
 @compiled
 def move_walker(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
-    """Move a pedestrian by one step; where the sidewalk ends they turn round."""
+    """Move a pedestrian by one step; at the end of the sidewalk the pedestrian turns round."""
     if st.ended[i] == 1:
         st.ended[i] = 0
         st.facing[i] = -st.facing[i]

@@ -1,7 +1,7 @@
-"""Where a vehicle of traffic may appear: a drivable lane that is free ahead and behind for the speeds driven there.
+"""Where a traffic vehicle may appear: on a drivable lane that is free ahead and behind for the speeds there.
 
-A place is free where neither the vehicle nor the one behind it would have to brake harder than is comfortable to keep
-its time gap, where the lane goes on, and where nobody is close on another road.
+A place is free if neither the vehicle nor the one behind it would have to brake harder than is comfortable to keep its
+time gap, if the lane continues, and if nobody on another road is close.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from scenario_compiler.roads.lanes import lane_direction, row_width, section_at
 from scenario_compiler.roads.tables import RoadTables
 
 AROUND = 15.0
-"""Least distance to everything on other roads, m."""
+"""Least distance to all entities on other roads, m."""
 
 LINE_ROOM_AT_START = 15.0
-"""Room that is left before a junction's line when a vehicle appears so fast that it can just stop there, m."""
+"""Distance to a junction's line that remains if a vehicle that appears brakes comfortably at once, m."""
 
 END_ROOM = 20.0
-"""How much less far than a driver looks ahead a lane may go on where a vehicle appears, m."""
+"""How much shorter than LOOK_AHEAD the lane ahead may be where a vehicle appears, m."""
 
 
 @compiled
 def lane_by_draw(n: RoadTables, road: int, s: float, bits: int) -> int:
-    """Return one of the lanes at s that vehicles may appear in, by 32 drawn bits; 0 where the drawn one cannot."""
+    """Return one of the lanes at s, chosen by 32 random bits; 0 if vehicles cannot appear in the chosen one."""
     section = section_at(n, road, s)
     if section < 0 or n.road_junction[road] >= 0:
         return 0
@@ -49,7 +49,7 @@ def lane_by_draw(n: RoadTables, road: int, s: float, bits: int) -> int:
 
 @compiled
 def safe_gap(p: Program, i: int, v: float, lead: float) -> float:
-    """Return the gap that a driver keeps behind a vehicle, and brakes comfortably in where that is slower, m."""
+    """Return the gap that a driver needs behind a vehicle, including comfortable braking if that is slower, m."""
     base = p.entity_const[i]
     ahead = max(lead, 0.0)
     braking = ratio(v * v - ahead * ahead, 2.0 * p.const[base + slot.E_DECELERATION], 0.0)
@@ -58,7 +58,7 @@ def safe_gap(p: Program, i: int, v: float, lead: float) -> float:
 
 @compiled
 def alone_around(p: Program, st: State, i: int) -> int:
-    """Return 1 where nobody on another road is close to an entity."""
+    """Return 1 if nobody on another road is close to an entity."""
     for j in range(p.entity_count[0]):
         if st.road[j] == st.road[i] or there_for(st, j, op.SEEN_BY_TRAFFIC) == 0:
             continue
@@ -69,7 +69,7 @@ def alone_around(p: Program, st: State, i: int) -> int:
 
 @compiled
 def has_room(n: RoadTables, p: Program, st: State, i: int) -> int:
-    """Return 1 where a vehicle of traffic is free ahead and behind; slow it down so that it can stop at a junction.
+    """Return 1 if a traffic vehicle has room ahead and behind; slow it down so that it can stop at a junction.
 
     The entities must have been listed by road.
     """
@@ -93,7 +93,7 @@ def has_room(n: RoadTables, p: Program, st: State, i: int) -> int:
 
 @compiled
 def try_place(n: RoadTables, p: Program, st: State, i: int, road: int, lane: int, s: float) -> None:
-    """Put a vehicle of traffic that is not there into a lane, as it would begin to drive, without letting it appear."""
+    """Put an absent traffic vehicle into a lane with its start speed, without letting it appear."""
     st.road[i] = road
     st.s[i] = s
     st.kept_lane[i] = lane
@@ -105,7 +105,7 @@ def try_place(n: RoadTables, p: Program, st: State, i: int, road: int, lane: int
 
 @compiled
 def let_appear(st: State, i: int) -> None:
-    """Let a vehicle of traffic appear where it has been put, and list it by its road."""
+    """Let a traffic vehicle appear where it has been put, and add it to the list by road."""
     st.present[i] = 1
     st.a[i] = 0.0
     st.last_x[i] = st.x[i]
@@ -118,7 +118,7 @@ def let_appear(st: State, i: int) -> None:
 
 @compiled
 def appears_at(n: RoadTables, p: Program, st: State, i: int) -> int:
-    """Let a vehicle appear where it has been put if it has room there; return 1 where it does."""
+    """Let a vehicle appear where it has been put if it has room there, and return 1; otherwise take it off the road."""
     if has_room(n, p, st, i) == 0:
         leave_road(st, i)
         return 0

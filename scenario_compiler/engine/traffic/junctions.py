@@ -1,7 +1,7 @@
-"""Who may enter a junction: a vehicle claims its connecting road, first come, first served.
+"""Right of way at junctions: a vehicle claims its connecting road, first come, first served.
 
-A claim is granted when no road that crosses it (see `conflicts`) is claimed, driven on, or waited for longer, and there
-is room behind the junction. It is held until the vehicle's rear has left the connecting road.
+A claim is granted if no road that crosses it (see `conflicts`) is claimed, driven on, or waited for longer, and if
+there is room behind the junction. It lasts until the vehicle's rear has left the connecting road.
 """
 
 from __future__ import annotations
@@ -20,26 +20,28 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
 LINE_ROOM = 1.0
-"""How far before the junction the line is that a waiting vehicle stands behind, m."""
+"""Distance between the line at which a vehicle waits and the junction, m."""
 
 ASK_TIME = 1.0
 ASK_MORE = 20.0
-"""A vehicle asks for its way a braking distance, this time and this distance before the line, s and m."""
+"""Before the line, a vehicle asks for its connecting road at a braking distance plus this time, s, and this distance,
+m.
+"""
 
 EXIT_ROOM = 3.0
-"""Room that there must be behind the junction beside the vehicle's length, m."""
+"""Room needed behind the junction in addition to the vehicle's length, m."""
 
 CRAWL = 2.0
 """Speed below which a vehicle behind the junction counts as standing, m/s."""
 
 OUTSIDER_TIME = 3.0
 OUTSIDER_MORE = 5.0
-"""A vehicle that is no traffic is yielded to when it is this near to the junction, s and m."""
+"""Time, s, and distance, m, to the junction within which vehicles yield to one that is not background traffic."""
 
 
 @compiled
 def crosses(p: Program, one: int, other: int) -> int:
-    """Return 1 where two connecting roads come so near to each other that only one may be driven on."""
+    """Return 1 if two connecting roads are so close to each other that only one of them may be driven on."""
     if other < 0:
         return 0
     for q in range(p.conflict_first[one], p.conflict_first[one + 1]):
@@ -50,7 +52,7 @@ def crosses(p: Program, one: int, other: int) -> int:
 
 @compiled
 def outsider_in_way(n: RoadTables, p: Program, st: State, road: int, j: int) -> int:
-    """Return 1 where an entity that is no traffic drives on a crossing road or is about to."""
+    """Return 1 if an entity that is not background traffic drives on a crossing road or is about to."""
     at = st.road[j]
     if at < 0:
         return 0
@@ -71,7 +73,7 @@ def outsider_in_way(n: RoadTables, p: Program, st: State, road: int, j: int) -> 
 
 @compiled
 def way_is_free(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
-    """Return 1 where nobody drives on, has claimed or has waited longer for a road that crosses `road`."""
+    """Return 1 if nobody drives on, has claimed, or has waited longer for a road that crosses `road`."""
     for j in range(p.entity_count[0]):
         if there_for(st, j, op.SEEN_BY_TRAFFIC) == 0:
             continue
@@ -92,7 +94,7 @@ def way_is_free(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
 
 @compiled
 def drop_claim(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Give a claim up where the vehicle's rear has left the connecting road."""
+    """Release a claim if the vehicle's rear has left the connecting road."""
     if st.claim[i] < 0:
         return
     road = st.road[i]
@@ -108,7 +110,7 @@ def drop_claim(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def wait_at_red(p: Program, st: State, i: int, red: float) -> float:
-    """Return the distance from the front to the line of a red signal; who waits there claims nothing and asks not."""
+    """Return the distance from the front to the line of a red signal, m; a waiting vehicle releases its claim."""
     base = p.entity_const[i]
     st.asked[i] = op.NONE
     if st.claim[i] >= 0 and st.entered[i] == 0 and st.road[i] != st.claim[i]:
@@ -118,9 +120,10 @@ def wait_at_red(p: Program, st: State, i: int, red: float) -> float:
 
 @compiled
 def distance_to_line(n: RoadTables, p: Program, st: State, i: int, gap: float, lead: float) -> float:
-    """Return the distance from the front to the line that a vehicle must stop at, FAR where it may go on.
+    """Return the distance from the front to the line at which a vehicle must stop, m; FAR if it may drive on.
 
-    The way must have been walked; `gap` and `lead` are those of the leader on it. Asks for the next connecting road.
+    The way must have been walked; `gap` and `lead` are those of the leader on it. The vehicle asks for its next
+    connecting road if it is near enough.
     """
     if st.way_count[0] < 2:
         return op.FAR

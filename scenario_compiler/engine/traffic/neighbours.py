@@ -1,4 +1,4 @@
-"""Who drives ahead of and behind a vehicle of traffic: entities listed by road, and looked up along a walked way."""
+"""The entities ahead of and behind a traffic vehicle: listed by road, and searched along a walked way."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
 SIDE_ROOM = 0.2
-"""Room beside a vehicle within which something counts as in its way, m."""
+"""Lateral distance to a vehicle within which an entity is in its way, m."""
 
 
 @compiled
 def list_by_road(p: Program, st: State) -> None:
-    """List the entities by road, in chains of entities whose roads share a bucket."""
+    """List the present entities by road; a chain holds the entities of all roads that share a bucket."""
     for b in range(op.BUCKETS):
         st.bucket_head[b] = op.NONE
     for i in range(p.entity_count[0]):
@@ -33,7 +33,7 @@ def list_by_road(p: Program, st: State) -> None:
 
 @compiled
 def way_centre(n: RoadTables, st: State, w: int, s: float) -> float:
-    """Return t of the centre of the way's lane at s of its road in row w."""
+    """Return t of the centre of the way's lane in row w at s, m."""
     road = st.way_road[w]
     lane = st.way_lane[w]
     if n.road_section[road + 1] - n.road_section[road] > 1:
@@ -51,9 +51,9 @@ def way_centre(n: RoadTables, st: State, w: int, s: float) -> float:
 
 @compiled
 def in_corridor(n: RoadTables, p: Program, st: State, i: int, j: int, w: int) -> int:
-    """Return 1 where the box of entity j reaches into the corridor of i along the way, or j is changing into it.
+    """Return 1 if the box of entity j reaches into the corridor of i along the way, or if j is changing into its lane.
 
-    The corridor of a vehicle that changes lanes covers where it comes from.
+    The corridor of a vehicle that changes lanes includes where it comes from.
     """
     if st.kept_lane[j] == st.way_lane[w] and st.lateral[j] >= 0 and st.road[j] == st.road[i]:
         return 1
@@ -74,7 +74,10 @@ def in_corridor(n: RoadTables, p: Program, st: State, i: int, j: int, w: int) ->
 
 @compiled
 def leader_on_way(n: RoadTables, p: Program, st: State, i: int) -> tuple[float, float]:
-    """Return (gap from the front, speed along the way) of the nearest entity ahead in the corridor; FAR for none."""
+    """Return (gap from the front, m; speed along the way, m/s) of the nearest entity ahead in the corridor.
+
+    The gap is FAR if there is none.
+    """
     base = p.entity_const[i]
     centre = p.const[base + slot.E_CENTER]
     front = centre + 0.5 * p.const[base + slot.E_LENGTH]
@@ -104,7 +107,7 @@ def leader_on_way(n: RoadTables, p: Program, st: State, i: int) -> tuple[float, 
 
 @compiled
 def follower_on_way(n: RoadTables, p: Program, st: State, i: int) -> tuple[int, float]:
-    """Return (entity, gap to its front) of the nearest one behind on a way walked backwards, (-1, FAR) for none."""
+    """Return (entity, gap to its front in m) of the nearest entity behind on a way walked backwards, or (-1, FAR)."""
     base = p.entity_const[i]
     rear = rear_of(p, i)
     gap = op.FAR

@@ -1,4 +1,4 @@
-"""Sources and sinks of traffic: vehicles appear around a place at a rate, and disappear near one."""
+"""Sources and sinks of traffic: vehicles appear around a place at a rate, or disappear near one."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
 SOURCE_TRIES = 4
-"""Places that are tried in a frame: the source's own, then some around it."""
+"""Number of places that are tried in a frame: that of the source, then some around it."""
 
 ALONE_IN_LANE = 1.0
-"""Radius below which all vehicles of a source appear at its very place, m."""
+"""Radius below which all vehicles of a source appear exactly at its place, m."""
 
 
 @compiled
 def place_around(
     n: RoadTables, p: Program, st: State, k: int, i: int, attempt: int
 ) -> tuple[int, int, float, float, float]:
-    """Return (road, lane, s, x, y) of a place near a source, with the source's own x and y; road -1 for none."""
+    """Return (road, lane, s, x, y) of a place near a source; x and y are the source's own; road -1 if there is none."""
     kind, road, lane, s, _, x, y, _, _ = place_of(n, p, st, p.action_position[k], op.NONE)
     if kind != PLACE_ON_LANE:
         return -1, 0, 0.0, 0.0, 0.0
@@ -52,7 +52,7 @@ def place_around(
 
 @compiled
 def emit_vehicle(n: RoadTables, p: Program, st: State, k: int, i: int) -> int:
-    """Let a vehicle of a source appear where a place around it is free; return 1 where it does."""
+    """Let a vehicle of a source appear at a free place around it; return 1 if there is one."""
     reach = max(p.const[p.action_const[k] + slot.U_RADIUS], ALONE_IN_LANE)
     for attempt in range(SOURCE_TRIES):
         road, lane, s, x, y = place_around(n, p, st, k, i, attempt)
@@ -68,7 +68,7 @@ def emit_vehicle(n: RoadTables, p: Program, st: State, k: int, i: int) -> int:
 
 @compiled
 def first_absent(p: Program, st: State, k: int) -> int:
-    """Return the first vehicle of an action that is not there, NONE where all are."""
+    """Return the first absent vehicle of an action, or NONE."""
     first = max(p.action_other[k], 0)
     for i in range(first, first + p.action_lanes[k]):
         if st.present[i] == 0:
@@ -78,7 +78,7 @@ def first_absent(p: Program, st: State, k: int) -> int:
 
 @compiled
 def next_due(p: Program, st: State, k: int) -> float:
-    """Return when a source or sink acts next after it has acted now; at once where it has no rate."""
+    """Return the time of the next vehicle of a source or sink after one now, s; without a rate it is now."""
     rate = p.const[p.action_const[k] + slot.U_RATE]
     period = ratio(1.0, rate, 0.0) if rate > 0.0 else 0.0
     return max(st.action_a[k], st.clock[0] - p.const[slot.K_STEP]) + period
@@ -86,7 +86,7 @@ def next_due(p: Program, st: State, k: int) -> float:
 
 @compiled
 def emit_due(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Let the next vehicle of a source appear when it is due and has room."""
+    """Let the next vehicle of a source appear if it is due and has room."""
     i = first_absent(p, st, k)
     if i < 0 or st.clock[0] < st.action_a[k] - op.TOLERANCE:
         return
@@ -97,7 +97,7 @@ def emit_due(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def take_due(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Let the vehicles of traffic disappear that are near a sink."""
+    """Let the traffic vehicles near a sink disappear if they are due."""
     kind, _, _, _, _, x, y, _, _ = place_of(n, p, st, p.action_position[k], op.NONE)
     if kind == PLACE_NONE:
         return

@@ -1,8 +1,8 @@
-"""Swarms: vehicles in an ellipse around an entity, which is turned with it.
+"""Swarms: vehicles in an ellipse around an entity, which turns with the entity.
 
-When the action begins its vehicles appear anywhere in the ellipse, beyond the inner radius. Who leaves it, or the map,
-disappears and comes back near its rim, where it drives into the ellipse: places are drawn with the counter hash, by
-turns along the lanes that the entity is on and all over the map.
+When the action begins, its vehicles appear anywhere in the ellipse outside the inner radius. A vehicle that leaves the
+ellipse or the map disappears and appears again near the rim, where it drives into the ellipse. Places are drawn with
+the counter hash, alternately along the lanes of the entity and from the whole map.
 """
 
 from __future__ import annotations
@@ -27,24 +27,24 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
 FILLED = 1.0
-"""In `State.action_a`: the vehicles have appeared for the first time."""
+"""Value of `State.action_a` once the vehicles have appeared for the first time."""
 
 FIRST_TRIES = 60
-"""Places that are drawn for each vehicle when a swarm begins."""
+"""Number of places that are drawn for each vehicle when a swarm begins."""
 
 TRIES = 12
-"""Places that are drawn in a frame for the vehicles that come back, one after the other."""
+"""Number of places that are drawn in a frame for all vehicles that appear again."""
 
 RIM = 0.6
-"""Share of the ellipse's extent beyond which vehicles come back."""
+"""Share of the ellipse's extent outside which vehicles appear again."""
 
 DRAWS = 4
-"""Numbers drawn for a place."""
+"""Number of random numbers for each place."""
 
 
 @compiled
 def extent_at(p: Program, st: State, k: int, x: float, y: float) -> float:
-    """Return where a point lies in a swarm's ellipse: 0 in its middle, 1 at its rim, squared."""
+    """Return the squared relative position of a point in a swarm's ellipse: 0 at its centre, 1 at its rim."""
     base = p.action_const[k]
     c = p.action_flags[k]
     along = cos(st.h[c])
@@ -58,7 +58,7 @@ def extent_at(p: Program, st: State, k: int, x: float, y: float) -> float:
 
 @compiled
 def place_along(n: RoadTables, p: Program, st: State, k: int, i: int, draw: int) -> tuple[int, int, float]:
-    """Return (road, lane, s) of a place ahead of or behind the entity in the middle; road -1 where there is none."""
+    """Return (road, lane, s) of a place ahead of or behind the central entity; road -1 if there is none."""
     c = p.action_flags[k]
     road = st.road[c]
     base = p.action_const[k]
@@ -79,7 +79,7 @@ def place_along(n: RoadTables, p: Program, st: State, k: int, i: int, draw: int)
 
 @compiled
 def place_in_swarm(n: RoadTables, p: Program, st: State, k: int, i: int, draw: int) -> tuple[int, int, float]:
-    """Return (road, lane, s) of a place by the draw's number: along the entity's way, then anywhere on the map."""
+    """Return (road, lane, s) of a drawn place: alternately along the entity's road and on the whole map."""
     if (draw // DRAWS) % 2 == 0:
         return place_along(n, p, st, k, i, draw)
     unit = random_unit(run_seed(st, op.NONE), op.STREAM_TRAFFIC, i, draw + 1)
@@ -89,7 +89,7 @@ def place_in_swarm(n: RoadTables, p: Program, st: State, k: int, i: int, draw: i
 
 @compiled
 def goes_as_wanted(p: Program, st: State, k: int, i: int, draw: int) -> int:
-    """Return 1 where a vehicle drives the way, with the entity or against it, that the draw wants."""
+    """Return 1 if a vehicle drives in the direction (with the entity or against it) that the draw requires."""
     base = p.action_const[k]
     c = p.action_flags[k]
     both = p.const[base + slot.W_SAME] + p.const[base + slot.W_OPPOSITE]
@@ -102,7 +102,7 @@ def goes_as_wanted(p: Program, st: State, k: int, i: int, draw: int) -> int:
 
 @compiled
 def comes_nearer(st: State, i: int, c: int) -> int:
-    """Return 1 where a vehicle does not move away from an entity."""
+    """Return 1 if a vehicle does not move away from an entity."""
     dx = st.x[i] - st.x[c]
     dy = st.y[i] - st.y[c]
     speed_x = st.v[i] * cos(st.h[i]) - st.v[c] * cos(st.h[c])
@@ -112,7 +112,7 @@ def comes_nearer(st: State, i: int, c: int) -> int:
 
 @compiled
 def fits_in(p: Program, st: State, k: int, i: int, draw: int) -> int:
-    """Return 1 where a vehicle has been put into the part of the ellipse that it may appear in."""
+    """Return 1 if a vehicle has been put into the part of the ellipse where it may appear."""
     c = p.action_flags[k]
     extent = extent_at(p, st, k, st.x[i], st.y[i])
     distance = length_of(st.x[i] - st.x[c], st.y[i] - st.y[c])
@@ -125,7 +125,7 @@ def fits_in(p: Program, st: State, k: int, i: int, draw: int) -> int:
 
 @compiled
 def join_swarm(n: RoadTables, p: Program, st: State, k: int, i: int, tries: int) -> int:
-    """Let a vehicle of a swarm appear at the first of some drawn places that suits; return the number of tries."""
+    """Let a vehicle of a swarm appear at the first suitable one of several drawn places; return the number of tries."""
     for attempt in range(tries):
         draw = DRAWS * (FIRST_TRIES * (st.frame[0] & 65535) + attempt)
         road, lane, s = place_in_swarm(n, p, st, k, i, draw)
@@ -141,7 +141,7 @@ def join_swarm(n: RoadTables, p: Program, st: State, k: int, i: int, tries: int)
 
 @compiled
 def keep_swarm(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Keep a swarm together."""
+    """Remove the vehicles outside the ellipse, and let absent ones appear."""
     c = p.action_flags[k]
     if st.present[c] == 0 or st.road[c] < 0:
         return

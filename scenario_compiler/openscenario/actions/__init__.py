@@ -1,4 +1,4 @@
-"""Converts actions between OpenSCENARIO's elements and our words, with one module for each family."""
+"""Converts actions between OpenSCENARIO's elements and words, with one module for each family."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from scenario_compiler.vocabulary.actions import Action
 from scenario_compiler.vocabulary.word import Word
 
 ACTIONS = Forms((*LONGITUDINAL, *LATERAL, *ROUTING, *CONTROL, *APPEARANCE, *WORLD, *TRAFFIC, *ENVIRONMENT))
-"""The actions that OpenSCENARIO can say."""
+"""The actions that OpenSCENARIO can express."""
 
 UNSAID = {
     "lane_offset": "the standard bounds the lateral acceleration, not the duration",
@@ -33,7 +33,7 @@ UNSAID = {
     **dict.fromkeys(("request", "warn", "hand_back"), "the standard has no takeover"),
     "stop": "the standard stops by a trigger only",
 }
-"""Actions of ours that no element of OpenSCENARIO says, by tag, and why."""
+"""Tags of the actions that OpenSCENARIO cannot express, with the reasons."""
 
 _GROUPS = (
     "PrivateAction",
@@ -49,7 +49,7 @@ _GROUPS = (
     "TrafficSignalAction",
     "TrafficAction",
 )
-"""Elements that hold actions."""
+"""Elements that contain actions."""
 
 _AREA = "TrafficAreaAction"
 
@@ -83,7 +83,7 @@ def _report_unread(node: Node) -> None:
 
 
 def write_action(word: Word, output: Output) -> etree._Element | None:
-    """Return the <PrivateAction>, <GlobalAction> or <UserDefinedAction> of an action, or report that there is none."""
+    """Return the <PrivateAction>, <GlobalAction> or <UserDefinedAction> of an action; report it if there is none."""
     form = ACTIONS.by_word.get(type(word))
     if form is None or output.version < form.since:
         why = UNSAID.get(word.tag(), "") if form is None else f"<{form.tag}> is not known before that"

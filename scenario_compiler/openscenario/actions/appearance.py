@@ -1,4 +1,4 @@
-"""Actions on an entity's lights and moving parts. Before 1.3 no schema lets one of them stand alone."""
+"""Actions on an entity's lights and moving parts. Before 1.3 the schemas require both of them together."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _MOTIONS = frozenset(
 
 
 class _Light:
-    """Which light, and what it does."""
+    """The light and its state."""
 
     def read(self, node: Node) -> Fields | None:
         node.has("transitionTime")
@@ -63,7 +63,7 @@ _ANIMATIONS = {
 
 
 class _Animation:
-    """What moves, and to which state."""
+    """The animated part and its state."""
 
     def read(self, node: Node) -> Fields | None:
         kind = node.required("AnimationType")

@@ -1,7 +1,7 @@
 """Actions on the control of an entity.
 
-A controller is known by the class that esmini's files name, or by its name. Those that our world has a counterpart for
-get it; any other entity is driven by the storyboard alone, which is reported.
+A controller is recognised by the class that files for esmini name, or by its own name. A controller without a
+counterpart here is reported, and its entity is then driven only by the storyboard.
 """
 
 from __future__ import annotations
@@ -58,16 +58,16 @@ MODELS = {
     "ecealksrefdrivercontroller": "alks",
     "controllerecealksrefdriver": "alks",
 }
-"""Models of ours by the names of controllers, in small letters and without signs between."""
+"""Models of controllers by their names in lower case, without other characters than letters and digits."""
 
 CLASS = "esminiController"
-"""The property that names a controller's class in files for esmini."""
+"""The property for a controller's class in files for esmini."""
 
 _ACTIVATION = {"longitudinal": "activateLongitudinal", "lateral": "activateLateral"}
 
 
 def read_controller(node: Node) -> AssignControllerAction:
-    """Return the controller that a <Controller> describes; report one that has no counterpart here."""
+    """Return the controller that a <Controller> describes; report one without a counterpart here."""
     node = with_parameters(node)
     name = node.text("name", "")
     node.text("controllerType", "")
@@ -98,7 +98,7 @@ def _property(node: Node, *, as_written: bool) -> ControllerProperty:
 
 
 def _value(node: Node, *, as_written: bool) -> str:
-    """Return a property's value; as it is written where it may hold expressions of the conflict language."""
+    """Return a property's value; with `as_written` verbatim, as it may contain expressions of the conflict language."""
     node.has("value")
     return str(node.element.get("value", "")) if as_written else node.text("value")
 
@@ -151,7 +151,7 @@ _GEARS = {"p": 0.0, "r": -1.0, "n": 0.0, "d": 1.0}
 
 
 def read_overrides(node: Node) -> list[OverrideControllerAction]:
-    """Return the actions of an <OverrideControllerValueAction>, one an input."""
+    """Return the actions of an <OverrideControllerValueAction>, one for each input."""
     return [
         OverrideControllerAction.model_construct(
             input=_INPUTS[one.tag],
@@ -196,7 +196,7 @@ _AROUND = ("PrivateAction", "ControllerAction")
 
 
 class _Switched:
-    """What of a controller is switched on or off."""
+    """The domains of a controller that are switched on or off."""
 
     def read(self, node: Node) -> Fields:
         return {name: _optional(node, name) for name in ("longitudinal", "lateral", "lighting", "animation")}
@@ -213,7 +213,7 @@ class _Switched:
 
 
 class _Named:
-    """The name of the controller: `controllerRef`, since 1.3 `objectControllerRef`."""
+    """The name of the controller: `controllerRef`, or `objectControllerRef` from 1.3 on."""
 
     def read(self, node: Node) -> Fields:
         return {"controller": node.text("objectControllerRef", "") or node.text("controllerRef", "")}
@@ -232,4 +232,4 @@ CONTROL: tuple[Form[Any], ...] = (
     Form("OverrideControllerValueAction", OverrideControllerAction, _read_override, _write_override, _AROUND, (1, 1)),
     regular("ActivateControllerAction", ActivateControllerAction, _Named(), _Switched(), around=("PrivateAction",)),
 )
-"""The children of a <ControllerAction>, and <ActivateControllerAction>, which stands beside it too."""
+"""The children of a <ControllerAction>, and <ActivateControllerAction>, which may also be its sibling."""

@@ -19,11 +19,11 @@ class Transition:
     """A child of the type TransitionDynamics: the fields `shape`, `over_time` and `dynamics`."""
 
     def __init__(self, tag: str) -> None:
-        """Take note of the child's name."""
+        """Set the tag of the child."""
         self.tag = tag
 
     def read(self, node: Node) -> Fields:
-        """Return the fields; without the element the change is a step."""
+        """Return the fields; without the child, the change is a step."""
         inner = node.required(self.tag)
         if inner is None:
             return {"shape": "step"}

@@ -1,19 +1,20 @@
 """The environment: weather in OpenSCENARIO's terms and in CARLA's 14 numbers, time of day, friction.
 
-What reading makes of the standard's terms:
+Conversion of the standard's terms when reading:
 
     cloudiness    eighths of the sky (okta) as percent; cloudState free 0, cloudy 60, overcast and rainy 100, skyOff 0
     precipitation rain: 2 % for each mm/h, to 50 mm/h (a cloudburst in the German weather service's terms); 1.0's
-                  intensity 0 to 1 as percent; snow is taken for rain of the same intensity, and told
+                  intensity 0 to 1 as percent; snow is reported and treated as rain of the same intensity
     deposits, wetness
                   from `wetness`: dry 0 and 0, moist 0 and 40, wetWithPuddles 50 and 80, lowFlooded 80 and 100,
                   highFlooded 100 and 100; without it, half of the precipitation and all of it
-    fog           the density whose extinction leaves 5 % of a contrast at the visual range (Koschmieder), beginning at
-                  the lens and alike at all heights
-    wind          its speed over that of a hurricane (Beaufort 12, 32.7 m/s) as percent
-    sun           azimuth is counted from the north (y) by way of the east (x), CARLA's from x
+    fog           the density whose extinction leaves 5 % of a contrast at the visual range (Koschmieder), from the
+                  lens on and the same at all heights
+    wind          its speed relative to that of a hurricane (Beaufort 12, 32.7 m/s), as percent
+    sun           the azimuth is measured from north (y) over east (x), CARLA's from x
 
-Writing goes the other way, and adds CARLA's numbers as properties of the road's condition: they are read in preference.
+Writing does the reverse, and adds CARLA's numbers as properties of the road's condition, which take precedence when the
+file is read.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ _NUMBERS = (
     "sun_altitude_angle", "fog_density", "fog_distance", "fog_falloff", "wetness", "scattering_intensity",
     "mie_scattering_scale", "rayleigh_scattering_scale", "dust_storm",
 )  # fmt: skip
-"""CARLA's numbers, in the order of the weather's."""
+"""CARLA's numbers, in the order of a weather."""
 
 _OKTAS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 _CLOUD_STATES = {"free": 0.0, "skyOff": 0.0, "cloudy": 60.0, "overcast": 100.0, "rainy": 100.0}
@@ -60,15 +61,15 @@ _WETNESS = {
 _PERCENT_PER_MM = 2.0
 _HURRICANE = 32.7
 FOG_AT_ONE, FOG_THINNED = 0.07, 0.083
-"""Extinction of the thickest fog of CARLA's numbers, 1/m, and how much its falloff thins it, as our cameras see it."""
+"""Extinction of the thickest fog in CARLA's numbers, 1/m, and the effect of its falloff, as in the camera pictures."""
 
 _FIVE_PERCENT = math.log(20.0)
 _CLEAREST = 100000.0
-"""Visual range that is written where there is no fog, m."""
+"""Visual range that is written if there is no fog, m."""
 
 
 def read_environment(node: Node) -> list[WeatherAction | EnvironmentAction]:
-    """Return the actions of an <EnvironmentAction>: the weather, and time of day and friction, where it gives them."""
+    """Return the actions of an <EnvironmentAction>: the weather, and the time of day and friction if it has them."""
     found = given(node, "Environment")
     if found is None:
         if node.child("CatalogReference") is None:
@@ -161,7 +162,7 @@ def _time_and_road(environment: Node) -> EnvironmentAction | None:
 
 
 def _exact_weather(environment: Node) -> WeatherAction | None:
-    """Return the weather that properties of the road's condition give in CARLA's numbers; None without all of them."""
+    """Return the weather of the road condition's properties in CARLA's numbers; None if any of them is missing."""
     road = environment.child("RoadCondition")
     groups = [] if road is None else road.children("Properties")
     numbers: dict[str, Any] = {
@@ -245,4 +246,4 @@ ENVIRONMENT: tuple[Form[Any], ...] = (
     Form("EnvironmentAction", WeatherAction, _read_nothing, _write_weather, ("GlobalAction",)),
     Form("EnvironmentAction", EnvironmentAction, _read_nothing, _write_environment, ("GlobalAction",), (1, 1)),
 )
-"""<EnvironmentAction> as the weather and as what else it holds."""
+"""<EnvironmentAction> for the weather, and for the time of day and friction."""

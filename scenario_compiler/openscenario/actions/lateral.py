@@ -1,6 +1,7 @@
 """Actions across the lanes.
 
-Lanes are counted to the left as the entity counted from travels; offsets go along the t axis, to the left of s.
+Lanes are counted to the left in the direction of travel of the reference entity. Offsets are along the t axis, positive
+to the left of s.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ def _speed_action(word: Any, target: etree._Element, output: Output) -> etree._E
 
 
 class _Distance:
-    """A distance, or in its place a time gap."""
+    """A distance, or a time gap instead."""
 
     def read(self, node: Node) -> Fields:
         return {"distance": node.optional_number("distance"), "time_gap": node.optional_number("timeGap")}
@@ -87,10 +87,10 @@ class _Distance:
 
 
 class Kept:
-    """How a kept distance is measured and on which side; 1.0 does not say: in the entity's axes, on any side."""
+    """The coordinate system and the side of a kept distance; 1.0 has neither: the entity's axes, and any side."""
 
     def __init__(self, displacements: tuple[str, ...], usual: str) -> None:
-        """Take note of the sides, and of the usual one since 1.1."""
+        """Set the sides, and the default side since 1.1."""
         self.displacements = displacements
         self.usual = usual
 
@@ -103,7 +103,7 @@ class Kept:
         }
 
     def write(self, word: Any, element: etree._Element, output: Output) -> None:
-        """Add the attributes, where the version knows them."""
+        """Add the attributes that the version has."""
         if output.version > (1, 0):
             element.set("coordinateSystem", word.coordinates)
             element.set("displacement", word.displacement)

@@ -60,7 +60,7 @@ class _Route:
 
 
 class _Trajectory:
-    """The trajectory: in a <TrajectoryRef>, in 1.0 a child of its own."""
+    """The trajectory: in a <TrajectoryRef>, in 1.0 directly a child."""
 
     def read(self, node: Node) -> Fields | None:
         trajectory = read_trajectory(node.child("TrajectoryRef") or node)
@@ -81,7 +81,7 @@ _TIMING = regular(
 
 
 class _TimeReference:
-    """Whether and how the trajectory's times count."""
+    """Whether and how the times of the trajectory are used."""
 
     def read(self, node: Node) -> Fields:
         reference = node.child("TimeReference")
@@ -108,7 +108,7 @@ class _FollowingMode:
 
 
 class _FinalSpeed:
-    """The speed on arrival; a relative one is relative to the entity that is synchronised with."""
+    """The speed on arrival; a relative one is relative to the master entity."""
 
     def read(self, node: Node) -> Fields:
         inner = node.child("FinalSpeed")
@@ -197,4 +197,4 @@ ROUTING: tuple[Form[Any], ...] = (
     regular("ConnectTrailerAction", ConnectTrailerAction, text("trailer", "trailerRef"), around=_TRAILER, since=(1, 3)),
     regular("DisconnectTrailerAction", DisconnectTrailerAction, around=_TRAILER, since=(1, 3)),
 )
-"""Private actions on place, way and presence."""
+"""Private actions on position, route and presence."""

@@ -39,14 +39,14 @@ NO_MEANING_IN_TRAFFIC = Code(
 )
 
 BY_RULES = "traffic_by_rules"
-"""Name of the controller that stands in files we write, where the standard wants one."""
+"""Name of the controller in written files where the standard requires one."""
 
 _AROUND = ("GlobalAction",)
 _KINDS = grammar_of(TrafficKind).attributes["category"].choices
 
 
 def read_kinds(node: Node) -> tuple[TrafficKind, ...]:
-    """Return which vehicles a traffic action asks for, by its <TrafficDefinition> or <TrafficDistribution>."""
+    """Return the kinds of vehicles of a traffic action, from its <TrafficDefinition> or <TrafficDistribution>."""
     definition = node.child("TrafficDefinition")
     if definition is not None:
         return _defined_kinds(definition)
@@ -220,7 +220,7 @@ def _position(node: Node) -> Any:
 
 
 def _definition(word: KeepsVehicles, output: Output) -> list[etree._Element]:
-    """Return the <TrafficDefinition> that says what vehicles are; older versions want one."""
+    """Return the <TrafficDefinition> of the kinds of vehicles; versions before 1.3 require one."""
     if not word.kinds and output.version >= (1, 3):
         return []
     if not word.kinds:

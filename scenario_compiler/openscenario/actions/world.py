@@ -1,4 +1,4 @@
-"""Actions on the world at large: entities, variables and parameters, traffic signals, commands."""
+"""Actions on the world as a whole: entities, variables and parameters, traffic signals, commands."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ from scenario_compiler.vocabulary.storyboard import ConditionGroup, Trigger, Tri
 from scenario_compiler.vocabulary.weather import Weather, weather_preset
 
 USUAL_WEATHER = "ClearNoon"
-"""The weather where a file says nothing of it."""
+"""The weather if a file does not set one."""
 
 DESTINATION_TOLERANCE = 2.0
 """Distance from the destination at which the file's stop trigger ends a run, m."""
@@ -57,15 +57,15 @@ _TRAFFIC = ("traffic", "walker")
 def export_openscenario(
     plan: Plan, network: Network, road_file: str, version: Version, sink: Diagnostics, scenario: Scenario | None = None
 ) -> etree._Element:
-    """Return a plan as the <OpenSCENARIO> element of a version; what OpenSCENARIO cannot express is reported.
+    """Return a plan as the <OpenSCENARIO> element of a version; report what OpenSCENARIO cannot express.
 
     Args:
         plan: The plan.
         network: Its map.
-        road_file: The OpenDRIVE file, as the file is to name it.
+        road_file: The OpenDRIVE file, as the exported file refers to it.
         version: The version.
-        sink: Where what OpenSCENARIO cannot express is reported.
-        scenario: What the plan was made from, where it is at hand: a plan has lost what its traffic came from.
+        sink: Receives what OpenSCENARIO cannot express.
+        scenario: The scenario of the plan, if available: the plan alone lacks the source of its traffic.
     """
     values = parameter_values(plan.parameters)
     export = _Export(plan, network, Output(version, sink, values), scenario)
@@ -85,7 +85,7 @@ class _Export:
         self.writer = StoryboardWriter(self.output, [one.id for one in self.plan.entities])
 
     def document(self, road_file: str) -> etree._Element:
-        """Return the file's first element."""
+        """Return the root element."""
         storyboard = self.storyboard()
         self.tell_kept()
         return made(
@@ -118,7 +118,7 @@ class _Export:
             yield variables
 
     def signals(self) -> list[etree._Element]:
-        """Return the controllers of traffic signals, where there are any."""
+        """Return the traffic signal controllers, if any."""
         controllers = []
         for one in self.plan.signal_controllers:
             element = made("TrafficSignalController", name=one.name, delay=self.output.text(one.delay, one))
@@ -134,7 +134,7 @@ class _Export:
         return [made("TrafficSignals", *controllers)] if controllers else []
 
     def entity_elements(self) -> etree._Element:
-        """Return the <Entities>; the first entity keeps what belongs to no entity."""
+        """Return the <Entities>; the first entity's controller keeps what belongs to no entity."""
         element = made("Entities")
         for number, entity in enumerate(self.entities):
             kept = entity_kept(self.plan, entity)
@@ -152,7 +152,7 @@ class _Export:
         return element
 
     def tell_kept(self) -> None:
-        """Tell what other programs will not know of."""
+        """Report the parts that other programs will ignore."""
         plan = self.plan
         told = []
         if self.automated:
@@ -178,7 +178,7 @@ class _Export:
         return made("Storyboard", made("Init", made("Actions", *self.writer.init_actions())), *stories, stop)
 
     def add_init(self) -> None:
-        """Add the actions that put everything to its start, and those of the plan's own init."""
+        """Add the actions for start positions, speeds and weather, and those of the plan's own init."""
         self.add_weather(self.plan.weather)
         for entity in self.entities:
             if entity.start is not None:
@@ -187,14 +187,14 @@ class _Export:
             self.writer.add_init(init.action, init.entity)
 
     def add_weather(self, weather: Weather) -> None:
-        """Let the weather be set at the start; a plan without automated vehicle keeps it nowhere else."""
+        """Set the weather at the start, unless a plan without automated vehicle has the default weather."""
         numbers = weather.model_dump(exclude={"word", "preset"})
         action = WeatherAction.model_validate({"preset": weather.preset, **numbers})
         if self.automated or weather != weather_preset(USUAL_WEATHER):
             self.writer.add_init(action, for_others=self.automated)
 
     def add_start(self, entity: Entity) -> None:
-        """Put an entity to its start and give it its speed and its way."""
+        """Add an entity's start position, speed, destination and path."""
         place = entity.start
         if place is None:
             return
@@ -210,7 +210,7 @@ class _Export:
             self.add_path(entity, entity.path)
 
     def add_path(self, entity: Entity, path: Path) -> None:
-        """Say the path that an entity begins on as a trajectory from where it is."""
+        """Write the path with which an entity begins as a trajectory from its position."""
         timed = any(point.time is not None for point in path.points)
         here = RelativeObjectPosition(entity=entity.id, dx=0.0, dy=0.0)
         first = Vertex(time=0.0 if timed else None, position=here)
@@ -224,12 +224,12 @@ class _Export:
         self.writer.add_init(action, entity.id, for_others=True)
 
     def own_groups(self) -> int:
-        """Return how many groups the plan's own stop trigger has."""
+        """Return the number of groups of the plan's own stop trigger."""
         own = self.plan.storyboard.stop
         return 0 if own is None else len(own.groups)
 
     def stop(self) -> Trigger:
-        """Return when the run ends: by the plan's own trigger, at its destination, and after its duration."""
+        """Return the stop trigger: the plan's own, its destination, and its duration."""
         own = self.plan.storyboard.stop
         more = [TriggerCondition(name="duration", condition=SimulationTimeCondition(after=self.plan.duration))]
         if self.plan.destination is not None:

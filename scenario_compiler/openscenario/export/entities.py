@@ -20,15 +20,15 @@ from scenario_compiler.plan.model import Entity
 from scenario_compiler.vocabulary.entities import Vehicle
 
 _THINGS = {"cone": "obstacle", "barrier": "barrier", "sign": "pole", "prop": "obstacle"}
-"""Our categories of things, and the MiscObjectCategory of each."""
+"""MiscObjectCategory of each category of objects."""
 
 _MASS = {"pedestrian": "80", "cone": "5", "barrier": "500", "sign": "50", "prop": "100"}
 _WHEEL = 0.6
-"""Diameter of a wheel, m; the standard asks for one."""
+"""Diameter of a wheel, m, which the standard requires."""
 
 
 def scenario_object(entity: Entity, own: Sequence[etree._Element], output: Output) -> etree._Element:
-    """Return the <ScenarioObject> of an entity; `own` is what the properties of its controller keep."""
+    """Return the <ScenarioObject> of an entity; its controller's properties keep the elements `own`."""
     described = described_vehicle(entity.vehicle, output)
     properties = described.find("Properties")
     if entity.kind == "ego" and properties is not None:
@@ -96,7 +96,7 @@ def _axles(vehicle: Vehicle, output: Output) -> etree._Element:
 
 
 def _kept_of_vehicle(vehicle: Vehicle, described: etree._Element, output: Output) -> list[etree._Element]:
-    """Return what of a vehicle is lost when its element is read."""
+    """Return the parts of a vehicle that are lost when its element is read."""
     reading = FileContext(Document("", "", described), Diagnostics(), output.version)
     read = read_vehicle(Node(described, reading, Scope()))
     full, understood = write_word(vehicle), write_word(read)

@@ -16,14 +16,14 @@ from scenario_compiler.vocabulary.word import Word
 
 _NOWHERE = FreePosition(x=0.0, y=0.0)
 _ATTRIBUTES_SAID = ("id", "model", "speed")
-"""Attributes of entities that the standard has words for, as it has for their starts."""
+"""Attributes of entities that the standard can express."""
 
 SAID = ("parameters", "variables", "signal_controllers", "storyboard")
-"""Parts of a plan that the standard has words for."""
+"""Parts of a plan that the standard can express."""
 
 
 def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
-    """Return the element that keeps what an entity is here; none for one that the standard's actions alone place."""
+    """Return the element that keeps an entity's own kind; none for an entity that the standard expresses completely."""
     if entity.start is None:
         return []
     word: Word = Dynamic(id="id", destination=goal_of(plan, entity), follow=entity.follow, path=entity.path)
@@ -49,7 +49,7 @@ def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
 
 
 def scenario_kept(plan: Plan, scenario: Scenario | None, groups: int) -> list[etree._Element]:
-    """Return the element that keeps what holds for the whole plan; `groups` is how many groups its own stop has."""
+    """Return the element for parts of the whole plan; `groups` is the number of groups of its own stop trigger."""
     element = made("scenario", step=str(plan.step), control_every=str(plan.control_every), duration=str(plan.duration))
     element.set("stop_groups", str(groups))
     if plan.summary:
@@ -64,13 +64,13 @@ def scenario_kept(plan: Plan, scenario: Scenario | None, groups: int) -> list[et
 
 
 def vehicles_kept(plan: Plan, scenario: Scenario | None) -> list[etree._Element]:
-    """Return the element that keeps what actions on traffic let appear, of a scenario without automated vehicle."""
+    """Return the element for the vehicles of actions on traffic, in a scenario without automated vehicle."""
     words = [] if scenario is None else _vehicles_of_traffic(plan, scenario)
     return [made("scenario", *(write_word(word) for word in words))] if words else []
 
 
 def appears_by_action(entity: Entity) -> bool:
-    """Return whether an entity is one that an action on traffic lets appear."""
+    """Return whether an action on traffic lets an entity appear."""
     return entity.kind == "traffic" and entity.start is None
 
 

@@ -20,7 +20,7 @@ from scenario_compiler.vocabulary.traversal import parameters_in
 from scenario_compiler.vocabulary.word import Number
 
 SEED = 1
-"""Seed whose draws a file shows of what is drawn again in each run."""
+"""Seed of the random positions that are written, which in a run are drawn anew."""
 
 
 def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -> Position:
@@ -44,7 +44,7 @@ def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -
 
 
 def _ahead(plan: Plan, network: Network, start: RelativeLanePosition) -> LanesAwayPosition | None:
-    """Return a start ahead of an entity in the standard's terms; None where its direction is not known."""
+    """Return a start ahead of an entity in the standard's terms; None if its direction is not known."""
     other = next((one.start for one in plan.entities if one.id == start.entity), None)
     if not isinstance(other, LanePositionWord):
         return None
@@ -82,7 +82,7 @@ def _drawn(plan: Plan, network: Network, entity: str) -> FreePosition:
 
 
 def goal_of(plan: Plan, entity: Entity) -> LanePositionWord | None:
-    """Return where an entity is going; None where it goes nowhere in particular."""
+    """Return the destination of an entity, or None."""
     if entity.kind == "ego":
         return plan.destination
     if not entity.route:

@@ -1,4 +1,4 @@
-"""The storyboard: each word as the standard's element, and as properties if it would be read differently."""
+"""The storyboard: each word as the standard's element, and also as properties if it would be read differently."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from scenario_compiler.vocabulary.word import Word
 _BEGIN = TriggerCondition(name="at once", condition=SimulationTimeCondition(after=0.0))
 
 ALWAYS = Trigger(groups=(ConditionGroup(conditions=(_BEGIN,)),))
-"""What starts at once, for versions that want a trigger."""
+"""A trigger that fires at once, for versions that require a trigger."""
 
 _NEVER = SimulationTimeCondition(after=-1.0, rule="lessThan")
 _BETWEEN = "::"
@@ -43,13 +43,13 @@ _BETWEEN = "::"
 
 @dataclass
 class StoryboardWriter:
-    """Writes a storyboard and collects what has to be kept word for word.
+    """Writes a storyboard and collects the words that must be kept verbatim.
 
     Attributes:
-        output: What words are written with.
+        output: The context for writing words.
         entities: Ids of all entities.
         kept: The <exact> elements, filled while writing.
-        init: Actions of the init: entity, element, number of words that are read from it, and what is kept of it.
+        init: Actions of the init: entity, element, number of words that are read from it, and the element to keep.
     """
 
     output: Output
@@ -58,7 +58,7 @@ class StoryboardWriter:
     init: list[tuple[str, etree._Element, int, etree._Element | None]] = field(default_factory=list)
 
     def stories(self, storyboard: Storyboard) -> list[etree._Element]:
-        """Return the <Story> elements; one in which nothing happens where the version wants one."""
+        """Return the <Story> elements; an empty one if there is none and the version requires one."""
         found = [self._story(one) for one in storyboard.stories]
         written = [one for one in found if len(one)]
         return written if written or self.output.version > (1, 1) else [_empty_story()]
@@ -68,9 +68,9 @@ class StoryboardWriter:
 
         Args:
             word: The action.
-            entity: Who does it; nobody for actions on the run as a whole.
-            said: What is written in its place.
-            for_others: It stands there for other programs: it is taken out when the file is read back.
+            entity: The acting entity; empty for actions on the run as a whole.
+            said: The word that is written in its place.
+            for_others: Whether it is only meant for other programs, and is removed when the file is read back.
         """
         output = self.output.by(entity)
         element = write_action(said or word, output)
@@ -83,7 +83,7 @@ class StoryboardWriter:
         self.init.append((entity, element, len(read), keep))
 
     def init_actions(self) -> list[etree._Element]:
-        """Return the children of <Actions>: actions of nobody first, as the schema wants, then those of entities."""
+        """Return the children of <Actions>: actions without an entity first, as the schema requires, then others."""
         order = {"GlobalAction": 0, "UserDefinedAction": 1}
         found: list[etree._Element] = []
         number = 0
@@ -100,7 +100,7 @@ class StoryboardWriter:
         return found
 
     def trigger(self, trigger: Trigger, tag: str, of: str, element: str) -> etree._Element:
-        """Return the element of a trigger; `of` and `element` say whose, for what is kept."""
+        """Return the element of a trigger; `of` and `element` identify it for what is kept."""
         groups = trigger.groups or (ConditionGroup(conditions=(TriggerCondition(condition=_NEVER),)),)
         return made(tag, *(self._group(one, of, element, number) for number, one in enumerate(groups, 1)))
 
@@ -188,7 +188,7 @@ class StoryboardWriter:
         return element
 
     def _compare(self, element: etree._Element, word: Word, keep: etree._Element, output: Output) -> None:
-        """Keep a word that its element does not say exactly."""
+        """Keep a word that its element does not express exactly."""
         read = self._read(element, output)
         same = len(read) == 1 and read[0] == of_nobody(word)
         if not same:
@@ -217,7 +217,7 @@ class StoryboardWriter:
 
 
 def _command(word: Word) -> etree._Element:
-    """Return what stands for an action that the standard has no word for; its text is for people and means nothing."""
+    """Return the element for an action that the standard cannot express; its text is only informative."""
     command = made("CustomCommandAction", type=word.tag())
     command.text = veiled(fingerprint(word))
     return nested(["UserDefinedAction"], command)

@@ -1,8 +1,8 @@
 """Checks whether an OpenSCENARIO file of version 1.0 to 1.3 has the structure of its version.
 
-What enters: a document. What leaves: the version and diagnostics with line and column (`check_structure`). The tables
-of elements (`*_elements`) and of words are the facts; `grammar` binds them, `check` holds a file to them, `elements`
-tells which version has what. Imports the hall, and the codes and files of `openscenario`.
+In: a document. Out: the version, and diagnostics with line and column (`check_structure`). The tables of elements
+(`*_elements`) and of words contain the facts; `grammar` combines them, `check` compares a file with them, `elements`
+lists the versions that have each element. Imports the hall, and the codes and files of `openscenario`.
 """
 
 from scenario_compiler.openscenario.structure.check import (

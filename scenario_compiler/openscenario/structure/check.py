@@ -15,7 +15,7 @@ from scenario_compiler.structure.values import is_integer_within
 from scenario_compiler.structure.walk import check_elements, local_name
 
 ROOTS = ("OpenSCENARIO", "OpenScenario")
-"""Tags of the root element; the schemas take the second too."""
+"""Tags of the root element; the schemas also allow the second one."""
 
 Version = tuple[int, int]
 """revMajor and revMinor."""
@@ -26,13 +26,13 @@ def check_structure(document: Document, sink: Diagnostics, *, forgiving: bool = 
 
     Args:
         document: The file.
-        sink: Where the faults go; any error among them means that the file is not valid.
-        forgiving: Whether faults that leave no doubt of what is meant are warnings: words of another version than the
-            header names, children in another order, values that only look different, blanks in empty elements, the
-            author, date and description of the header, and a header that says 0.9 or no version that there is.
+        sink: Receives the faults; any error among them means that the file is not valid.
+        forgiving: Whether faults with an obvious meaning are warnings: words of another version than the header names,
+            children in another order, values that only look different, blanks in empty elements, the author, date and
+            description of the header, and a header with version 0.9 or one that does not exist.
 
     Returns:
-        The version that the file was checked against, None where it names none.
+        The version that the file was checked against, None if it names none.
     """
     findings = Findings(document, sink, _is_mild if forgiving else None)
     namespace = drop_namespace(document.root)
@@ -46,7 +46,7 @@ def check_structure(document: Document, sink: Diagnostics, *, forgiving: bool = 
 
 
 def file_version(document: Document) -> Version | None:
-    """Return (revMajor, revMinor) of the header, None where it does not name them by numbers."""
+    """Return (revMajor, revMinor) of the header, None if they are not numbers."""
     header = document.root.find("{*}FileHeader")
     texts = [] if header is None else [header.get(name, "").strip() for name in ("revMajor", "revMinor")]
     if len(texts) < 2 or not all(is_integer_within(text, 0, 2**16 - 1) for text in texts):
@@ -55,14 +55,14 @@ def file_version(document: Document) -> Version | None:
 
 
 def _is_mild(code: Code, element: etree._Element) -> bool:
-    """Tell whether a fault leaves no doubt of what is meant."""
+    """Return whether the meaning is obvious despite a fault."""
     if element.tag == "FileHeader" and code in {codes.MISSING_ATTRIBUTE, codes.BAD_VALUE, codes.UNKNOWN_ATTRIBUTE}:
         return True
     return code in {codes.OTHER_VERSION, codes.ELEMENT_ORDER, codes.BLANKS, codes.LOOSE_VALUE}
 
 
 def _version(findings: Findings, sink: Diagnostics, forgiving: bool) -> Version | None:
-    """Return the version to check against; None where the file names none that is known."""
+    """Return the version to check against; None if the file names no known one."""
     root = findings.document.root
     if local_name(root) not in ROOTS:
         message = f"the root element is <{local_name(root)}>, not <OpenSCENARIO>"
@@ -103,7 +103,7 @@ OLD_FORMAT = "the header names version 0.9, another format, which is not read; 1
 
 
 def is_of_old_format(document: Document) -> bool:
-    """Return whether a file is one of OpenSCENARIO 0.9, and not only says so as many of 1.0 do."""
+    """Return whether a file has the format of OpenSCENARIO 0.9, and not only its number in the header."""
     old = ("{*}Catalogs", "{*}RoadNetwork/{*}Logics", "{*}Entities/{*}Object", "{*}ParameterDeclaration")
     return file_version(document) == (0, 9) and any(document.root.find(path) is not None for path in old)
 
@@ -116,7 +116,7 @@ def report_old_format(document: Document, sink: Diagnostics) -> None:
 
 
 def _mislabelled(findings: Findings, header: etree._Element) -> Version | None:
-    """Report a file that says 0.9; return the first version whose structure it has, else 1.0."""
+    """Report a file with 0.9 in its header; return the first version whose structure it has, or 1.0."""
     if is_of_old_format(findings.document):
         findings.report(codes.MISLABELLED, OLD_FORMAT, header, "revMinor")
         return None

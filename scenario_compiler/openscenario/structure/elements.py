@@ -10,10 +10,10 @@ from scenario_compiler.openscenario.structure.grammar import FIRST_MINOR, LAST_M
 
 @dataclass(frozen=True, slots=True)
 class Element:
-    """What the standard says of one type of element.
+    """A type of element in the standard.
 
     Attributes:
-        name: The type's name in the standard; where a tag differs from it, `tags` says so.
+        name: The type's name in the standard, which may differ from its tags.
         tags: The tags of its elements, in the order of the tables.
         since: First minor version of OpenSCENARIO 1 with the element.
         until: Last one.

@@ -1,4 +1,4 @@
-"""OpenSCENARIO: actions that belong to no entity, and of the user's own; the notation is in `structure.notation`."""
+"""OpenSCENARIO: global and user-defined actions; the notation is in `structure.notation`."""
 
 GLOBAL_ACTION_ELEMENTS = """
 GlobalAction

@@ -1,4 +1,4 @@
-"""OpenSCENARIO's grammar: the tables of its elements and words, bound together."""
+"""OpenSCENARIO's grammar: the combined tables of its elements and words."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from scenario_compiler.openscenario.structure.words import KINDS, WORDS, is_para
 from scenario_compiler.structure.grammar import Faults, Grammar
 
 FIRST_MINOR, LAST_MINOR = 0, 3
-"""Minor versions of OpenSCENARIO XML 1 that are declared."""
+"""Last declared minor version of OpenSCENARIO XML 1."""
 
 OPENSCENARIO = Grammar(
     name="OpenSCENARIO",

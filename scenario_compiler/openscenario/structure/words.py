@@ -1,7 +1,7 @@
-"""The values that OpenSCENARIO's attributes may have: types, and words with the versions that know them.
+"""The values that OpenSCENARIO's attributes may have: types, and words with the versions that have them.
 
-The names are the standard's. A word is followed by the versions that know it ("override@1.2-"). A parameter ($name) may
-stand for any value, an expression (${...}) since 1.1 for numbers and booleans.
+The names are the standard's. A word is followed by its versions ("override@1.2-"). A parameter ($name) may replace any
+value, and an expression (${...}) since 1.1 numbers and booleans.
 """
 
 from __future__ import annotations
@@ -66,12 +66,12 @@ _BLANKS = " \t\n\r"
 
 
 def is_parameter(text: str) -> bool:
-    """Tell whether a text names a parameter: $name."""
+    """Return whether a text is a parameter: $name."""
     return _PARAMETER.fullmatch(text) is not None
 
 
 def _or_expression(test: Test) -> Test:
-    """A literal, a parameter, or since 1.1 an expression."""
+    """Return a test for a literal, a parameter, or since 1.1 an expression."""
 
     def check(text: str, minor: int) -> bool:
         if text.startswith("$"):
@@ -97,10 +97,10 @@ KINDS = {
     "UnsignedInt": Kind("an integer of at least 0", _integer(0, 2**32 - 1), blanks=True),
     "UnsignedShort": Kind("an integer from 0 to 65535", _integer(0, 2**16 - 1), blanks=True),
 }
-"""What each type is called, and its test."""
+"""Name and test of each type."""
 
 MISSPELT = {"euclideandistance": "euclidianDistance", "bool": "boolean"}
-"""Words that are often written in another way, in lower case."""
+"""Frequent other spellings of words, in lower case."""
 
 _LOOSE_DATE = re.compile(
     r"(\d{4})-(\d{1,2})-(\d{1,2})(?:[T ](\d{1,2}):(\d{1,2})(?::(\d{1,2})(\.\d+)?)?(Z|[+-]\d\d:\d\d)?)?", re.ASCII
@@ -108,7 +108,7 @@ _LOOSE_DATE = re.compile(
 
 
 def loosely(kind: str, text: str, minor: int) -> str | None:
-    """Return the value that a wrongly written text seems to mean in version 1.`minor`, None when that is not plain."""
+    """Return the value that a wrongly written text probably means in version 1.`minor`; None if it is not obvious."""
     plain = text.strip()
     if kind in WORDS:
         return _word(kind, plain, minor)

@@ -1,9 +1,8 @@
 """Checks road files for faults beyond their structure: `CHECKS` has one function for each family of rules.
 
-What enters: a document and the network that was read from it. What leaves: diagnostics with places
-(`check_network`); all of them are warnings or notes, because the rest of the file can be used. Each check gets the
-file as filed (`filed.Filed`) and reports into `Findings`. Imports the hall and the modules of `roads` that read files
-and evaluate geometry.
+In: a document and the network that was read from it. Out: diagnostics with places (`check_network`), which are all
+warnings or notes, because the rest of the file can be used. Each check receives the file as written (`filed.Filed`) and
+reports to `Findings`. Imports the hall and the modules of `roads` that read files and evaluate geometry.
 
 Sources of the rules: the ASAM quality checker for OpenDRIVE and openMSL's, named by their rule UIDs in the codes'
 explanations.
@@ -39,18 +38,18 @@ CHECKS = (
     check_traffic,
     check_objects,
 )
-"""In the order in which they run; the sink sorts what they find."""
+"""The checks in the order of their execution; the sink sorts their findings."""
 
 __all__ = ["CHECKS", "Unread", "check_file", "check_network", "unread"]
 
 
 def check_network(document: Document, network: Network | None, sink: Diagnostics) -> None:
-    """Report what is wrong in a road file beyond its structure and beyond what reading it reports.
+    """Report the faults of a road file beyond its structure and beyond those that reading it reports.
 
     Args:
         document: The file, its elements without namespace (`document.drop_namespace`).
-        network: What was read from it; None when it gave no network, then only what stands in the file is checked.
-        sink: Where the findings go.
+        network: The network that was read from it; None if there is none, then only the file itself is checked.
+        sink: Receives the findings.
     """
     filed = read_filed(document, network)
     findings = Findings(document, sink)
@@ -59,9 +58,9 @@ def check_network(document: Document, network: Network | None, sink: Diagnostics
 
 
 def check_file(path: str | Path, sink: Diagnostics) -> None:
-    """Report everything that is wrong in a road file: form, structure, what reading it finds, and `CHECKS`.
+    """Report all faults of a road file: form, structure, those found by reading it, and `CHECKS`.
 
-    A value that the structure forbids is reported once, not again by the reader that cannot use it.
+    A value that the structure forbids is reported once, and not again by the reader that cannot use it.
     """
     document = read_document(path, sink, MAX_BYTES)
     if document is None:

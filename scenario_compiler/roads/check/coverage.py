@@ -1,6 +1,6 @@
-"""The page with the parts of OpenDRIVE that are used, kept and not read (docs/opendrive.md).
+"""The page that lists which parts of OpenDRIVE are used, kept or not read (docs/opendrive.md).
 
-It is made from the declarations of elements (`structure.grammar`) and from the list of what is read (`unread`).
+It is made from the declarations of elements (`structure.grammar`) and from the list of parts that are read (`unread`).
 """
 
 from __future__ import annotations
@@ -49,15 +49,16 @@ connection_end
 priority
 junction_controller
 """
-"""What is read and kept for those who ask (`Network.model`, `Network.lane_details`), of the elements in `unread.READ`;
-positions and routes do not depend on it, and of pictures only what the camera draws of objects and signals. A name
-alone means all of its attributes that are read."""
+"""Elements in `unread.READ` that are read and available through `Network.model` and `Network.lane_details`. Positions
+and routes do not depend on them; the camera draws some of the objects and signals. A name alone stands for all of its
+attributes that are read.
+"""
 
 KEPT_ATTRIBUTES = {
     name: frozenset(attributes) or READ_ATTRIBUTES[name]
     for name, *attributes in (line.split() for line in KEPT.split("\n") if line)
 }
-"""The same by name."""
+"""The same for attributes, by name."""
 
 _HEAD = """# The parts of OpenDRIVE that are read
 
@@ -98,7 +99,7 @@ def coverage_page() -> str:
 
 
 def _places() -> dict[str, tuple[list[str], list[str], list[int]]]:
-    """Return each declaration's tags, the tags that it stands in, and the versions that know it."""
+    """Return each declaration's tags, its parents' tags, and the versions that have it."""
     found: dict[str, tuple[list[str], list[str], list[int]]] = {"OpenDRIVE": (["OpenDRIVE"], [], [])}
     for minor in range(LAST_MINOR, FIRST_MINOR - 1, -1):
         known = declarations(minor)
@@ -121,7 +122,7 @@ def _places() -> dict[str, tuple[list[str], list[str], list[int]]]:
 
 
 def _children(known: dict[str, Declaration], parent: str) -> list[tuple[str, str]]:
-    """Return (tag, declaration) of the children, the declarations that take over by an attribute's value included."""
+    """Return (tag, declaration) of the children, including declarations that replace one depending on an attribute."""
     found = []
     for one in known[parent].content.names[1:]:
         switch = known[one.declaration].switch
@@ -133,7 +134,7 @@ def _children(known: dict[str, Declaration], parent: str) -> list[tuple[str, str
 
 
 def _attributes(name: str) -> dict[str, list[int]]:
-    """Return the attributes of a declaration with the versions that know them."""
+    """Return the attributes of a declaration with the versions that have them."""
     found: dict[str, list[int]] = {}
     for minor in range(FIRST_MINOR, LAST_MINOR + 1):
         for attribute in declarations(minor)[name].attributes:
@@ -142,7 +143,7 @@ def _attributes(name: str) -> dict[str, list[int]]:
 
 
 def _span(minors: list[int], all_of: list[int]) -> str:
-    """Return " (1.4 to 1.7)" where the versions are not those of the whole."""
+    """Return the versions as " (1.4 to 1.7)", or an empty text if they are all of the declaration's."""
     known = [minor for minor in minors if minor in all_of]
     if known == all_of or not known:
         return ""

@@ -1,6 +1,6 @@
-"""The contents of a road file as written: roads, lane sections, lanes, links and junctions, with elements.
+"""The contents of a road file as written: roads, lane sections, lanes, links and junctions, with their elements.
 
-The tables of a network hold what can be used; checks ask what stands in the file, and where.
+The tables of a network contain only what is usable; checks need what is in the file, and where.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LINK_AT = {START: "predecessor", END: "successor"}
 
 
 class Link(NamedTuple):
-    """A road's predecessor or successor: its element, the kind ("road", "junction"), id and contact that it names."""
+    """A road's predecessor or successor: its element, kind ("road", "junction"), id and contact point."""
 
     element: etree._Element
     kind: str
@@ -33,7 +33,7 @@ class Link(NamedTuple):
 
 @dataclass(slots=True)
 class Section:
-    """A lane section: where it starts, its lanes by id (the first of each), its row in the tables or -1."""
+    """A lane section: its start, its lanes by id (the first of each), and its row in the tables or -1."""
 
     element: etree._Element
     s: float
@@ -42,7 +42,7 @@ class Section:
     _linked: dict[tuple[int, str], frozenset[int]] = field(default_factory=dict)
 
     def linked(self, lane: int, end: str) -> frozenset[int]:
-        """Return the ids that a lane of the section is linked to at an end."""
+        """Return the lane ids to which a lane of the section is linked at an end."""
         key = (lane, end)
         if key not in self._linked:
             self._linked[key] = frozenset(target for target, _ in lane_links(self.lanes[lane], end))
@@ -74,14 +74,14 @@ class Road:
         return self.sections[0] if end == START else self.sections[-1]
 
     def section_at(self, s: float) -> Section | None:
-        """Return the lane section that holds s."""
+        """Return the lane section that contains s."""
         at = bisect_right(self.sections, s, key=lambda one: one.s) - 1
         return self.sections[at] if at >= 0 else None
 
 
 @dataclass(slots=True)
 class Connection:
-    """A junction's connection: its roads ("" where it names none) and its lane links (from, to, element)."""
+    """A junction's connection: its roads ("" if it names none) and its lane links (from, to, element)."""
 
     element: etree._Element
     incoming: str
@@ -92,7 +92,7 @@ class Connection:
 
 @dataclass
 class Filed:
-    """The file and the network that was read from it (None when it gave none); connections stand by junction."""
+    """The file, its network (None if there is none), and the connections by junction."""
 
     document: Document
     network: Network | None
@@ -101,7 +101,7 @@ class Filed:
     connections: list[list[Connection]] = field(default_factory=list)
 
     def junction(self, name: str) -> int:
-        """Return the index of a junction (the first of its id), -1 when there is none."""
+        """Return the index of the first junction with an id, -1 if there is none."""
         return self._junctions.get(name, -1)
 
     @cached_property
@@ -110,7 +110,7 @@ class Filed:
 
 
 def read_filed(document: Document, network: Network | None) -> Filed:
-    """Collect what a document files; elements that cannot be told apart (no id, an id twice) count once."""
+    """Collect the contents of a document; elements that cannot be distinguished (no id, a repeated id) count once."""
     junctions = list(document.root.iterfind("junction"))
     filed = Filed(document, network, {}, junctions, [list(_connections(junction)) for junction in junctions])
     for element in document.root.iterfind("road"):
@@ -125,7 +125,7 @@ def read_filed(document: Document, network: Network | None) -> Filed:
 
 
 def number(element: etree._Element, name: str, default: float = 0.0) -> float:
-    """Return an attribute as a finite number, else the default: the reader reports other texts."""
+    """Return an attribute as a finite number, or the default; the reader reports other texts."""
     try:
         value = float(element.get(name, ""))
     except ValueError:
@@ -134,7 +134,7 @@ def number(element: etree._Element, name: str, default: float = 0.0) -> float:
 
 
 def whole(element: etree._Element, name: str) -> int | None:
-    """Return an attribute as an integer, None where it is not one."""
+    """Return an attribute as an integer, None if it is not one."""
     text = element.get(name, "")
     try:
         return int(text) if len(text) < 16 else None

@@ -81,14 +81,14 @@ LENGTH_TOLERANCE = 0.01
 
 
 class _Borders(NamedTuple):
-    """The left and the right border of a lane at an end, as seen along s: points in the plane."""
+    """The left and right border points of a lane at an end, as seen along s, in the plane."""
 
     left: tuple[float, float]
     right: tuple[float, float]
 
 
 def check_joints(filed: Filed, findings: Findings) -> None:
-    """Report gaps, kinks, steps and lengths that do not add up."""
+    """Report gaps, kinks, steps in height, and inconsistent lengths."""
     if filed.network is None:
         return
     n = filed.network.tables
@@ -176,7 +176,7 @@ def _t_borders(n: RoadTables, road: Road, section: Section, lane: int, s: float)
 
 
 def _check_road_joint(n: RoadTables, filed: Filed, road: Road, end: str, findings: Findings) -> None:
-    """Compare a road's end with the road that it is linked to; each joint once, at the road that stands first."""
+    """Compare a road's end with the road to which it is linked; each joint once, at the road that comes first."""
     link = road.links[end]
     other = filed.roads.get(link.id) if link.kind == "road" else None
     if other is None or other.index < 0 or link.contact not in OTHER_END or link.element.get("elementS") is not None:

@@ -82,7 +82,7 @@ CONNECTING_AS_INCOMING = Code(
 
 
 def check_junctions(filed: Filed, findings: Findings) -> None:
-    """Report what is wrong with the connections of each junction."""
+    """Report the faults in the connections of each junction."""
     for junction, found in zip(filed.junctions, filed.connections, strict=True):
         direct = junction.get("type") == "direct"
         inner = set() if direct else {one.connecting for one in found}
@@ -128,7 +128,7 @@ def _check_roads(
 
 
 def touched_ends(filed: Filed, junction: etree._Element, connection: Connection) -> tuple[Road, str, Road, str] | None:
-    """Return (incoming road, its end, connecting road, its end) where they touch, None where the file does not say."""
+    """Return (incoming road, its end, connecting road, its end) where they touch; None if they are not stated."""
     incoming, inner = filed.roads.get(connection.incoming), filed.roads.get(connection.connecting)
     if incoming is None or inner is None or connection.contact not in OTHER_END:
         return None
@@ -163,7 +163,7 @@ def _check_lanes(filed: Filed, junction: etree._Element, connection: Connection,
 
 
 def _check_incoming_lanes(filed: Filed, junction: etree._Element, found: list[Connection], findings: Findings) -> None:
-    """Report lanes of incoming roads on which traffic drives into the junction and which go on nowhere."""
+    """Report lanes of incoming roads that lead into the junction and have no connection there."""
     name = junction.get("id", "")
     linked: dict[str, set[int]] = {}
     whole: set[str] = set()

@@ -75,11 +75,11 @@ ZERO_WIDTH_LINK = Code(
 )
 
 ZERO_WIDTH = 1e-6
-"""Width below which a lane counts as having none, m (the ASAM quality checker's)."""
+"""Width below which a lane counts as having no width, m (from the ASAM quality checker)."""
 
 
 def check_road_links(filed: Filed, findings: Findings) -> None:
-    """Report links that are not returned and ends that several roads are linked to."""
+    """Report links that are not mutual, and ends to which several roads are linked."""
     taken: dict[tuple[str, str], etree._Element] = {}
     known = [_joined_roads(filed, found) for found in filed.connections]
     for road in filed.roads.values():
@@ -105,7 +105,7 @@ def check_road_links(filed: Filed, findings: Findings) -> None:
 
 
 def _check_junction_link(filed: Filed, road: Road, end: str, known: list[set[str]], findings: Findings) -> None:
-    """A road that leads into a junction has a connection there."""
+    """Report a road that leads into a junction but has no connection there."""
     link = road.links[end]
     at = filed.junction(link.id)
     if at < 0 or filed.junctions[at].get("type") in {"virtual", "crossing"}:
@@ -116,7 +116,7 @@ def _check_junction_link(filed: Filed, road: Road, end: str, known: list[set[str
 
 
 def _joined_roads(filed: Filed, found: list[Connection]) -> set[str]:
-    """Return the ids of the roads that a junction's connections join, those that connecting roads lead to included."""
+    """Return the ids of the roads that a junction's connections join, including the successors of connecting roads."""
     known: set[str] = set()
     for connection in found:
         known.update((connection.incoming, connection.connecting))
@@ -127,7 +127,7 @@ def _joined_roads(filed: Filed, found: list[Connection]) -> set[str]:
 
 
 class _Joint(NamedTuple):
-    """Where a lane section meets another: its end, the other, the end of that; whether it belongs to a junction."""
+    """A joint of lane sections: the end, the other section and its end, and whether it belongs to a junction."""
 
     section: Section
     end: str
@@ -137,7 +137,7 @@ class _Joint(NamedTuple):
 
 
 def check_lane_links(filed: Filed, findings: Findings) -> None:
-    """Report lane links to lanes that do not exist, that are not returned, and of lanes without width."""
+    """Report lane links to lanes that do not exist, links that are not mutual, and links of lanes without width."""
     for road in filed.roads.values():
         for joint in _joints(filed, road):
             for name, lane in joint.section.lanes.items():
@@ -171,7 +171,7 @@ def _joints(filed: Filed, road: Road) -> Iterator[_Joint]:
 
 
 def _check_ends_without_neighbour(road: Road, findings: Findings) -> None:
-    """Lanes at an end that no road is linked to have no links there."""
+    """Report lane links at an end to which no road is linked."""
     for end in (START, END):
         section = road.section(end)
         if section is None or end in road.links:

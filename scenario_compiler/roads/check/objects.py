@@ -1,4 +1,4 @@
-"""Checks objects and signals: on their road, of a usual size, for existing lanes."""
+"""Checks objects and signals: their place on the road, their size, and the lanes that they apply to."""
 
 from __future__ import annotations
 
@@ -70,10 +70,10 @@ OBJECT_LIMIT, SIGNAL_LIMIT = 50.0, 5.0
 checker's)."""
 
 END_TOLERANCE = 1e-6
-"""How far an object may lie beyond its road's end unreported, m."""
+"""Distance beyond its road's end up to which an object is not reported, m."""
 
 FIRST_MINOR_WITH_FREE_SIZE = 6
-"""First minor version in which an object with an outline needs no size beside it."""
+"""First minor version in which an object with an outline needs no size."""
 
 
 def check_objects(filed: Filed, findings: Findings) -> None:

@@ -87,13 +87,13 @@ LENGTH_TOLERANCE = 0.001
 """Largest difference of a curve's length that is not reported, m (the ASAM quality checker's)."""
 
 WIDTH_TOLERANCE = 1e-6
-"""How far a width may fall below 0 unreported, m: rounding of written decimals."""
+"""Amount by which a width may be negative without a report, m: rounding of written decimals."""
 
 OFFSET_TOLERANCE = 1e-3
-"""How far a record may start beyond its section unreported, m."""
+"""Distance by which a record may start beyond its section without a report, m."""
 
 START_TOLERANCE = 1e-6
-"""Largest coefficient of a curve's start that counts as 0."""
+"""Largest coefficient at a curve's start that counts as 0."""
 
 CURVE_STEPS = 200
 """Steps of Simpson's rule over a curve; its error is below 1e-6 m for curves that roads have."""
@@ -132,7 +132,7 @@ def _check_curves(road: Road, findings: Findings) -> None:
 
 
 def _curve_length(curve: etree._Element, last: float) -> float:
-    """Return the length of a paramPoly3 over 0 .. last by Simpson's rule."""
+    """Return the length of a paramPoly3 from 0 to `last` by Simpson's rule."""
     bu, cu, du = (number(curve, name) for name in ("bU", "cU", "dU"))
     bv, cv, dv = (number(curve, name) for name in ("bV", "cV", "dV"))
     step = last / CURVE_STEPS
@@ -160,7 +160,7 @@ def _check_sections(road: Road, findings: Findings) -> None:
 
 
 def _check_lane_order(section: Section, findings: Findings) -> None:
-    """Ids descend by one from left to right, and each side starts beside the centre."""
+    """Report lane ids that do not descend by one from left to right, or do not start beside the centre."""
     for side, sign in (("left", 1), ("right", -1)):
         ids = [whole(lane, "id") for lane in section.element.iterfind(f"{side}/lane")]
         elements = section.element.findall(f"{side}/lane")
@@ -213,7 +213,7 @@ def _check_widths(n: RoadTables, road: Road, findings: Findings) -> None:
 
 
 def _lowest(n: RoadTables, i: int, start: float, stop: float) -> tuple[float, float]:
-    """Return (the lowest value, where) of a cubic over start .. stop."""
+    """Return (the lowest value of a cubic, its place) from `start` to `stop`."""
     a, b, c, d = n.cubic_a[i], n.cubic_b[i], n.cubic_c[i], n.cubic_d[i]
     places = [start, max(start, stop)]
     if d != 0.0:

@@ -64,11 +64,11 @@ SPEEDS = {
     "townLocal": (10, 30),
     "townPlayStreet": (10, 30),
 }
-"""Lowest and highest usual speed limit of each type of road, km/h (the openMSL quality checker's)."""
+"""Lowest and highest usual speed limit of each type of road, km/h (from the openMSL quality checker)."""
 
 
 def check_traffic(filed: Filed, findings: Findings) -> None:
-    """Report access, level and speed that do not fit."""
+    """Report access, level and speed records with faults."""
     for road in filed.roads.values():
         kind = road.element.find("type")
         speeds = SPEEDS.get("" if kind is None else kind.get("type", ""))
@@ -125,7 +125,7 @@ def _levels_differ(here: Section, first: int, there: Section, second: int) -> bo
 
 
 def _check_level_along(filed: Filed, road: Road, findings: Findings) -> None:
-    """Compare lanes with those that they are linked to."""
+    """Compare the level of lanes with that of the lanes to which they are linked."""
     joints = [(a, "end", b) for a, b in zip(road.sections, road.sections[1:], strict=False)]
     for end, link in road.links.items():
         other = filed.roads.get(link.id) if link.kind == "road" and link.contact in OTHER_END else None

@@ -92,10 +92,10 @@ laneLink from to
 priority high low
 junction_controller id
 """
-"""Declarations (see `structure.grammar`) whose elements are read, with the attributes that are."""
+"""Declarations (see `structure.grammar`) of elements that are read, with the attributes that are read."""
 
 READ_ATTRIBUTES = {line.split()[0]: frozenset(line.split()[1:]) for line in READ.split("\n") if line}
-"""The same by name."""
+"""Attributes that are read, by declaration."""
 
 _JUNCTION_PARTS = frozenset({"planView", "objects"})
 NOT_READ_IN = {
@@ -109,7 +109,7 @@ NOT_READ_IN = {
     "signal": frozenset({"Validity", "laneValidity"}),
     "signalReference": frozenset({"Validity", "laneValidity"}),
 }
-"""Tags of elements that are read elsewhere and not in these declarations."""
+"""Tags of elements that are read in other declarations but not in these."""
 
 USER_DATA_IN = frozenset(
     {"header", "left_lane", "right_lane", "centre_lane", "roadMark", "object", "signal", "signalReference", "junction"}
@@ -120,12 +120,12 @@ USER_DATA_IN = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Unread:
-    """An element (or an attribute of it) that is not read.
+    """An element (or one of its attributes) that is not read.
 
     Attributes:
-        path: Tags from the root on, "road/lanes/laneSection/right/lane/access".
-        attribute: The attribute, "" for the element and all that it holds.
-        count: How often it stands in the file.
+        path: Tags from the root, such as "road/lanes/laneSection/right/lane/access".
+        attribute: The attribute, "" for the whole element.
+        count: Number of occurrences in the file.
         line: Line of the first one.
     """
 
@@ -136,7 +136,7 @@ class Unread:
 
 
 def unread(document: Document) -> tuple[Unread, ...]:
-    """Return what stands in a road file and is not read, in the order of the file, each kind once."""
+    """Return the parts of a road file that are not read, each kind once, in the order of the file."""
     version = road_version(document)
     minor = version[1] if version is not None and FIRST_MINOR <= version[1] <= LAST_MINOR else LAST_MINOR
     known = declarations(minor)

@@ -14,7 +14,7 @@ from scenario_compiler.structure.walk import check_elements, local_name
 
 
 def road_version(document: Document) -> tuple[int, int] | None:
-    """Return (revMajor, revMinor) of the header, None where it does not say."""
+    """Return (revMajor, revMinor) of the header, None if it does not state them."""
     header = document.root.find("{*}header")
     try:
         if header is not None:
@@ -28,8 +28,8 @@ def check_structure(document: Document, sink: Diagnostics) -> bool:
     """Report every fault of a road file's structure, for the version in its header.
 
     Returns:
-        True when the structure is valid. A file of no known version counts as valid unless its root is not
-        <OpenDRIVE>: nothing more can be said of it.
+        True if the structure is valid. A file of an unknown version counts as valid unless its root is not <OpenDRIVE>,
+        because nothing else is known about it.
     """
     findings = Findings(document, sink)
     namespace = drop_namespace(document.root)
@@ -44,7 +44,7 @@ def check_structure(document: Document, sink: Diagnostics) -> bool:
 
 
 def _minor(findings: Findings, root: etree._Element) -> int | None:
-    """Return the minor version of the header; None, reported, where the file names none that is known."""
+    """Return the minor version of the header; report it if it is unknown, and return None."""
     if local_name(root) != OPENDRIVE.root:
         message = f"the root element is <{local_name(root)}>, not <OpenDRIVE>"
         findings.report(codes.UNKNOWN_ELEMENT, message, root)

@@ -27,13 +27,13 @@ NOT_WITH_TYPE = {
     "tree": "material surface parkingSpace",
     "vegetation": "material surface parkingSpace skeleton",
 }
-"""Attributes and children that an object of a type has not."""
+"""Attributes and children that an object of a type must not have."""
 
 CONTINUOUS = {"barrier"}
-"""Types whose repetition has the distance 0: they go on without a gap."""
+"""Types whose repetition has the distance 0, that is, no gaps."""
 
 ANY_DISTANCE = {"trafficIsland"}
-"""Types whose repetition has any distance; of the other types in `NOT_WITH_TYPE` it is above 0."""
+"""Types whose repetition may have any distance; for the other types in `NOT_WITH_TYPE` it is above 0."""
 
 
 def _object(element: etree._Element) -> Iterator[str]:
@@ -67,7 +67,7 @@ def _lanes(element: etree._Element) -> Iterator[str]:
 
 
 def _corner_references(attribute: str) -> Condition:
-    """Corners are named unless the attribute stands in their place."""
+    """Return the condition that corners are named unless the attribute replaces them."""
 
     def check(element: etree._Element) -> Iterator[str]:
         count = len(element.findall("cornerReference"))
@@ -97,4 +97,4 @@ CONDITIONS: dict[str, Condition] = {
     "direct_junction": _junction,
     "virtual_junction": _junction,
 }
-"""By name of the declaration."""
+"""The conditions by name of the declaration."""

@@ -1,4 +1,4 @@
-"""OpenDRIVE's grammar: the tables of its elements and words, with what it has beyond the general notation.
+"""OpenDRIVE's grammar: the combined tables of its elements and words, with additions to the general notation.
 
 `...` is additional data (userData, include, dataQuality), `..` the same but not in 1.6 and 1.7 (whose schemas leave it
 out). Before 1.5 no attribute is required.
@@ -20,11 +20,11 @@ from scenario_compiler.structure.grammar import Faults, Grammar
 from scenario_compiler.structure.notation import Declaration
 
 FIRST_MINOR, LAST_MINOR = 1, 8
-"""Minor versions of OpenDRIVE 1 that are declared."""
+"""Last declared minor version of OpenDRIVE 1."""
 
 
 def _additional(minor: int) -> Model:
-    """Return the model of additional data: once each at first, then often, in any order since 1.6."""
+    """Return the model of additional data: at most one of each at first, then any number, in any order since 1.6."""
     data, include, quality = (
         Name("userData", "userData"),
         Name("include", "include"),
@@ -68,7 +68,7 @@ OPENDRIVE = Grammar(
 
 
 NAMESPACE = "http://code.asam.net/simulation/standard/opendrive_schema"
-"""Namespace of ASAM's OpenDRIVE, which its versions from 1.6 on may be written in; their schemas name none."""
+"""Namespace of ASAM's OpenDRIVE, which files from 1.6 on may have, although their schemas have none."""
 
 
 def may_have_namespace(namespace: str, minor: int) -> bool:

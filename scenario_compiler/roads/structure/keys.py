@@ -1,6 +1,6 @@
-"""Attributes that must be unique and attributes that must name one of them, by version.
+"""Attributes that must be unique, and attributes that must refer to one of them, by version.
 
-Versions up to 1.4 state neither. The attribute is ignored where it is missing.
+Versions up to 1.4 define neither. A missing attribute is ignored.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Key:
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """`attribute` of the elements `path` within each scope of the key is a value of the key."""
+    """`attribute` of the elements `path` within each scope of the key must be a value of the key."""
 
     path: str
     attribute: str
@@ -87,7 +87,7 @@ REFERENCES = (
 
 
 def check_keys(findings: Findings, root: etree._Element, minor: int) -> None:
-    """Report repeated keys and references to no key of a version."""
+    """Report repeated keys and references to unknown keys of a version."""
     known: dict[Key, list[tuple[etree._Element, set[str]]]] = {}
     for key in KEYS:
         if in_versions(key.versions, minor):

@@ -1,7 +1,7 @@
-"""The values that OpenDRIVE's attributes may have: kinds of numbers, and words with the versions that know them.
+"""The values that OpenDRIVE's attributes may have: kinds of numbers, and words with the versions that have them.
 
-A word is followed by the versions that know it ("curb@1.6-"). Words are checked since 1.4 (before, the
-standard's schema took any text), limits of numbers since 1.5.
+A word is followed by its versions ("curb@1.6-"). Words are checked since 1.4 (before, the standard's schema allowed any
+text), limits of numbers since 1.5.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ WORDS = {
 }
 
 COUNTRIES = {"OpenDRIVE", "Austria", "Brazil", "China", "France", "Germany", "Italy", "Switzerland", "USA"}
-"""Names of countries that 1.4 used; later versions keep them beside the codes of ISO 3166."""
+"""Names of countries in 1.4; later versions keep them beside the codes of ISO 3166."""
 
 
 def _number(text: str, _: int) -> bool:
@@ -99,7 +99,7 @@ def _integer(text: str, _: int) -> bool:
 
 
 def _limited(test: Test, fits: Callable[[float], bool]) -> Test:
-    """A number that also fits a limit, since 1.5."""
+    """Return a test for a number that also satisfies a limit, since 1.5."""
 
     def check(text: str, minor: int) -> bool:
         return test(text, minor) and (minor < 5 or fits(float(text)))
@@ -108,7 +108,7 @@ def _limited(test: Test, fits: Callable[[float], bool]) -> Test:
 
 
 def _positive(text: str, minor: int) -> bool:
-    """A length: at least 0 in 1.5, any text in 1.6 (by the schema's declaration), above 0 since 1.7."""
+    """Return whether a text is a length: at least 0 in 1.5, any text in 1.6 (by its schema), above 0 since 1.7."""
     if minor == 6:
         return True
     return _number(text, minor) and (minor < 5 or float(text) > 0.0 or (minor == 5 and float(text) == 0.0))
@@ -150,4 +150,4 @@ KINDS: dict[str, Kind] = {
     "boundary_station": Kind("a number above 0, 'start' or 'end'", _boundary_station),
     "header_version": Kind("a version like 1.00", _header_version),
 }
-"""What each kind of value is called, and its test."""
+"""Name and test of each kind of value."""

@@ -1,0 +1,85 @@
+"""The note on the built library: its compiler and its sources, so that a library older than its sources is detected.
+
+Every run reads it. Building is in `making.py`, which needs a compiler and the modules that call one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+FORMS = Path(__file__).resolve().parent
+PACKAGE = FORMS.parent
+
+LIBRARY = FORMS / "engine.library"
+"""The engine's machine code: a shared library that does not use Python; its suffix is not that of a Python module."""
+
+NOTE = FORMS / "engine.json"
+"""The note on the library: its compiler, its sources and its entries."""
+
+SOURCE_FOLDERS = ("forms", "roads", "engine")
+SOURCE_MODULES = ("marker.py", "randomness.py")
+"""Folders and modules with the marked functions, their dependencies and the translator."""
+
+
+@dataclass(frozen=True)
+class Note:
+    """The note on a built library.
+
+    Attributes:
+        made_by: Name and version of the compiler.
+        entries: The kinds of each entry's arguments, followed by that of its result.
+        sources: Size, time of modification (ns) and SHA-256 of each source; empty for a library that is part of a
+            wheel.
+    """
+
+    made_by: str
+    entries: dict[str, list[str]]
+    sources: dict[str, tuple[int, int, str]]
+
+    @classmethod
+    def read(cls) -> Note | None:
+        """Return the note beside the library; None if there is no library."""
+        if not LIBRARY.is_file() or not NOTE.is_file():
+            return None
+        known: dict[str, Any] = json.loads(NOTE.read_text(encoding="utf-8"))
+        sources = {name: (size, time, digest) for name, (size, time, digest) in known["sources"].items()}
+        return cls(known["made_by"], known["entries"], sources)
+
+    def write(self, path: Path = NOTE) -> None:
+        """Write the note."""
+        path.write_text(json.dumps(vars(self), indent=1) + "\n", encoding="utf-8")
+
+    @property
+    def is_fresh(self) -> bool:
+        """Whether the sources are still those of which the library was made; always true in a wheel."""
+        if not self.sources:
+            return True
+        now = {path.relative_to(PACKAGE).as_posix(): path for path in source_files()}
+        return now.keys() == self.sources.keys() and all(
+            _is_the_same(now[name], *known) for name, known in self.sources.items()
+        )
+
+
+def _is_the_same(path: Path, size: int, time: int, digest: str) -> bool:
+    stated = path.stat()
+    if stated.st_size != size:
+        return False
+    return stated.st_mtime_ns == time or digest_of(path) == digest
+
+
+def digest_of(path: Path) -> str:
+    """Return the SHA-256 of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def source_files() -> Iterator[Path]:
+    """Yield the files of which the library is made."""
+    yield from (PACKAGE / name for name in SOURCE_MODULES)
+    for folder in SOURCE_FOLDERS:
+        yield from sorted((PACKAGE / folder).rglob("*.py"))
+    yield FORMS / "engine.h"
