@@ -247,9 +247,9 @@ quality in five stretches; 81 % with dashes where they lie, the field of view, w
 pavement; and 82 % with the contrast of paint over the roughness of the ground. Of 622 wrong answers then, 247 were in
 runs where only broken lines were in sight (29 % of such runs), 238 in runs with a vehicle in the picture (24 %), and
 203 on worn paint (23 %); a run can be in several groups. If the mean error of each run were known, 85 % would be the
-camera's answers; if its mean over each 4 s, 87 %; 2 s, 91 %. So 90 % would need what belongs to some 30 m of road:
-the wear and the texture of the ground, shadows and objects beside the road, which only the picture has. The network
-loses another 2 to 3 points to the trees, which are too slow for a sweep.
+camera's answers; if its mean over each 4 s, 87 %; 2 s, 91 %. So 90 % of such runs would need what belongs to some 30
+m of road: the wear and the texture of the ground, shadows and objects beside the road, which only the picture has.
+The network loses another 2 to 3 points to the trees, which are too slow for a sweep.
 
 ![Camera, surrogate and ideal perception](images/perception_surrogate.png)
 

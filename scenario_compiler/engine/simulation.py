@@ -209,7 +209,7 @@ class Simulation:
         return Outlook(out[0], out[1], out[2], points)
 
     def look_at_view(self) -> NDArray[np.float64] | None:
-        """Return the features of surrogate perception, (2, VIEW_SIZE): the network's input for the left and the right side.
+        """Return the features of surrogate perception, (2, VIEW_SIZE), for the left and for the right side.
 
         None if the ego is on no lane.
         """
