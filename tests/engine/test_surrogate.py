@@ -106,7 +106,9 @@ def test_the_right_side_is_the_mirrored_left_side() -> None:
     simulation = Simulation(load_network(plan.map.file).tables, build_program(plan, load_network(plan.map.file)))
     simulation.reset(make_draws(1))
     simulation.step()
-    left, right = simulation.look_at_view()
+    view = simulation.look_at_view()
+    assert view is not None
+    left, right = view
     assert left[: at.SIDE_SIZE].tolist() == right[at.SIDE_SIZE : at.V_BOTH].tolist()
     assert left[at.V_BOTH :].tolist() == right[at.V_BOTH :].tolist()
     assert left[at.S_OFFSET] == -right[at.S_OFFSET]
