@@ -8,7 +8,6 @@ coefficients.
 
 from __future__ import annotations
 
-WINDOWS = 5
 SAMPLES = 13
 """The paint is looked at in 13 pieces of 2 m from 4 to 30 m, which are summed up in windows of 4 to 6 m."""
 
