@@ -1,6 +1,6 @@
 """Fits surrogate perception to runs with camera perception, and evaluates it on runs that were not fitted to.
 
-    python tools/fit_surrogate.py gather MAPS RUNS [--fitted 2000] [--jobs 32] [--seconds 370]
+    python tools/fit_surrogate.py gather MAPS RUNS [--first 0] [--fitted 2000] [--jobs 32] [--seconds 370]
     python tools/fit_surrogate.py fit RUNS
     python tools/fit_surrogate.py judge RUNS MAPS [--pages docs]
 
@@ -33,7 +33,7 @@ from scenario_compiler.vocabulary.sensors import Camera
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
-STEPS, WARM_UP, BATCH, RATE, DECAY = 12000, 200, 4096, 1e-2, 1e-5
+STEPS, WARM_UP, BATCH, RATE, DECAY = 2000, 200, 2048, 1e-2, 1e-3
 """Number of steps of the fit, steps until the learning rate is greatest, looks per step, greatest learning rate, and
 the penalty on squared weights.
 """
@@ -63,7 +63,11 @@ counts.
 
 RARE = (0.002, 0.998)
 """Quantiles that bound the domain of features without bounds of their own: the ego's place in its lane, and bends."""
-UNBOUNDED = (at.V_OFFSET, at.V_HEADING, at.V_BEND_NEAR, at.V_BEND_FAR, at.V_TOWARDS_NEAR, at.V_TOWARDS_FAR)
+_OF_SIDES = (at.S_BESIDE, at.S_OFFSET, at.S_HEADING, at.S_BEND_NEAR, at.S_BEND_FAR)
+UNBOUNDED = (*_OF_SIDES, *(at.SIDE_SIZE + one for one in _OF_SIDES), at.V_CURVED_NEAR, at.V_CURVED_FAR)
+
+MIRRORED = np.r_[at.SIDE_SIZE : at.V_BOTH, : at.SIDE_SIZE, at.V_BOTH : VIEW_SIZE]
+"""Which features of the left side's view are those of the right side's, in their order."""
 
 
 class Looks:
@@ -82,8 +86,8 @@ class Looks:
     def __init__(self, runs: list[Made]) -> None:
         """Concatenate the looks of the runs."""
         looks = np.concatenate([one.looks for one in runs]).astype(np.float64)
-        rest = dict(zip(LOOK_COLUMNS, looks[:, 2 * VIEW_SIZE :].T, strict=True))
-        self.view = looks[:, : 2 * VIEW_SIZE].reshape(-1, 2, VIEW_SIZE)
+        rest = dict(zip(LOOK_COLUMNS, looks[:, VIEW_SIZE:].T, strict=True))
+        self.view = np.stack([looks[:, :VIEW_SIZE], looks[:, MIRRORED]], axis=1)
         self.p = np.stack([rest["p_left"], rest["p_right"]], axis=1)
         self.path, self.asking, self.s, self.road = rest["path_error"], rest["asking"], rest["s"], rest["road"]
         self.run = np.repeat(np.arange(len(runs)), [len(one.looks) for one in runs])
@@ -92,13 +96,13 @@ class Looks:
     def leads(self) -> NDArray[np.bool_]:
         """(N,) whether the followed path depends on what was seen: it follows a boundary and the ego is in its lane."""
         seen = self.p.max(axis=1) >= 0.3
-        inside = np.abs(self.view[:, 0, at.V_OFFSET]) < 1.2
+        inside = np.abs(self.view[:, 0, at.S_OFFSET]) < 1.2
         return np.asarray(seen & np.isfinite(self.path) & inside & (np.abs(self.path) < 2.0))
 
     @property
     def weight(self) -> Floats:
         """(N,) the probability of each look in a batch, from the paint and the takeover's state alone; the sum is 1."""
-        worn = self.view[:, 0, at.V_PAINT : at.V_PAINT + 2 * at.WINDOWS].min(axis=1) < WORN
+        worn = self.view[:, 0, [at.S_QUALITY, at.SIDE_SIZE + at.S_QUALITY]].min(axis=1) < WORN
         weight = np.where(worn, WORN_WEIGHT, 1.0) * np.where(self.asking > 0.0, ASKING_WEIGHT, 1.0)
         return np.asarray(weight / weight.sum())
 
@@ -257,6 +261,7 @@ def main() -> None:
     gathering = commands.add_parser("gather")
     gathering.add_argument("maps", type=Path)
     gathering.add_argument("runs", type=Path)
+    gathering.add_argument("--first", type=int, default=0)
     gathering.add_argument("--fitted", type=int, default=2000)
     gathering.add_argument("--jobs", type=int, default=2)
     gathering.add_argument("--seconds", type=float, default=36000.0)
@@ -269,7 +274,7 @@ def main() -> None:
     judging.add_argument("--sample", type=Path, default=Path("tests/engine/surrogate_runs.json"))
     options = parser.parse_args()
     if options.command == "gather":
-        todo = cases(sorted(options.maps.glob("*.xodr")), options.fitted)
+        todo = cases(sorted(options.maps.glob("*.xodr")), options.first, options.fitted)
         keep(make(todo, options.jobs, options.seconds), options.runs)
     elif options.command == "fit":
         found = fitted([one for one in kept(options.runs) if one.case.number >= 0])

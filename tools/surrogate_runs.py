@@ -54,10 +54,10 @@ UNSEEN_MAPS = (
 """Names of the maps that are not used in the fit."""
 
 CONFLICTS = ("markings_missing", "obstacle_ahead", "ramp_blocked", "road_narrows", "sensor_failure")
-JUDGED: dict[Kind, tuple[int, int]] = {"conflict": (-3001, 100), "road": (-4001, 60), "map": (-5001, 40)}
+JUDGED: dict[Kind, tuple[int, int]] = {"conflict": (-6001, 100), "road": (-7001, 60), "map": (-8001, 40)}
 """First number and count of the runs for evaluation, by kind; the numbers count downwards.
 
-The numbers -1 to -2040 are not used, because those runs were inspected while the features were chosen.
+The numbers -1 to -5040 are not used: those runs evaluated earlier features.
 """
 
 FASTER = 0.01
@@ -104,9 +104,10 @@ class Made:
     """A finished run.
 
     Attributes:
-        case: Its specification.
-        looks: (N, 2 VIEW_SIZE + 9) one row for each look until the driver drives; see `LOOK_COLUMNS`.
-        outcome: Measures by name, NaN where undefined; `cause`, `resolution`, `result`, `name` and `map` are texts.
+        case: The run.
+        looks: (N, VIEW_SIZE + 9) one row a look until the driver drives: the features as the left side has them, then
+            `LOOK_COLUMNS`.
+        outcome: Measures by name, NaN where undefined; `cause` and `resolution` as texts.
     """
 
     case: Case
@@ -123,8 +124,8 @@ takeover request on, else 0.
 """
 
 
-def cases(maps: Sequence[Path], fitted: int) -> list[Case]:
-    """Return the runs for evaluation, then the same a little faster, then the runs of the fit."""
+def cases(maps: Sequence[Path], first: int, fitted: int) -> list[Case]:
+    """Return the runs that are judged, the same a little faster, and those that are fitted to, from a number on."""
     unseen = sorted(str(one) for one in maps if one.stem in UNSEEN_MAPS)
     seen = sorted(str(one) for one in maps if one.stem not in UNSEEN_MAPS)
     judged = []
@@ -133,8 +134,11 @@ def cases(maps: Sequence[Path], fitted: int) -> list[Case]:
             judged.append(Case(kind, number - k, unseen[k % len(unseen)] if kind == "map" else ""))
     again = [one._replace(faster=FASTER) for one in judged]
     on_maps = round(MAPS_SHARE * fitted) if seen else 0
-    learned = [Case("map", k, seen[k % len(seen)]) for k in range(on_maps)]
-    learned += [Case("road", k, "") for k in range(on_maps, fitted)]
+    kinds = np.random.default_rng(first).permutation(fitted) < on_maps
+    learned = [
+        Case("map", first + k, seen[k % len(seen)]) if on_map else Case("road", first + k, "")
+        for k, on_map in enumerate(kinds)
+    ]
     return judged + again + learned
 
 
@@ -158,7 +162,7 @@ def run_case(case: Case, perception: Perception, *, looks: bool) -> Made | None:
     outcome: dict[str, Any] = {name: _number(row[name][0]) for name in KEPT}
     outcome |= {"cause": row["cause"][0], "resolution": row["resolution"][0], "result": row["result"][0]}
     outcome |= {"name": plan.name, "map": Path(plan.map.file).stem}
-    made = np.array(rows, np.float32).reshape(-1, 2 * VIEW_SIZE + len(LOOK_COLUMNS))
+    made = np.array(rows, np.float32).reshape(-1, VIEW_SIZE + len(LOOK_COLUMNS))
     return Made(case, made, outcome)
 
 
@@ -182,7 +186,7 @@ def _looks(execution: Execution, *, keep: bool) -> Iterator[Floats]:
             continue
         error = _path_error(control.trajectory, way, _look_ahead(v))
         seen = (control.lanes.left.p, control.lanes.right.p, control.sensor_health, error, road, lane, s, now, asking)
-        yield np.concatenate([view.ravel(), seen])
+        yield np.concatenate([view[0], seen])
 
 
 def _look_ahead(speed: float) -> float:
@@ -246,13 +250,12 @@ def keep(runs: Sequence[Made], folder: Path, parts: int = 6) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for part in range(parts):
         some = runs[part::parts]
-        width = 2 * VIEW_SIZE
-        looks = np.concatenate([one.looks for one in some]) if some else np.zeros((0, width + len(LOOK_COLUMNS)))
+        looks = np.concatenate([one.looks for one in some]) if some else np.zeros((0, VIEW_SIZE + len(LOOK_COLUMNS)))
         about = [(one.case, len(one.looks), one.outcome) for one in some]
         np.savez_compressed(
             folder / f"runs{part}.npz",
-            view=looks[:, :width].astype(np.float16),
-            rest=looks[:, width:].astype(np.float32),
+            view=looks[:, :VIEW_SIZE].astype(np.float16),
+            rest=looks[:, VIEW_SIZE:].astype(np.float32),
             about=np.array(json.dumps(about)),
         )
 

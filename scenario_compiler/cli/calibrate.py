@@ -82,6 +82,7 @@ def calibrate_command(options: argparse.Namespace) -> int:
     minutes = (time.monotonic() - began) / 60.0
     given = [
         *(["--fit"] if options.fit else []),
+        *(f"--leave-out {name}" for name in options.leave_out),
         *([f"--detector {options.detector}"] if options.detector != "classical" else []),
     ]
     command = " ".join(["scenario-compiler calibrate", *given, "MAPS"])

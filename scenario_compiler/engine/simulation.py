@@ -14,6 +14,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import STEER_RATE, State, new_state
 from scenario_compiler.engine.columns.totals import SUMMARY_SIZE, Totals
 from scenario_compiler.engine.columns.trace import trace_width
+from scenario_compiler.engine.columns.view import SIDE_SIZE, V_BOTH
 from scenario_compiler.engine.program.entities import vehicle_numbers
 from scenario_compiler.forms.declaration import at_start
 from scenario_compiler.forms.form import form_of
@@ -208,13 +209,16 @@ class Simulation:
         return Outlook(out[0], out[1], out[2], points)
 
     def look_at_view(self) -> NDArray[np.float64] | None:
-        """Return the features of surrogate perception, (2, VIEW_SIZE): those of the left side, then of the right.
+        """Return the features of surrogate perception, (2, VIEW_SIZE), for the left and for the right side.
 
         None if the ego is on no lane.
         """
+        import numpy as np
+
         if not self.form.enter("look_at_view"):
             return None
-        return self.column("view").astype(float).reshape(2, -1)
+        left, right, both = np.split(self.column("view").astype(float), [SIDE_SIZE, V_BOTH])
+        return np.stack([np.concatenate([left, right, both]), np.concatenate([right, left, both])])
 
     def sweep(
         self,

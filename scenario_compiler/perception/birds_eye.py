@@ -40,13 +40,16 @@ class Ridges:
             0-8.
         contrast: (rows, columns) the same in grey levels (twice the smaller step).
         scale: (rows,) the row's deviation, grey levels.
-        green: (rows, columns) greenness of the greener side, grey levels: green minus the mean of red and blue.
+        green: (rows, columns) how green the greener side is, grey levels: green less the mean of red and
+            blue.
+        ground: (rows, columns) brightness, grey levels.
     """
 
     strength: Map
     contrast: Map
     scale: Map
     green: Map
+    ground: Map
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +110,8 @@ class BirdsEye:
         curve = 2.0 * above - left - right
         contrast = np.maximum(curve - np.abs(left - right), 0.0) * lookup.seen
         scale = self._deviation(np.abs(curve) * lookup.seen, lookup.count)
-        return Ridges(np.minimum(contrast / scale[:, None], STRONGEST), contrast, scale, self._green(image, lookup))
+        strength = np.minimum(contrast / scale[:, None], STRONGEST)
+        return Ridges(strength, contrast, scale, self._green(image, lookup), above)
 
     def _green(self, image: NDArray[np.uint8], lookup: Lookup) -> Map:
         tone = cv2.transform(image, _GREENNESS)

@@ -23,8 +23,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.perception.birds_eye import X_STEP, Ridges
-from scenario_compiler.perception.lane_fit import STANDS_OUT, Fit
+from scenario_compiler.perception.birds_eye import X_FROM, X_STEP, Ridges
+from scenario_compiler.perception.lane_fit import STANDS_OUT, Fit, arc_y
+from scenario_compiler.perception.road_plane import Tilt
 
 Floats = NDArray[np.float64]
 
@@ -36,11 +37,37 @@ FEATURES = (
     *("contrast_along", "green", "blind", "reach", "curvature", "offset", "slope_deviation", "near", "far"),
     *("inner_rival", "outer_rival", "tilt", "tilt_deviation", "moved", "remembered", "way"),
     *("other_prominence", "other_along", "other_slope_deviation", "other_far", "apart_slope", "apart_curvature"),
+    *("weber", "weber_spread", "uneven", "beside", "ground", "gap", "gap_at", "deviation_near", "deviation_far"),
+    *("lever", "deviation_tilt", "deviation", "turn", "place", "heading", "last_moved", "last_far", "unsettled"),
+    *("seen_off", "seen_deviation", "width", "wide", "noise", "stray", "scatter"),
+    *("other_weber", "other_painted", "other_near"),
+    *("prominence_lately", "painted_lately", "along_lately", "stretch_lately", "contrast_along_lately"),
+    *("near_lately", "far_lately", "weber_lately"),
 )
 """Names of the features, in order."""
 
 _HALVES = slice(round(1.0 / X_STEP), round(7.0 / X_STEP)), slice(round(7.0 / X_STEP), round(13.0 / X_STEP))
 """Rows from 6 to 12 m and from 12 to 18 m ahead of the camera."""
+
+_JUDGED = slice(_HALVES[0].start, _HALVES[1].stop)
+"""Rows from 6 to 18 m."""
+
+PLACES, MIDDLE = np.array([6.0, 9.0, 12.0, 15.0, 18.0]), np.array(12.0)
+"""Distances ahead of the camera at which boundaries are compared with where they were, m."""
+
+SHORT = 0.01
+"""Step over which a slope is taken, m."""
+
+DARKEST = 4.0
+"""Brightness of the ground below which the contrast of paint with it says nothing, grey levels."""
+
+LASTING = [FEATURES.index(name.removesuffix("_lately")) for name in FEATURES if name.endswith("_lately")]
+"""Features of which running means are features as well: paint that was there a moment ago is there."""
+
+WEBER = FEATURES.index("weber")
+
+NEWEST = 0.3
+"""Least weight of the newest image in them."""
 
 _SECOND = np.array([1, -2, 1], np.float32)
 """The second difference. Taken along and across, it is the difference of two Laplacians that Immerkaer uses."""
@@ -99,58 +126,173 @@ class Circumstances:
     """What is known in addition to an image's ridges and arcs.
 
     Attributes:
-        width_off: Difference of the lane's width from the expected one, m.
-        tilt: The detected tilt, rad, and its deviation.
-        moved: Distance of the side, 12 m ahead, from its remembered position, m; None without memory.
-        way: Whether the planned route was given.
+        width: Expected width of the lane, m.
+        tilt: The tilt found, against which the ridges were looked at.
+        seen: The tilt that this image alone shows.
+        unsettled: By how much the last of the looks would still have changed the tilt, rad.
+        height: Height of the camera above the ground, m.
+        noise: Noise of the image, grey levels.
+        way: Whether the planned way was given.
     """
 
-    width_off: float
-    tilt: tuple[float, float]
-    moved: float | None
+    width: float
+    tilt: Tilt
+    seen: Tilt
+    unsettled: float
+    height: float
+    noise: float
     way: bool
 
 
-def features(fit: Fit, other: Fit, ridges: Ridges, known: Circumstances) -> NDArray[np.float64]:
-    """Return the features of one side, (len(FEATURES),), all of the order of 1."""
+@dataclass(frozen=True)
+class Before:
+    """What the image before said of one side.
+
+    Attributes:
+        trusted: y at `MIDDLE` if the boundary was trusted, m; None otherwise.
+        places: (5,) y at `PLACES`, whether trusted or not, m; None for the first image.
+        evidence: (len(LASTING),) running means of some features; None for the first image.
+        share: Weight of the next image in them.
+    """
+
+    trusted: float | None = None
+    places: Floats | None = None
+    evidence: Floats | None = None
+    share: float = 1.0
+
+
+def features(
+    sides: tuple[Fit, Fit], ridges: Ridges, known: Circumstances, before: tuple[Before, Before]
+) -> tuple[Floats, Floats]:
+    """Return the features of the left and the right side, (len(FEATURES),), all of the order of 1."""
+    (left, right), brightness = sides, math.log(max(float(ridges.ground[_JUDGED].mean()), 1.0))
+    scale = math.log(float(ridges.scale.mean()))
+    mine = [
+        _of_side(fit, other, known, past, sign, (scale, brightness))
+        for fit, other, past, sign in ((left, right, before[0], 1.0), (right, left, before[1], -1.0))
+    ]
+    rows = []
+    for own, others, other, past in ((mine[0], mine[1], right, before[0]), (mine[1], mine[0], left, before[1])):
+        row = np.array([*own, others[WEBER], other.painted, float((other.on_curve[_HALVES[0]] > STANDS_OUT).mean())])
+        lately = row[LASTING] if past.evidence is None else past.evidence + past.share * (row[LASTING] - past.evidence)
+        rows.append(np.concatenate([row, lately]))
+    return rows[0], rows[1]
+
+
+def evidence(row: Floats) -> tuple[float, ...]:
+    """Return what of a side's features is remembered for the next image: the running means at their end."""
+    return tuple(row[-len(LASTING) :].tolist())
+
+
+def _of_side(
+    fit: Fit, other: Fit, known: Circumstances, before: Before, sign: float, picture: tuple[float, float]
+) -> list[float]:
+    """Return the features of one side but those that need the other side's or the memory's."""
     near = slice(0, round(15.0 / X_STEP))
     window = np.ones(4) / 4.0
     bright = np.convolve(fit.contrast[near], window, mode="valid")
-    longest = _longest_run(fit.on_curve[near] > 1.2) * X_STEP
+    longest = _longest_run(fit.on_curve[near] > 1.2)[0] * X_STEP
     apart = fit.curve - other.curve
-    return np.array(
-        [
-            math.log(max(fit.prominence, 0.1)),
-            fit.painted,
-            5.0 * fit.residual,
-            math.log1p(float(np.sort(fit.contrast[near])[-20:].mean()) / 10.0),
-            0.1 * fit.support,
-            math.log(float(ridges.scale.mean())),
-            min(max(abs(known.width_off) - 0.2, 0.0), 1.0),
-            _along(fit),
-            math.log1p(longest),
-            math.log1p(float(np.sort(bright)[-16:].mean()) / 10.0),
-            min(max(fit.green, 0.0), 30.0) / 10.0,
-            min(max(fit.nearest - 6.0, 0.0), 12.0) / 4.0,
-            fit.farthest / 10.0,
-            40.0 * abs(float(fit.curve[2])),
-            min(max(abs(float(fit.curve[0])) - 1.75, -1.0), 1.5),
-            _log_deviation(fit),
-            *(float((fit.on_curve[rows] > STANDS_OUT).mean()) for rows in _HALVES),
-            *(0.1 * (fit.support - rival) for rival in fit.rivals),
-            20.0 * abs(known.tilt[0]),
-            60.0 * known.tilt[1],
-            0.0 if known.moved is None else min(4.0 * abs(known.moved), 2.0),
-            0.0 if known.moved is None else 1.0,
-            1.0 if known.way else 0.0,
-            math.log(max(other.prominence, 0.1)),
-            _along(other),
-            _log_deviation(other),
-            float((other.on_curve[_HALVES[1]] > STANDS_OUT).mean()),
-            min(20.0 * abs(float(apart[1])), 2.0),
-            min(100.0 * abs(float(apart[2])), 2.0),
-        ]
-    )
+    wide = sign * float(apart[0])
+    scale, brightness = picture
+    y = arc_y(fit.curve, PLACES - X_FROM)
+    moved = None if before.trusted is None else float(arc_y(fit.curve, MIDDLE - X_FROM)) - before.trusted
+    return [
+        math.log(max(fit.prominence, 0.1)),
+        fit.painted,
+        5.0 * fit.residual,
+        math.log1p(float(np.sort(fit.contrast[near])[-20:].mean()) / 10.0),
+        0.1 * fit.support,
+        scale,
+        min(max(abs(wide - known.width) - 0.2, 0.0), 1.0),
+        _along(fit),
+        math.log1p(longest),
+        math.log1p(float(np.sort(bright)[-16:].mean()) / 10.0),
+        min(max(fit.green, 0.0), 30.0) / 10.0,
+        min(max(fit.nearest - 6.0, 0.0), 12.0) / 4.0,
+        fit.farthest / 10.0,
+        40.0 * abs(float(fit.curve[2])),
+        min(max(abs(float(fit.curve[0])) - 1.75, -1.0), 1.5),
+        _log_deviation(fit),
+        *(float((fit.on_curve[rows] > STANDS_OUT).mean()) for rows in _HALVES),
+        *(0.1 * (fit.support - rival) for rival in fit.rivals),
+        20.0 * abs(known.tilt.pitch),
+        60.0 * known.tilt.deviation,
+        0.0 if moved is None else min(4.0 * abs(moved), 2.0),
+        0.0 if moved is None else 1.0,
+        1.0 if known.way else 0.0,
+        math.log(max(other.prominence, 0.1)),
+        _along(other),
+        _log_deviation(other),
+        float((other.on_curve[_HALVES[1]] > STANDS_OUT).mean()),
+        min(20.0 * abs(float(apart[1])), 2.0),
+        min(100.0 * abs(float(apart[2])), 2.0),
+        *_paint(fit, near, brightness),
+        *_deviations(fit, known, y),
+        40.0 * sign * float(fit.curve[2]),
+        min(max(sign * float(arc_y(fit.curve, np.array(-X_FROM))) - 1.75, -1.5), 1.5),
+        10.0 * sign * float(fit.curve[1]),
+        *_moved(y, before),
+        min(40.0 * known.unsettled, 3.0),
+        min(40.0 * abs(known.seen.pitch - known.tilt.pitch), 3.0),
+        _in_decimetres(5.0 * min(known.seen.deviation, 1.0)),
+        min(abs(wide - 3.5), 2.0),
+        min(max(wide - known.width, -1.5), 1.5),
+        math.log1p(known.noise),
+        fit.stray,
+        10.0 * fit.scatter,
+    ]
+
+
+def _paint(fit: Fit, near: slice, brightness: float) -> list[float]:
+    """Return how what lies on the arc compares with the ground beside it, and the longest gap in it."""
+    shown = fit.on_curve > STANDS_OUT
+    marked, beside = shown[near], fit.beside
+    weber = np.sort((fit.contrast / np.maximum(beside, DARKEST))[near])[-20:]
+    spread, uneven = 0.0, 1.0
+    if marked.sum() > 3:
+        contrast = fit.contrast[near][marked]
+        spread = float(np.log(np.maximum(contrast, 1.0)).std())
+        uneven = min(float(fit.step[near][marked].mean()) / (float(contrast.mean()) + 1.0), 3.0)
+    gap, last = _longest_run(~shown[_JUDGED])
+    return [
+        math.log1p(10.0 * float(weber.mean())),
+        spread,
+        uneven,
+        math.log(max(float(beside[near].mean()), 1.0)),
+        brightness,
+        0.25 * gap * X_STEP,
+        last / (_JUDGED.stop - _JUDGED.start),
+    ]
+
+
+def _deviations(fit: Fit, known: Circumstances, y: Floats) -> list[float]:
+    """Return how far the boundary may be off where it has to be right, by its rows and by the tilt.
+
+    A tilt p moves what is seen at x to x (1 - p x / h), y (1 - p x / h), h being the camera's height (see
+    `road_plane`): the boundary at x moves by p x (x dy/dx - y) / h.
+    """
+    slope = (arc_y(fit.curve, PLACES - X_FROM + SHORT) - y) / SHORT
+    lever = float(np.abs(PLACES * (PLACES * slope - y)).max()) / known.height
+    tilted = lever * known.tilt.deviation
+    return [
+        *(_in_decimetres(one) for one in fit.deviations),
+        lever,
+        _in_decimetres(tilted),
+        _in_decimetres(math.hypot(tilted, max(fit.deviations))),
+    ]
+
+
+def _moved(y: Floats, before: Before) -> tuple[float, float]:
+    """Return how far the boundary is from where the image before had it, in the middle and where it is farthest."""
+    if before.places is None:
+        return 0.0, 0.0
+    away = np.abs(y - before.places)
+    return min(4.0 * float(away[2]), 3.0), min(2.0 * float(away.max()), 3.0)
+
+
+def _in_decimetres(deviation: float) -> float:
+    return math.log(min(max(deviation, 0.005), 3.0) / 0.1)
 
 
 def _along(fit: Fit) -> float:
@@ -175,9 +317,11 @@ def noise_of(image: NDArray[np.uint8]) -> float:
     return float(middle.mean()) / (6.0 * 0.67448975)
 
 
-def _longest_run(flags: NDArray[np.bool_]) -> int:
-    longest = current = 0
-    for flag in flags.tolist():
+def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return the length of the longest run of true flags, and where it ends; 0 and 0 without one."""
+    longest = current = end = 0
+    for place, flag in enumerate(flags.tolist()):
         current = current + 1 if flag else 0
-        longest = max(longest, current)
-    return longest
+        if current > longest:
+            longest, end = current, place
+    return longest, end

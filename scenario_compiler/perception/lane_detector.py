@@ -10,7 +10,7 @@ given.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -21,17 +21,23 @@ from scenario_compiler.perception.birds_eye import PITCH_STEP, X_FROM, BirdsEye,
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import (
     FEATURES,
+    MIDDLE,
+    NEWEST,
+    PLACES,
+    Before,
     Circumstances,
     Confidence,
+    evidence,
     features,
     load_confidence,
     noise_of,
 )
 from scenario_compiler.perception.lane_fit import CURVATURES, LEFT, RIGHT, Fit, LaneFitter, arc_y
-from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, tilt_beyond
+from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, alike, tilt_beyond
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
+Votes = NDArray[np.float32]
 
 USUAL_WIDTH, USUAL_SPREAD = 3.45, 0.5
 """Prior width of a lane and its deviation, m: rural and urban lanes have 3.0 to 3.75 m, some 4."""
@@ -52,9 +58,6 @@ FORGOTTEN = 0.7
 NEARBY = np.arange(5.0, 19.5, 1.0)
 TO_PARABOLA = np.linalg.pinv(np.vander(NEARBY, 3))
 """Distances ahead of the camera, m, and the matrix from values there to the coefficients of the nearest parabola."""
-
-MIDDLE = np.array(12.0)
-"""Distance ahead of the camera at which a boundary is compared with its previous position, m."""
 
 REMEMBERED = 0.5
 """Probability above which a boundary is searched at its previous position."""
@@ -100,7 +103,8 @@ class LaneResult:
         p_left: left.p * sensor_health.
         p_right: right.p * sensor_health.
         lane_width: Distance between the boundaries 10 m ahead, m.
-        tilt: Tilt of the camera against the ground ahead, relative to its mounting.
+        tilt: How far the camera is tilted against the ground ahead, beyond its mounting.
+        evidence: What the detector remembers of each side beside the boundary, None where it has nothing.
     """
 
     left: Boundary
@@ -111,6 +115,7 @@ class LaneResult:
     p_right: float
     lane_width: float
     tilt: Tilt = LEVEL
+    evidence: tuple[tuple[float, ...], tuple[float, ...]] | None = None
 
 
 @dataclass(frozen=True)
@@ -118,12 +123,16 @@ class LaneState:
     """The memory from one image to the next.
 
     Attributes:
-        left: Left boundary, if it was trusted.
-        right: Right boundary, if it was trusted.
-        width: Lane width, m, averaged over the images in which both sides were sure; None before the first one.
-        way: Slope below the camera and curvature, 1/m, of the planned route where lanes branch off; the search begins
-            with boundaries along it.
-        tilt: Tilt of the camera against the ground ahead, relative to its mounting.
+        left: Left boundary when it was trusted.
+        right: Right boundary when it was trusted.
+        width: Lane width, m, averaged over the images in which both sides were sure; None before there was
+            one.
+        way: Slope below the camera and curvature, 1/m, of the way that the car is to go, where others branch off:
+            the search begins with boundaries that go that way.
+        tilt: How far the camera was tilted against the ground ahead, beyond its mounting.
+        last: Both boundaries of the last image, trusted or not.
+        evidence: What the detector remembers of each side beside the boundary.
+        images: Number of images that were seen.
     """
 
     left: Boundary | None = None
@@ -131,6 +140,9 @@ class LaneState:
     width: float | None = None
     way: tuple[float, float] | None = None
     tilt: Tilt = LEVEL
+    last: tuple[Boundary, Boundary] | None = None
+    evidence: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    images: int = 0
 
     def after(self, result: LaneResult) -> LaneState:
         """Return the state after one more image."""
@@ -139,7 +151,15 @@ class LaneState:
             width = result.lane_width if width is None else 0.9 * width + 0.1 * result.lane_width
         left = result.left if result.left.p > REMEMBERED else None
         right = result.right if result.right.p > REMEMBERED else None
-        return LaneState(left, right, width, tilt=result.tilt.later())
+        return LaneState(
+            left,
+            right,
+            width,
+            tilt=result.tilt.later(),
+            last=(result.left, result.right),
+            evidence=result.evidence,
+            images=self.images + 1,
+        )
 
 
 class LaneDetector(Protocol):
@@ -200,43 +220,60 @@ class ClassicalLaneDetector:
     def look(
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
     ) -> tuple[LaneResult, tuple[Floats, Floats]]:
-        """Return the result of `detect`, and the features of the confidence in the left and the right side."""
-        fits, rows, tilt = self.examine(image, prior, pitch)
+        """Return what `detect` does, and the features that the left and the right side's confidence is made from."""
         sigma_hat = noise_of(image)
+        fits, rows, tilt = self.examine(image, prior, pitch, sigma_hat)
         health = noise_health(sigma_hat)
         left, right = (_boundary(fit, *self.confidence(row)) for fit, row in zip(fits, rows, strict=True))
-        lane_width = float(left.y(10.0) - right.y(10.0))
-        return LaneResult(left, right, health, sigma_hat, left.p * health, right.p * health, lane_width, tilt), rows
+        return LaneResult(
+            left,
+            right,
+            health,
+            sigma_hat,
+            left.p * health,
+            right.p * health,
+            lane_width=float(left.y(10.0) - right.y(10.0)),
+            tilt=tilt,
+            evidence=(evidence(rows[0]), evidence(rows[1])),
+        ), rows
 
     def examine(
-        self, image: Image, prior: LaneState | None = None, pitch: float | None = None
+        self, image: Image, prior: LaneState | None, pitch: float | None, noise: float
     ) -> tuple[tuple[Fit, Fit], tuple[Floats, Floats], Tilt]:
         """Return the fits of the left and the right side, the features of their confidence, and the detected tilt."""
         state = prior if prior is not None else LaneState()
         width, spread = (USUAL_WIDTH, USUAL_SPREAD)
         if state.width is not None:
             width, spread = state.width, TRACKED_SPREAD
+        known = Circumstances(width, Tilt(0.0, 0.0), Tilt(0.0, 0.0), 0.0, self.camera.z, noise, state.way is not None)
+        before = _before(state, 0), _before(state, 1)
         if pitch is not None:
             tilt = Tilt(pitch, 0.0)
             ridges = self.birds_eye.ridges(image, pitch)
-            left, right = self._fit(ridges, state, width, spread)
+            fits = self._fit(ridges, state, width, spread)
+            known = replace(known, tilt=tilt, seen=tilt)
         else:
             start = self._first_pitch(image, state, width, spread)
             for _ in range(MOST_ROUNDS):
                 ridges = self.birds_eye.ridges(image, start)
-                left, right = self._fit(ridges, state, width, spread)
-                beyond = tilt_beyond(left, right, self.camera.z)
+                fits = self._fit(ridges, state, width, spread)
+                beyond = tilt_beyond(*fits, self.camera.z)
                 seen = Tilt(start + beyond.pitch, beyond.deviation)
                 found = state.tilt.with_seen(seen)
                 looked_at, start = start, found.pitch
                 if abs(start - looked_at) <= PITCH_STEP:
                     break
-            painted = self._painted(self._features(left, right, ridges, width, state, found))
-            tilt = state.tilt.with_seen(seen, painted)
+            unsettled = abs(start - looked_at)
+            # Where one look after the other shows another tilt, the two sides are no lane's.
+            seen = Tilt(seen.pitch, math.hypot(seen.deviation, unsettled))
+            known = replace(known, tilt=found, seen=seen, unsettled=unsettled)
+            painted = self._painted(features(fits, ridges, known, before))
+            tilt = state.tilt.with_seen(seen, alike(*fits, width, spread, painted))
             if abs(tilt.pitch - looked_at) > PITCH_STEP:
                 ridges = self.birds_eye.ridges(image, tilt.pitch)
-                left, right = self._fit(ridges, state, width, spread)
-        return (left, right), self._features(left, right, ridges, width, state, tilt), tilt
+                fits = self._fit(ridges, state, width, spread)
+            known = replace(known, tilt=tilt)
+        return fits, features(fits, ridges, known, before), tilt
 
     def _painted(self, rows: tuple[Floats, Floats]) -> float:
         """Return the probability that both sides are painted; only then can the tilt be estimated from them."""
@@ -249,13 +286,20 @@ class ClassicalLaneDetector:
             return first
         best, most = first, -math.inf
         for away in STARTS:
-            fits = self._fit(self.birds_eye.ridges(image, first + away), state, width, spread)
-            score = fits[0].support + fits[1].support - COST_OF_PITCH * (away / USUAL_PITCH) ** 2
+            votes, chosen = self._chosen(self.birds_eye.ridges(image, first + away), state, width, spread)
+            support = float(votes[LEFT][chosen[LEFT]]) + float(votes[RIGHT][chosen[RIGHT]])
+            score = support - COST_OF_PITCH * (away / USUAL_PITCH) ** 2
             if score > most:
                 best, most = first + away, score
         return best
 
     def _fit(self, ridges: Ridges, state: LaneState, width: float, spread: float) -> tuple[Fit, Fit]:
+        return self.fitter.refine(ridges, *self._chosen(ridges, state, width, spread))
+
+    def _chosen(
+        self, ridges: Ridges, state: LaneState, width: float, spread: float
+    ) -> tuple[tuple[Votes, Votes], tuple[int, int]]:
+        """Return the votes for the arcs of both sides, and the numbers of the two arcs that are chosen."""
         votes = (self.fitter.votes(ridges, LEFT), self.fitter.votes(ridges, RIGHT))
         tracked = (_curve(state.left), _curve(state.right))
         way = _shape(state.way)
@@ -263,20 +307,17 @@ class ClassicalLaneDetector:
         if way is not None:
             # The way only says where to begin: the paint decides what is there, and the probability keeps its sense.
             chosen = self.fitter.settle(votes, width, spread, chosen)
-        return self.fitter.refine(ridges, votes, chosen)
+        return votes, chosen
 
-    def _features(
-        self, left: Fit, right: Fit, ridges: Ridges, width: float, state: LaneState, tilt: Tilt
-    ) -> tuple[Floats, Floats]:
-        off = float(left.curve[0] - right.curve[0]) - width
-        found = []
-        for fit, other, before in ((left, right, state.left), (right, left, state.right)):
-            moved = None
-            if before is not None:
-                moved = float(arc_y(fit.curve, MIDDLE - X_FROM)) - float(before.y(MIDDLE))
-            known = Circumstances(off, (tilt.pitch, tilt.deviation), moved, state.way is not None)
-            found.append(features(fit, other, ridges, known))
-        return found[0], found[1]
+
+def _before(state: LaneState, side: int) -> Before:
+    trusted = (state.left, state.right)[side]
+    return Before(
+        None if trusted is None else float(trusted.y(MIDDLE)),
+        None if state.last is None else state.last[side].y(PLACES),
+        None if state.evidence is None else np.array(state.evidence[side]),
+        max(NEWEST, 1.0 / (state.images + 1)),
+    )
 
 
 def _boundary(fit: Fit, p_geom: float, p_paint: float, p: float) -> Boundary:

@@ -68,6 +68,21 @@ uncertain; of random ridges in the window two thirds are others.
 ROW_DEVIATION, ALIKE = 0.03, 4.0
 """Deviation of a row's ridge from its line, m, and the number of adjacent rows with the same deviation."""
 
+USUAL_SCATTER = 0.1
+"""Root mean square distance of ridges from an arc on which none lies, m."""
+
+BOUNDARY_DEVIATIONS = np.array([0.5, 0.05, 0.01])
+"""Standard deviations of a boundary's offset, slope and curvature before a row is seen, m, rad, 1/m."""
+
+
+def _shape_of(d: Floats) -> Floats:
+    """Return (n, 3) by how much offset, slope and curvature move an arc at d (n,), m."""
+    return np.stack([np.ones_like(d), d, 0.5 * d * d], axis=1)
+
+
+JUDGED = _shape_of(np.array([6.0, 18.0]) - X_FROM)
+"""The same where a boundary has to be right: 6 and 18 m ahead of the camera."""
+
 LEFT, RIGHT = 0, 1
 
 
@@ -83,10 +98,15 @@ class Fit:
         painted: Share of the rows within 20 m that have a ridge within 0.25 m of the arc.
         on_curve: (rows,) strength on the refined arc itself.
         contrast: (rows,) grey levels on the refined arc itself.
-        green: Greenness of the greener side of the arc where there is paint, grey levels.
-        slope_deviation: Standard deviation of the arc's slope, from the painted rows; infinite if there are none.
-        rivals: Largest votes of other arcs of the side, nearer to the car and farther from it 12 m ahead.
-        nearest: Smallest x with paint on two rows, m; the map's last row if there is none.
+        green: How green the greener side of the arc is where there is paint, grey levels.
+        slope_deviation: Standard deviation of the arc's slope as the painted rows tell it; infinite without.
+        rivals: Largest votes of other arcs of the side that lie nearer to the car and farther from it, m 12 m ahead.
+        beside: (rows,) brightness of the ground beside the arc, grey levels.
+        step: (rows,) by how much its two sides differ, grey levels.
+        stray: Share of the ridges near the arc, by their strength, that lie off it; 1 without ridges.
+        scatter: Root mean square distance of the others from it, m.
+        deviations: Standard deviations of the arc 6 and 18 m ahead, as those others tell it, m.
+        nearest: Smallest x with paint on two rows, m; the map's last row without any.
         farthest: Largest x with paint on two rows, m.
     """
 
@@ -100,6 +120,11 @@ class Fit:
     green: float
     slope_deviation: float
     rivals: tuple[float, float]
+    beside: Floats
+    step: Floats
+    stray: float
+    scatter: float
+    deviations: tuple[float, float]
     nearest: float
     farthest: float
 
@@ -124,6 +149,8 @@ class LaneFitter:
         """Prepare the grid of arcs; about 8000 for each side are in the field of view."""
         self.x = birds_eye.x.astype(np.float64)
         self.d = self.x - X_FROM
+        self._shape = _shape_of(self.d)
+        self._sides = np.array([-birds_eye.side, birds_eye.side])
         self.rows = np.arange(len(self.x))
         self.columns = len(birds_eye.y)
         offsets, headings, curvatures = (
@@ -262,8 +289,8 @@ class LaneFitter:
         return y, strength[self.rows, best].astype(np.float64)
 
     def _least_squares(self, guesses: list[Floats], peaks: list[tuple[Floats, Floats]]) -> list[Floats]:
-        """Fit both arcs to the rows' ridges at once, regularised towards the guesses and towards parallelism."""
-        shape = np.stack([np.ones_like(self.d), self.d, 0.5 * self.d * self.d], axis=1)
+        """Fit both arcs to the rows' ridges at once, held near the guesses and parallel to each other."""
+        shape = self._shape
         blocks, values = [], []
         for side, (guess, (y, _)) in enumerate(zip(guesses, peaks, strict=True)):
             y = y - arc_y(guess, self.d) + shape @ guess
@@ -296,7 +323,8 @@ class LaneFitter:
         miss = (peaks[0] - arc_y(curve, self.d)) ** 2
         painted, near = peaks[1] > STANDS_OUT, self.x < 20.0
         shown = self.x[:-1][painted[:-1] & painted[1:]]
-        on_curve, contrast, green = self._along(ridges, curve)
+        on_curve, contrast, green, beside, step = self._along(ridges, curve)
+        stray, scatter, deviations = self._deviations(self._peaks(ridges, curve), curve)
         middle = float(np.median(votes))
         spread = float(np.median(np.abs(votes - middle))) + 0.15
         return Fit(
@@ -310,6 +338,11 @@ class LaneFitter:
             green=float((green * on_curve)[near].sum() / (on_curve[near].sum() + 1.0)),
             slope_deviation=self._slope_deviation(weight, miss),
             rivals=self._rivals(votes, side, chosen),
+            beside=beside,
+            step=step,
+            stray=stray,
+            scatter=scatter,
+            deviations=deviations,
             nearest=float(shown[0]) if len(shown) else float(self.x[-1]),
             farthest=float(shown[-1]) if len(shown) else float(self.x[-1]),
         )
@@ -334,16 +367,40 @@ class LaneFitter:
         stray = 1.0 - float(near.sum()) / total
         return math.sqrt(scatter / (rows * max(spread, 0.1))) * (1.0 + (stray / STRAY) ** 4)
 
-    def _along(self, ridges: Ridges, curve: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return strength and contrast on the arc, the best of three neighbouring columns, and greenness."""
+    def _deviations(self, peaks: tuple[Floats, Floats], curve: Floats) -> tuple[float, float, tuple[float, float]]:
+        """Return the share of ridges that lie off an arc, the others' scatter, m, and the arc's deviations, m.
+
+        The deviations are those of least squares over the rows that lie on the arc, of which some neighbours are off
+        alike, with what is usual of a boundary before any row is seen.
+        """
+        miss = (peaks[0] - arc_y(curve, self.d)) ** 2
+        weight = np.where(peaks[1] > STANDS_OUT, np.minimum(peaks[1], 4.0), 0.0)
+        near = weight * (miss < ON_LINE * ON_LINE)
+        total, kept = float(weight.sum()), float(near.sum())
+        scatter = math.sqrt(float(near @ miss) / kept) if kept else USUAL_SCATTER
+        rows = self._shape[near > 0.0]
+        known = rows.T @ rows / (ALIKE * (scatter * scatter + ROW_DEVIATION**2)) + np.diag(BOUNDARY_DEVIATIONS**-2)
+        variances = ((JUDGED @ np.linalg.inv(known)) * JUDGED).sum(axis=1)
+        first, last = np.sqrt(variances).tolist()
+        return 1.0 - kept / total if total else 1.0, scatter, (first, last)
+
+    def _along(self, ridges: Ridges, curve: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        """Return what lies on the arc: strength, contrast, greenness, brightness beside it and the sides' difference.
+
+        Strength and contrast are the best of three neighbouring columns.
+        """
         column = self._column(curve, self.d)
         around = np.clip(column[:, None] + np.arange(-1, 2), 0, self.columns - 1)
         inside = (column >= 0) & (column < self.columns)
         pick = (self.rows[:, None], around)
+        sides = np.clip(around[:, 1:2] + self._sides, 0, self.columns - 1)
+        left, right = ridges.ground[self.rows[:, None], sides].astype(np.float64).T
         return (
             np.where(inside, ridges.strength[pick].max(axis=1), 0.0).astype(np.float64),
             np.where(inside, ridges.contrast[pick].max(axis=1), 0.0).astype(np.float64),
             ridges.green[self.rows, around[:, 1]].astype(np.float64),
+            0.5 * (left + right),
+            np.abs(left - right),
         )
 
 

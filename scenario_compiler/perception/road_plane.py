@@ -34,6 +34,12 @@ USUAL_PITCH = math.radians(1.0)
 PITCH_CHANGE = math.radians(0.25)
 """Standard deviation of its change from one image to the next, rad: braking hard changes it by 1 degree in 0.3 s."""
 
+WIDTH_DEVIATION, BEND_DEVIATION = 0.15, 0.002
+"""Standard deviations of the distance of two fitted boundaries, m, and of the difference of their curvatures, 1/m."""
+
+WIDTHS, BENDS = 5.0, 0.04
+"""Ranges of the two over which boundaries that belong to no lane are spread, m and 1/m."""
+
 KEPT = 0.98
 """Share of the tilt that remains after one image without an observation: the body levels, the grade ends."""
 
@@ -98,6 +104,28 @@ def tilt_beyond(left: Fit, right: Fit, height: float) -> Tilt:
     width = near - slope * COMPARED[0]
     variance = left.slope_deviation**2 + right.slope_deviation**2
     return tilt_of_widening(slope, width, 0.5 * float(left.curve[2] + right.curve[2]), variance, height)
+
+
+def alike(left: Fit, right: Fit, width: float, spread: float, painted: float) -> float:
+    """Return the probability that two boundaries, painted with some probability, are those of one lane.
+
+    The sides of a lane are as far apart as it is wide, and bend alike. Those that belong to nothing are anywhere.
+
+    Args:
+        left: The left boundary.
+        right: The right boundary.
+        width: Expected width of the lane, m.
+        spread: Its standard deviation, m.
+        painted: Probability that both sides are painted.
+    """
+    off, apart = float(left.curve[0] - right.curve[0]) - width, float(left.curve[2] - right.curve[2])
+    true = painted * _normal(off, math.hypot(spread, WIDTH_DEVIATION)) * _normal(apart, BEND_DEVIATION)
+    false = (1.0 - painted) / (WIDTHS * BENDS)
+    return true / (true + false)
+
+
+def _normal(off: float, deviation: float) -> float:
+    return math.exp(-0.5 * (off / deviation) ** 2) / (deviation * math.sqrt(2.0 * math.pi))
 
 
 def tilt_of_widening(slope: float, width: float, bend: float, variance: float, height: float) -> Tilt:

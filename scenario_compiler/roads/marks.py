@@ -53,6 +53,15 @@ LANE_CHANGES = ("both", "none", "increase", "decrease")
 
 LANE_CHANGE_CODES = {name: code for code, name in enumerate(LANE_CHANGES)}
 
+STANDARD_DASH, STANDARD_GAP = 3.0, 9.0
+"""Dash and gap of a broken mark where the file gives none, m: the American and CARLA's habit."""
+
+DOT, DOT_GAP = 0.1, 1.1
+"""Size and distance of Botts' dots, m."""
+
+MOST_PERIODS = 1.0e6
+"""Dashes that are counted at most: beyond them a line counts as one dash or one gap."""
+
 STANDARD_WIDTH = 0.12
 """Width of a mark without one in the file, m; chosen: a common width of lane lines; a bold mark has twice this."""
 
@@ -95,3 +104,65 @@ def mark_at(n: RoadTables, road: int, lane: int, s: float) -> tuple[int, float, 
             share = 1.0
         quality = quality + share * (n.mark_quality_to[mark] - quality)
     return n.mark_type[mark], quality, n.mark_colour[mark], n.mark_width[mark]
+
+
+@compiled
+def dashes_up_to(distance: float, dash: float, gap: float) -> float:
+    """Return how much of a distance from the start of a broken line on is painted, m."""
+    period = max(dash + gap, 0.01)
+    whole = int(max(min(distance / period, MOST_PERIODS) + MOST_PERIODS, 0.0)) - MOST_PERIODS
+    return whole * dash + min(distance - whole * period, dash)
+
+
+@compiled
+def dashes_between(begin: float, end: float, dash: float, gap: float) -> float:
+    """Return the share of a stretch that a broken line paints, by the distances from its start; 1 of a solid line."""
+    if dash <= 0.0 or gap <= 0.0:
+        return 1.0
+    return (dashes_up_to(end, dash, gap) - dashes_up_to(begin, dash, gap)) / max(end - begin, 0.01)
+
+
+@compiled
+def painted_share(n: RoadTables, mark: int, begin: float, end: float) -> float:
+    """Return the share of a stretch of s that a mark's row paints, 0 to 1, of its densest line; 0 without a mark."""
+    if mark < 0 or n.mark_type[mark] == MARK_NONE:
+        return 0.0
+    first = n.mark_s[mark]
+    most = 0.0
+    for k in range(n.mark_line[mark], n.mark_line[mark + 1]):
+        start = first + n.line_s[k]
+        if n.line_once[k] == 1:
+            covered = max(min(start + n.line_length[k], end) - max(start, begin), 0.0)
+            most = max(most, covered / max(end - begin, 0.01))
+        else:
+            most = max(most, dashes_between(begin - start, end - start, n.line_length[k], n.line_space[k]))
+    if n.mark_line[mark + 1] > n.mark_line[mark]:
+        return most
+    kind = n.mark_type[mark]
+    if kind in (MARK_BROKEN, MARK_BROKEN_BROKEN):
+        return dashes_between(begin - first, end - first, STANDARD_DASH, STANDARD_GAP)
+    if kind == MARK_BOTTS_DOTS:
+        return dashes_between(begin - first, end - first, DOT, DOT_GAP)
+    return 1.0 if kind < MARK_GRASS else 0.0
+
+
+@compiled
+def painted_width(n: RoadTables, mark: int) -> float:
+    """Return the width of a mark's first line, m; 0 without a mark."""
+    if mark < 0 or n.mark_type[mark] == MARK_NONE:
+        return 0.0
+    line = n.mark_line[mark]
+    if n.mark_line[mark + 1] > line and n.line_width[line] > 0.0:
+        return n.line_width[line]
+    return n.mark_width[mark]
+
+
+@compiled
+def painted_colour(n: RoadTables, mark: int) -> int:
+    """Return the colour code of a mark's first line; 0 without a mark."""
+    if mark < 0:
+        return 0
+    line = n.mark_line[mark]
+    if n.mark_line[mark + 1] > line:
+        return n.line_colour[line]
+    return n.mark_colour[mark]

@@ -2,7 +2,7 @@
 
 Lanes are cut at stations every two metres, of which those are left out between which the surface is flat and straight.
 A mark is drawn by the lines of its type where the file gives them, else by `_LINES_OF_TYPE`: the standard leaves the
-dashes of a "broken" mark open, and 3 m of paint and 9 m of gap is the American and CARLA's habit.
+dashes of a "broken" mark open (`marks.STANDARD_DASH`).
 """
 
 from __future__ import annotations
@@ -151,7 +151,8 @@ class _Line(NamedTuple):
     beside: float
 
 
-_SOLID, _BROKEN = (0.0, 0.0), (3.0, 9.0)
+_SOLID = (0.0, 0.0)
+_BROKEN = (road_marks_codes.STANDARD_DASH, road_marks_codes.STANDARD_GAP)
 _LINES_OF_TYPE = {
     road_marks_codes.MARK_SOLID: (_Line(*_SOLID, 0.0),),
     road_marks_codes.MARK_BROKEN: (_Line(*_BROKEN, 0.0),),
@@ -159,7 +160,7 @@ _LINES_OF_TYPE = {
     road_marks_codes.MARK_SOLID_BROKEN: (_Line(*_SOLID, -1.0), _Line(*_BROKEN, 1.0)),
     road_marks_codes.MARK_BROKEN_SOLID: (_Line(*_BROKEN, -1.0), _Line(*_SOLID, 1.0)),
     road_marks_codes.MARK_BROKEN_BROKEN: (_Line(*_BROKEN, -1.0), _Line(*_BROKEN, 1.0)),
-    road_marks_codes.MARK_BOTTS_DOTS: (_Line(0.1, 1.1, 0.0),),
+    road_marks_codes.MARK_BOTTS_DOTS: (_Line(road_marks_codes.DOT, road_marks_codes.DOT_GAP, 0.0),),
 }
 
 

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from scenario_compiler import compile_scenario, load_network
 from scenario_compiler.compiler import Overrides
 from scenario_compiler.controllers.lane_detection import LaneDetectionParams
+from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import view as at
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.columns.totals import SUMMARY
@@ -75,20 +77,41 @@ def test_the_noise_belongs_to_the_place_and_has_no_steps() -> None:
     assert noise != [surrogate.noise_at(3, -1, 1, 0.25 * k, 10.0) for k in range(8000)]
 
 
-def test_a_view_that_is_kept_is_the_view_that_would_be_written() -> None:
+def logits(view: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the network's logits of both sides for a view (2, VIEW_SIZE), worked out apart from the engine."""
+    fitted = load_surrogate()
+    first, second = np.array(fitted.first), np.array(fitted.second)
+    inner = np.clip(view, fitted.low, fitted.high) @ first[:-1] + first[-1]
+    units, outputs = inner[:, : at.HIDDEN], inner[:, at.HIDDEN :]
+    return np.asarray((outputs + units / (1.0 + np.abs(units)) @ second)[:, 0])
+
+
+def test_what_is_kept_from_look_to_look_gives_nearly_the_answer_of_a_new_look() -> None:
     plan = planned("road_narrows")
     simulation = Simulation(load_network(plan.map.file).tables, build_program(plan, load_network(plan.map.file)))
     simulation.reset(make_draws(1))
     compared = 0
     while simulation.step():
-        kept = simulation.column("view").copy().reshape(2, -1)
-        steady = simulation.state.view_row[0] >= 0
+        said = simulation.column("seen_logit").copy()
+        fresh = simulation.state.frame[0] % 2 == 0
         written = simulation.look_at_view()
-        if steady and written is not None and simulation.state.frame[0] % 2 == 0:
-            low, high = load_surrogate().low, load_surrogate().high
-            assert np.abs(np.clip(written, low, high) - kept)[:, [*range(at.V_SPEED), at.V_SEEN]].max() < 1e-9
+        if fresh and written is not None and simulation.state.takeover_state[0] == op.TAKEOVER_AUTOMATED:
+            assert np.abs(logits(written) - said).max() < 1.0
             compared += 1
     assert compared > 20
+
+
+def test_the_right_side_is_the_mirrored_left_side() -> None:
+    plan = planned("sensor_failure")
+    simulation = Simulation(load_network(plan.map.file).tables, build_program(plan, load_network(plan.map.file)))
+    simulation.reset(make_draws(1))
+    simulation.step()
+    view = simulation.look_at_view()
+    assert view is not None
+    left, right = view
+    assert left[: at.SIDE_SIZE].tolist() == right[at.SIDE_SIZE : at.V_BOTH].tolist()
+    assert left[at.V_BOTH :].tolist() == right[at.V_BOTH :].tolist()
+    assert left[at.S_OFFSET] == -right[at.S_OFFSET]
 
 
 def test_outside_the_domain_it_is_noted_once() -> None:

@@ -6,9 +6,9 @@ from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import look_at_bank
 from scenario_compiler.perception.calibration.fit import fit_confidence, reliability
 from scenario_compiler.perception.calibration.scenes import Fading
-from scenario_compiler.perception.confidence import FEATURES, load_confidence, noise_of
+from scenario_compiler.perception.confidence import FEATURES, NEWEST, load_confidence, noise_of
 from scenario_compiler.perception.degradation import add_noise
-from scenario_compiler.perception.lane_detector import ClassicalLaneDetector
+from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
 from tests.perception.scenery import CLEAR, bend, two_lanes
 
@@ -46,6 +46,31 @@ def test_paint_and_geometry_are_told_apart() -> None:
     assert looks.p[:, 1].mean() < 0.3
     painted = look_at_bank(ClassicalLaneDetector(), situation("straight"), 4, 4)
     assert painted.p[:, 1].mean() > 0.9
+
+
+def test_what_shows_paint_is_averaged_over_the_images_that_were_seen() -> None:
+    detector, place = ClassicalLaneDetector(), bend(200.0).pose(60.0)
+    image = RoadCamera(two_lanes(bend(200.0), quality=Fading(1.0, 1.0))).frame(place, [], CLEAR, 0.0, 0)
+    state, rows = LaneState(), []
+    for number in range(6):
+        dimmed = np.asarray(image * (1.0 - 0.1 * number), np.uint8)
+        found, (left, _) = detector.look(dimmed, state)
+        state = state.after(found)
+        rows.append(left)
+    now, lately = FEATURES.index("prominence"), FEATURES.index("prominence_lately")
+    seen = [row[now] for row in rows]
+    assert rows[0][lately] == seen[0]
+    assert rows[2][lately] == pytest.approx(np.mean(seen[:3]))
+    assert rows[5][lately] == pytest.approx(rows[4][lately] + NEWEST * (seen[5] - rows[4][lately]))
+
+
+def test_a_tilt_that_is_not_known_leaves_the_boundary_open() -> None:
+    detector, place = ClassicalLaneDetector(), bend(0.0).pose(60.0)
+    image = RoadCamera(two_lanes(bend(0.0))).frame(place, [], CLEAR, 0.0, 0)
+    at = FEATURES.index("deviation_tilt")
+    _, (told, _) = detector.look(image, pitch=0.0)
+    _, (found, _) = detector.look(image)
+    assert told[at] < found[at]
 
 
 def test_measured_noise_is_the_noise_that_was_added() -> None:

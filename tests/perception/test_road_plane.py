@@ -1,14 +1,16 @@
 """The tilt of the camera against the road ahead, told from the lane in its image."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from scenario_compiler.perception.calibration.scenes import Reference, Strip, make_scene
+from scenario_compiler.perception.calibration.scenes import Line, Reference, Strip, make_scene
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
+from scenario_compiler.perception.lane_fit import LEFT, RIGHT, Fit
 from scenario_compiler.perception.road_camera import RoadCamera
-from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt
+from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, alike
 from scenario_compiler.roads.mesh import Material
 from tests.perception.scenery import CLEAR, bend, two_lanes
 
@@ -85,3 +87,38 @@ def test_what_is_surely_seen_counts_however_far_it_is_from_what_was_known() -> N
     known, far = Tilt(0.0, 0.0005), Tilt(0.06, 0.0005)
     assert known.with_seen(far).pitch == pytest.approx(0.03)
     assert known.with_seen(far, 0.9).pitch == 0.0
+
+
+def fits_of(width: float, apart: float) -> tuple[Fit, Fit]:
+    """Return the fits of an image of a lane, moved to be so far apart, m, and to bend so differently, 1/m."""
+    image = RoadCamera(two_lanes(bend(0.0))).frame(bend(0.0).pose(60.0), [], CLEAR, 0.0, 0)
+    sides, _, _ = DETECTOR.examine(image, None, 0.0, 0.0)
+    left, right = np.array([0.5 * width, 0.0, apart]), np.array([-0.5 * width, 0.0, 0.0])
+    return replace(sides[LEFT], curve=left), replace(sides[RIGHT], curve=right)
+
+
+def test_two_sides_are_one_lanes_the_less_the_wider_and_the_less_alike_they_are() -> None:
+    chances = [alike(*fits_of(3.5 + off, 0.0), 3.5, 0.25, 0.5) for off in (0.0, 0.4, 0.8, 1.6)]
+    assert chances == sorted(chances, reverse=True)
+    assert chances[0] > 0.9
+    assert chances[-1] < 0.05
+    bends = [alike(*fits_of(3.5, apart), 3.5, 0.25, 0.5) for apart in (0.0, 0.003, 0.006, 0.012)]
+    assert bends == sorted(bends, reverse=True)
+    assert bends[-1] < 0.05
+    assert alike(*fits_of(3.5, 0.0), 3.5, 0.25, 0.0) == 0.0
+
+
+def test_beside_one_broken_line_the_tilt_stays_about_what_was_known() -> None:
+    """The edge of the road is no line, and what noise shows in the asphalt is none: neither tells how the road lies."""
+    reference = Reference([(160.0, 0.0, 0.0)])
+    strips = [Strip(30.0, -30.0, Material.VERGE), Strip(5.6, -2.2)]
+    farthest = []
+    for phase in (0.0, 4.0, 8.0):
+        camera = RoadCamera(make_scene(reference, strips, [Line(1.75, 3.0, 9.0, phase)]))
+        state, seen = LaneState(), []
+        for frame in range(12):
+            found = DETECTOR.detect(camera.frame(reference.pose(40.0 + frame), [], CLEAR, 20.0, frame), state)
+            state = state.after(found)
+            seen.append(abs(math.degrees(found.tilt.pitch)))
+        farthest.append(max(seen))
+    assert np.mean(farthest) < 0.75

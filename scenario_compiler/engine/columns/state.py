@@ -23,7 +23,7 @@ from scenario_compiler.engine.columns.program import (
     VERTEX,
     Program,
 )
-from scenario_compiler.engine.columns.view import UNITS, VIEW_SIZE
+from scenario_compiler.engine.columns.view import SAMPLES, UNITS, VIEW_SIZE
 from scenario_compiler.forms.declaration import RUN, Columns, Of, at_start, column, container, fixed
 from scenario_compiler.randomness import hash_bits, normal
 
@@ -35,8 +35,9 @@ HELD_INPUT = fixed("held input", op.HELD_INPUTS)
 FAILURE_KIND = fixed("kind of failure", op.FAILURES)
 WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 SIDE = fixed("side of the lane", 2)
-UNIT = fixed("unit of a network", UNITS)
-VIEW = fixed("feature of a view", 2 * VIEW_SIZE)
+UNIT = fixed("unit of a network, for each side", 2 * UNITS)
+VIEW = fixed("feature of a view", VIEW_SIZE)
+LOOKED = fixed("piece of the way in which paint is looked at", SAMPLES)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
 STEER_RATE = 0.7
@@ -316,7 +317,11 @@ class State(Columns):
     conf_right: list[float] = column(RUN, 1.0)
     health: list[float] = column(RUN, 1.0)
     view: list[float] = column(VIEW)
-    """Input of surrogate perception: the features of the left side, then of the right (`columns.view`)."""
+    """What surrogate perception goes by: features of the left side, of the right side, of both (`columns.view`)."""
+    taken_up: list[float] = column(VIEW)
+    """The features that `unit` was worked out for."""
+    unit: list[float] = column(UNIT)
+    """What the features give to the hidden units and the outputs of the left side, then of the right, without bias."""
     view_row: list[int] = column(RUN, op.NONE)
     """Row and piece of the path for which the view is kept while nothing changes; NONE if it must not be kept."""
     view_piece: list[int] = column(RUN)
@@ -326,12 +331,42 @@ class State(Columns):
     view_heading: list[float] = column(RUN)
     view_pitch: list[float] = column(RUN)
     view_sigma: list[float] = column(RUN)
+    view_looks: list[int] = column(RUN)
+    """Number of looks so far."""
+    view_dashed: list[int] = column(RUN)
+    """1 where a line ahead is not painted alike everywhere, so that the view changes with every metre."""
+    air_weather: list[float] = column(WEATHER_NUMBER, -1.0e9)
+    """The weather that the following is of."""
+    air_lit: list[float] = column(LOOKED)
+    """Light from the ground in each piece, 1 at a clear noon; how rough hard ground and meadow look there."""
+    air_hard: list[float] = column(LOOKED)
+    air_soft: list[float] = column(LOOKED)
+    air_ground: list[float] = column(RUN)
+    """Brightness of the asphalt, grey levels, the share of paint's contrast that is left, and how rough rain looks."""
+    air_contrast: list[float] = column(RUN)
+    air_streaks: list[float] = column(RUN)
+    air_glare: list[float] = column(RUN)
+    """How much the sun dazzles from straight ahead, 0-1, and its direction, rad."""
+    air_sun: list[float] = column(RUN)
+    stands_out: list[float] = column(LOOKED)
+    """Strength in each piece per grey level by which paint is brighter than the ground: light over roughness."""
+    beside_row: list[int] = column(RUN, op.NONE)
+    """Row of the lane, s and the camera's noise for which was noted what lies beside the lane."""
+    beside_s: list[float] = column(RUN)
+    beside_sigma: list[float] = column(RUN)
+    way_half: list[float] = column(LOOKED)
+    """Half of the lane's width in each piece, m."""
+    way_bend: list[float] = column(RUN)
+    """Curvature of the way at the ego, 1/m, and its rate, 1/m2."""
+    way_bend_rate: list[float] = column(RUN)
+    hides_from: list[float] = column(RUN)
+    """Directions (y / x) between which the obstacle nearest ahead hides the ground, and from where on, m."""
+    hides_to: list[float] = column(RUN)
+    hides_at: list[float] = column(RUN)
     seen_logit: list[float] = column(SIDE)
     """Logit of the confidence in each side for that view."""
     seen_drawn: list[float] = column(RUN)
     """How far both sides together shift the path to the left, m."""
-    unit: list[float] = column(UNIT)
-    """Working memory of surrogate perception: its hidden units and outputs."""
     path_error: list[float] = column(RUN)
     """Offset to the left of the lane's centre of the path that surrogate perception follows, m."""
     slow_square: list[float] = column(RUN)

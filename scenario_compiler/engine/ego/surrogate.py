@@ -26,7 +26,7 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import clip, logistic, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.columns.view import HIDDEN, OUTPUTS, UNITS, VIEW_SIZE
+from scenario_compiler.engine.columns.view import HIDDEN, OUTPUTS, SIDE_SIZE, UNITS, V_BOTH, VIEW_SIZE
 from scenario_compiler.engine.ego.failures import health_of_camera
 from scenario_compiler.engine.ego.objects_ahead import gap_to_keep
 from scenario_compiler.engine.ego.view import keep_view, lane_bend, look_at_view, view_stays
@@ -62,6 +62,9 @@ DRIVING = 9
 
 COEFFICIENTS = DRIVING_AT + DRIVING
 """Number of coefficients of surrogate perception."""
+
+TOO_SMALL = 0.004
+"""Change of a feature that is not worth taking up, as a share of its domain."""
 
 PATH_SIDE = 2
 """Random stream of the path's noise; those of the left and right boundary are 0 and 1."""
@@ -108,65 +111,71 @@ def noise_at(road: int, lane: int, side: int, s: float, cell: float) -> float:
 
 
 @compiled
-def hold_in_domain(p: Program, st: State, base: int) -> int:
-    """Clip the features of one side to the domain of the fit; return 1 if one was outside."""
+def take_up(p: Program, st: State) -> int:
+    """Bring `unit` up to date with the view, held within the domain; return 1 where a feature was outside.
+
+    Only features that have changed since they were last taken up cost anything, and small changes wait until they have
+    added up: most features stay nearly as they are from look to look.
+    """
     low = p.surrogate_const[0]
     outside = 0
     for k in range(VIEW_SIZE):
-        value = st.view[base + k]
-        if value < p.const[low + k]:
-            st.view[base + k] = p.const[low + k]
+        value = st.view[k]
+        if value == st.taken_up[k]:
+            continue
+        least = p.const[low + k]
+        most = p.const[low + VIEW_SIZE + k]
+        if value < least or value > most:
+            value = clip(value, least, most)
             outside = 1
-        elif value > p.const[low + VIEW_SIZE + k]:
-            st.view[base + k] = p.const[low + VIEW_SIZE + k]
-            outside = 1
+        change = value - st.taken_up[k]
+        if abs(change) > TOO_SMALL * (most - least):
+            st.taken_up[k] = value
+            mirrored = k
+            if k < SIDE_SIZE:
+                mirrored = k + SIDE_SIZE
+            elif k < V_BOTH:
+                mirrored = k - SIDE_SIZE
+            left = low + FIRST_AT + UNITS * k
+            right = low + FIRST_AT + UNITS * mirrored
+            for unit in range(UNITS):
+                st.unit[unit] += p.const[left + unit] * change
+                st.unit[UNITS + unit] += p.const[right + unit] * change
     return outside
 
 
 @compiled
-def judge_side(p: Program, st: State, base: int) -> None:
-    """Evaluate the network for one side.
-
-    Afterwards `unit[HIDDEN]` is the logit of the confidence and `unit[HIDDEN + 1]` the shift of the path, m.
-    """
-    row = p.surrogate_const[0] + FIRST_AT
-    for unit in range(UNITS):
-        st.unit[unit] = p.const[row + VIEW_SIZE * UNITS + unit]
-    for k in range(VIEW_SIZE):
-        value = st.view[base + k]
-        if value != 0.0:
-            for unit in range(UNITS):
-                st.unit[unit] += p.const[row + unit] * value
-        row += UNITS
+def outputs_of(p: Program, st: State, side: int) -> tuple[float, float]:
+    """Return the outputs of the network for a side: the logit of the confidence, and how far it draws the path."""
+    bias = p.surrogate_const[0] + FIRST_AT + VIEW_SIZE * UNITS
     second = p.surrogate_const[0] + SECOND_AT
+    logit = st.unit[UNITS * side + HIDDEN] + p.const[bias + HIDDEN]
+    drawn = st.unit[UNITS * side + HIDDEN + 1] + p.const[bias + HIDDEN + 1]
     for unit in range(HIDDEN):
-        value = st.unit[unit] / (1.0 + abs(st.unit[unit]))
-        st.unit[HIDDEN] += p.const[second + OUTPUTS * unit] * value
-        st.unit[HIDDEN + 1] += p.const[second + OUTPUTS * unit + 1] * value
-
-
-@compiled
-def note_domain(p: Program, st: State) -> None:
-    """Clip the view to the domain of the fit, and log the first time that it was outside while the automation drove."""
-    left = hold_in_domain(p, st, 0)
-    right = hold_in_domain(p, st, VIEW_SIZE)
-    automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
-    if left + right > 0 and automated and st.time_outside_domain[0] < 0.0:
-        st.time_outside_domain[0] = st.clock[0]
-        log_event(st, op.EVENT_OUTSIDE_DOMAIN, 0.0)
+        value = st.unit[UNITS * side + unit] + p.const[bias + unit]
+        value = value / (1.0 + abs(value))
+        logit += p.const[second + OUTPUTS * unit] * value
+        drawn += p.const[second + OUTPUTS * unit + 1] * value
+    return logit, drawn
 
 
 @compiled
 def judge_view(n: RoadTables, p: Program, st: State) -> None:
-    """Evaluate the network for both sides of the view that was just written."""
+    """Work out the network for both sides of the view that has just been written.
+
+    The first time that it leaves the domain while the automation drives is logged.
+    """
     keep_view(n, p, st)
-    note_domain(p, st)
-    judge_side(p, st, 0)
-    st.seen_logit[0] = st.unit[HIDDEN]
-    left = st.unit[HIDDEN + 1]
-    judge_side(p, st, VIEW_SIZE)
-    st.seen_logit[1] = st.unit[HIDDEN]
-    st.seen_drawn[0] = left - st.unit[HIDDEN + 1]
+    outside = take_up(p, st)
+    automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
+    if outside == 1 and automated and st.time_outside_domain[0] < 0.0:
+        st.time_outside_domain[0] = st.clock[0]
+        log_event(st, op.EVENT_OUTSIDE_DOMAIN, 0.0)
+    left, left_drawn = outputs_of(p, st, 0)
+    right, right_drawn = outputs_of(p, st, 1)
+    st.seen_logit[0] = left
+    st.seen_logit[1] = right
+    st.seen_drawn[0] = left_drawn - right_drawn
 
 
 @compiled

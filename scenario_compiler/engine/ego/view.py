@@ -7,44 +7,51 @@ camera, so that fit and use share this one function.
 
 from __future__ import annotations
 
-from math import exp, log
+from math import cos, exp, sin
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns import view as at
 from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.air_ahead import AHEAD_FROM, AHEAD_STEP, note_air, note_common, note_glare
 from scenario_compiler.engine.ego.lane_confidence import mark_visibility, note_even_marks
-from scenario_compiler.engine.ego.visibility import (
-    LEAST_CONTRAST,
-    W_DUST_STORM,
-    W_FOG_DENSITY,
-    W_FOG_FALLOFF,
-    W_PRECIPITATION,
-    W_SUN_ALTITUDE,
-    haze_extinction,
-    weather_contrast,
+from scenario_compiler.engine.ego.paint_ahead import (
+    CAMERA_AT,
+    note_clutter,
+    see_even_lines,
+    see_lines,
 )
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_curvature, road_grade
+from scenario_compiler.roads.lane_types import MEDIAN, NONE, RAIL
 from scenario_compiler.roads.lanes import lane_direction, lane_inside, row_centre, row_width
-from scenario_compiler.roads.marks import MARK_BROKEN, MARK_BROKEN_BROKEN, MARK_COLOUR_CODES, MARK_NONE, mark_at
+from scenario_compiler.roads.marks import (
+    MARK_BROKEN,
+    MARK_BROKEN_BROKEN,
+    MARK_COLOUR_CODES,
+    MARK_SOLID_SOLID,
+    mark_row,
+    painted_colour,
+    painted_share,
+    painted_width,
+    row_mark,
+)
 from scenario_compiler.roads.tables import POLYNOMIAL, RoadTables
 
-SAMPLES = 13
-SAMPLE_FROM = 1.0
-SAMPLE_STEP = 2.0
-SAMPLE_TO = 25.0
-"""The paint is sampled from 1 m to 25 m ahead of the reference point, every 2 m."""
+SEEN_TO = CAMERA_AT + AHEAD_FROM + AHEAD_STEP * at.SAMPLES
+"""How far ahead of the reference point anything is looked at, m."""
 
-KIND_AT = 11.0
-"""Distance ahead at which the kind of both lines is looked up, m."""
+KIND_AT = 13.0
+"""Where the kind of both lines and what lies beside is looked at, m ahead."""
 
 BEND_NEAR = 9.0
 BEND_FAR = 19.0
-"""Distances ahead at which the curvature is taken, m; the change of the grade is taken between the two."""
+BENDS_APART = 10.0
+"""Where the curvature is looked at, m ahead; the change of the grade lies between here and the further place."""
 
 LEADER_REACH = 60.0
 LEADER_SCALE = 12.0
@@ -55,14 +62,29 @@ COVERED = 0.6
 
 HALF_LANE = 1.75
 
+OBSTACLE_HEIGHT = 1.0
+OBSTACLE_REACH = 40.0
+NEAREST_CORNER = 0.3
+NOWHERE = 9.0
+"""Least height of an obstacle that hides the ground, up to where it does, how near its corners may be, m, and a
+direction in which nothing is."""
+
+BESIDE_LINE = 0.3
+FARTHEST_RIVAL = 5.0
+FARTHEST_EDGE = 6.0
+LEAST_RIVAL = 0.02
+LONG_RUN = 60.0
+BESIDE_EVERY = 10.0
+"""How far beside a line another counts as another, and up to where, m; how much of it is painted at least, on how many
+metres; and after how many metres this is looked at anew."""
+
 STEADY_SPEED = 0.5
 STEADY_OFF = 0.05
 STEADY_ANGLE = 0.01
 STEADY_PITCH = 0.002
-"""Changes up to which a view is kept: of the speed, m/s, the offset, m, the heading, rad, and the body's pitch, rad."""
-
-LEAST_PAINT = 0.02
-"""Lower bound of the quality before its logarithm is taken."""
+STEADY_VOTES = 0.05
+"""Changes up to which a view is kept: of the speed, m/s, the offset, m, the heading and the body's pitch, rad, and how
+far the running means of the votes may be from the votes."""
 
 YELLOW = MARK_COLOUR_CODES["yellow"]
 
@@ -80,157 +102,150 @@ def lane_bend(n: RoadTables, road: int, lane: int, row: int, s: float) -> float:
 
 
 @compiled
-def window_of(sample: int) -> int:
-    """Return the window, 0 to WINDOWS - 1, that a sample of the paint belongs to."""
-    if sample < 3:
-        return 0
-    return min(1 + (sample - 3) // 2, at.WINDOWS - 1)
-
-
-@compiled
-def share_of(sample: int) -> float:
-    """Return the weight of a sample in its window's mean."""
-    window = window_of(sample)
-    if window == 0:
-        return 1.0 / 3.0
-    return 0.5 if window < at.WINDOWS - 1 else 0.25
-
-
-@compiled
 def paint_stays(st: State) -> int:
     """Return 1 if the road marks are known not to change within the range of the view."""
     s = st.path_s[0]
-    end = s + st.path_sense[0] * SAMPLE_TO
+    end = s + st.path_sense[0] * SEEN_TO
     if st.path_row[0] != st.even_row[0] or min(s, end) <= st.even_from[0] or max(s, end) >= st.even_to[0]:
         return 0
     return 1
 
 
 @compiled
-def add_paint(st: State, window: int, left: float, right: float) -> None:
-    """Add the quality of the left and the right mark to a window of both sides' features."""
-    st.view[at.V_PAINT + window] += left
-    st.view[at.V_OTHER_PAINT + window] += right
-    st.view[at.VIEW_SIZE + at.V_PAINT + window] += right
-    st.view[at.VIEW_SIZE + at.V_OTHER_PAINT + window] += left
+def note_mirrored(st: State, feature: int, value: float) -> None:
+    """Note a side's feature whose sign is the other way round for the right side."""
+    st.view[feature] = value
+    st.view[at.SIDE_SIZE + feature] = -value
 
 
 @compiled
-def look_at_paint(n: RoadTables, p: Program, st: State) -> None:
-    """Write the paint's quality on both sides by windows, and which share of the path ahead is in junctions."""
+def note_line(n: RoadTables, st: State, base: int, road: int, lane: int, s: float) -> int:
+    """Note what kind of line bounds one side; return its colour's code."""
+    mark = mark_row(n, road, lane, s)
+    kind = n.mark_type[mark] if mark >= 0 else 0
+    colour = painted_colour(n, mark)
+    st.view[base + at.S_BROKEN] = 1.0 if kind in (MARK_BROKEN, MARK_BROKEN_BROKEN) else 0.0
+    st.view[base + at.S_WIDTH] = painted_width(n, mark)
+    st.view[base + at.S_YELLOW] = 1.0 if colour == YELLOW else 0.0
+    st.view[base + at.S_DOUBLE] = 1.0 if kind >= MARK_SOLID_SOLID and kind <= MARK_BROKEN_BROKEN else 0.0
+    return colour
+
+
+@compiled
+def note_rival(st: State, base: int, beyond: float, paint: float) -> None:
+    """Note a painted line that lies so far beyond a side's own, m, where it is the nearest."""
+    if paint > LEAST_RIVAL and beyond > BESIDE_LINE and beyond < st.view[base + at.S_RIVAL]:
+        st.view[base + at.S_RIVAL] = beyond
+        st.view[base + at.S_RIVAL_PAINT] = paint
+
+
+@compiled
+def look_beside(n: RoadTables, p: Program, st: State, road: int, row: int, s: float) -> None:
+    """Note the lines and the pavement beyond both sides of the lane, and how rough the ground looks.
+
+    It is looked at anew after some metres only.
+    """
+    if row == st.beside_row[0] and abs(s - st.beside_s[0]) < BESIDE_EVERY and st.sigma[0] == st.beside_sigma[0]:
+        return
+    st.beside_row[0] = row
+    st.beside_s[0] = s
+    st.beside_sigma[0] = st.sigma[0]
+    sense = lane_direction(n, road, n.lane_id[row])
+    centre, _ = row_centre(n, road, row, s)
+    half = 0.5 * row_width(n, row, s)
+    section = n.lane_section[row]
+    left = half
+    right = half
+    for side in range(2):
+        st.view[at.SIDE_SIZE * side + at.S_RIVAL] = FARTHEST_RIVAL
+        st.view[at.SIDE_SIZE * side + at.S_RIVAL_PAINT] = 0.0
+    for beside in range(n.section_lane[section], n.section_lane[section + 1]):
+        lane = n.lane_id[beside]
+        middle, _ = row_centre(n, road, beside, s)
+        wide = 0.5 * row_width(n, beside, s) if lane != 0 else 0.0
+        border = sense * (middle - centre + (wide if lane > 0 else -wide))
+        if abs(border) > half + BESIDE_LINE:
+            mark = row_mark(n, beside, s)
+            paint = painted_share(n, mark, s - LONG_RUN, s + LONG_RUN) * mark_visibility(n, p, road, lane, s)
+            note_rival(st, 0, border - half, paint)
+            note_rival(st, at.SIDE_SIZE, -border - half, paint)
+        if wide > 0.0 and n.lane_type[beside] not in (NONE, MEDIAN, RAIL):
+            left = max(left, sense * (middle - centre) + wide)
+            right = max(right, wide - sense * (middle - centre))
+    st.view[at.S_EDGE] = min(left - half, FARTHEST_EDGE)
+    st.view[at.SIDE_SIZE + at.S_EDGE] = min(right - half, FARTHEST_EDGE)
+    note_clutter(st, left, right)
+
+
+@compiled
+def look_at_lines(n: RoadTables, p: Program, st: State) -> None:
+    """Note what is seen of the lines of both sides, and their kinds."""
+    road, lane, row, s, rest = path_ahead(n, p, st, KIND_AT)
+    if rest > 0.0 or row < 0:
+        road = st.path_road[0]
+        lane = st.path_lane[0]
+        row = st.path_row[0]
+        s = st.path_s[0]
+    look_beside(n, p, st, road, row, s)
+    outer = 0
+    inner = at.SIDE_SIZE
+    if (lane > 0) != (lane_direction(n, road, lane) > 0):
+        outer = at.SIDE_SIZE
+        inner = 0
+    outer_colour = note_line(n, st, outer, road, lane, s)
+    inner_colour = note_line(n, st, inner, road, lane_inside(lane), s)
+    left_colour = outer_colour if outer == 0 else inner_colour
+    right_colour = inner_colour if outer == 0 else outer_colour
     if paint_stays(st) == 0:
         note_even_marks(n, p, st)
     if paint_stays(st) == 1:
-        for window in range(at.WINDOWS):
-            add_paint(st, window, st.even_left[0], st.even_right[0])
-        if n.road_junction[st.path_road[0]] >= 0:
-            note_both(st, at.V_JUNCTION_NEAR, 1.0)
-            note_both(st, at.V_JUNCTION_FAR, 1.0)
-        return
-    near = 0.0
-    far = 0.0
-    for k in range(SAMPLES):
-        road, lane, _, s, rest = path_ahead(n, p, st, SAMPLE_FROM + SAMPLE_STEP * k)
-        if rest > 0.0:
-            continue
-        window = window_of(k)
-        share = share_of(k)
-        outer = share * mark_visibility(n, p, road, lane, s)
-        inner = share * mark_visibility(n, p, road, lane_inside(lane), s)
-        if (lane > 0) == (lane_direction(n, road, lane) > 0):
-            add_paint(st, window, outer, inner)
-        else:
-            add_paint(st, window, inner, outer)
-        if n.road_junction[road] >= 0:
-            if window < 3:
-                near += 1.0 / 7.0
-            else:
-                far += 1.0 / 6.0
-    note_both(st, at.V_JUNCTION_NEAR, near)
-    note_both(st, at.V_JUNCTION_FAR, far)
-
-
-@compiled
-def note_both(st: State, feature: int, value: float) -> None:
-    """Write a feature that is the same for both sides."""
-    st.view[feature] = value
-    st.view[at.VIEW_SIZE + feature] = value
-
-
-@compiled
-def note_mirrored(st: State, feature: int, value: float) -> None:
-    """Write a feature that has the opposite sign for the right side."""
-    st.view[feature] = value
-    st.view[at.VIEW_SIZE + feature] = -value
-
-
-@compiled
-def note_line(n: RoadTables, st: State, base: int, other: int, road: int, lane: int, s: float) -> None:
-    """Write the kind, width and colour of the line on one side; `other` is where the other side's features begin."""
-    kind, _, colour, width = mark_at(n, road, lane, s)
-    broken = 1.0 if kind in (MARK_BROKEN, MARK_BROKEN_BROKEN) else 0.0
-    st.view[base + at.V_BROKEN] = broken
-    st.view[other + at.V_OTHER_BROKEN] = broken
-    st.view[base + at.V_WIDTH] = 0.0 if kind == MARK_NONE else width
-    st.view[base + at.V_YELLOW] = 1.0 if colour == YELLOW else 0.0
-
-
-@compiled
-def look_at_way(n: RoadTables, p: Program, st: State) -> None:
-    """Write the kinds of the lines, the curvature, the change of the grade and the lane's width ahead."""
-    road, lane, row, s, _ = path_ahead(n, p, st, KIND_AT)
-    inner = lane_inside(lane)
-    if (lane > 0) == (lane_direction(n, road, lane) > 0):
-        note_line(n, st, 0, at.VIEW_SIZE, road, lane, s)
-        note_line(n, st, at.VIEW_SIZE, 0, road, inner, s)
+        see_even_lines(n, st, left_colour, right_colour)
     else:
-        note_line(n, st, 0, at.VIEW_SIZE, road, inner, s)
-        note_line(n, st, at.VIEW_SIZE, 0, road, lane, s)
+        see_lines(n, p, st, left_colour, right_colour)
+
+
+@compiled
+def look_at_way(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Note the bend, the tilt, the change of grade and the lane's width ahead."""
+    here = lane_direction(n, st.path_road[0], st.path_lane[0]) * road_grade(n, st.path_road[0], st.path_s[0])
     road, lane, row, s, _ = path_ahead(n, p, st, BEND_NEAR)
-    bend = 40.0 * lane_bend(n, road, lane, row, s)
+    near = lane_bend(n, road, lane, row, s)
     grade = lane_direction(n, road, lane) * road_grade(n, road, s)
     width = row_width(n, row, s) if row >= 0 else 0.0
-    note_both(st, at.V_BEND_NEAR, abs(bend))
-    note_mirrored(st, at.V_TOWARDS_NEAR, bend)
-    note_both(st, at.V_LANE_WIDTH, width)
     road, lane, row, s, _ = path_ahead(n, p, st, BEND_FAR)
-    bend = 40.0 * lane_bend(n, road, lane, row, s)
+    far = lane_bend(n, road, lane, row, s)
+    tilt = 50.0 * clip(grade - here + st.body_pitch[i], -0.2, 0.2)
     change = lane_direction(n, road, lane) * road_grade(n, road, s) - grade
-    note_both(st, at.V_BEND_FAR, abs(bend))
-    note_mirrored(st, at.V_TOWARDS_FAR, bend)
-    note_both(st, at.V_GRADE_CHANGE, 10.0 * abs(change))
-    note_both(st, at.V_WIDENING, abs(row_width(n, row, s) - width) if row >= 0 else width)
+    st.way_bend_rate[0] = (far - near) / BENDS_APART
+    st.way_bend[0] = near - BEND_NEAR * st.way_bend_rate[0]
+    note_mirrored(st, at.S_BEND_NEAR, 40.0 * near)
+    note_mirrored(st, at.S_BEND_FAR, 40.0 * far)
+    note_common(st, at.V_CURVED_NEAR, 40.0 * abs(near))
+    note_common(st, at.V_CURVED_FAR, 40.0 * abs(far))
+    note_common(st, at.V_TILT, tilt)
+    note_common(st, at.V_TILT_SIZE, abs(tilt))
+    note_common(st, at.V_GRADE_CHANGE, 50.0 * clip(change, -0.2, 0.2))
+    note_common(st, at.V_LANE_WIDTH, width)
+    note_common(st, at.V_WIDENING, abs(row_width(n, row, s) - width) if row >= 0 else width)
 
 
 @compiled
-def seen_paint(st: State, first: int) -> float:
-    """Return the mean quality of the three windows in which the detector looks for a line, from 6 to 18 m."""
-    return (st.view[first + 1] + st.view[first + 2] + st.view[first + 3]) / 3.0
-
-
-@compiled
-def look_at_air(st: State) -> None:
-    """Write the light, the weather and the faults of the camera."""
-    note_both(st, at.V_CONTRAST, log(max(weather_contrast(st), LEAST_CONTRAST)))
-    note_both(st, at.V_DARKNESS, clip(-0.1 * st.weather[W_SUN_ALTITUDE], -1.0, 1.0))
-    note_both(st, at.V_RAIN, clip(0.01 * st.weather[W_PRECIPITATION], 0.0, 1.0))
-    fog = clip(0.01 * st.weather[W_FOG_DENSITY], 0.0, 1.0)
-    dust = clip(0.01 * st.weather[W_DUST_STORM], 0.0, 1.0)
-    note_both(st, at.V_HAZE, 10.0 * haze_extinction(fog, st.weather[W_FOG_FALLOFF], dust))
-    note_both(st, at.V_NOISE, 0.025 * st.sigma[0])
-    note_both(st, at.V_BLACKOUT, st.failure_now[op.FAILURE_BLACKOUT])
-    note_both(st, at.V_BLUR, st.failure_now[op.FAILURE_BLUR])
-    note_both(st, at.V_DIRT, st.failure_now[op.FAILURE_DIRT])
-    note_both(st, at.V_IMPULSES, st.failure_now[op.FAILURE_IMPULSE_NOISE])
-    note_both(st, at.V_OVEREXPOSURE, st.failure_now[op.FAILURE_OVEREXPOSURE])
-    note_both(st, at.V_DEAD_ROWS, st.failure_now[op.FAILURE_DEAD_ROWS])
-    note_both(st, at.V_QUANTISATION, st.failure_now[op.FAILURE_QUANTISATION])
-    note_both(st, at.V_LATENCY, st.failure_now[op.FAILURE_LATENCY])
+def look_at_camera(st: State) -> None:
+    """Note what is wrong with the camera."""
+    note_common(st, at.V_NOISE, 0.025 * st.sigma[0])
+    note_common(st, at.V_BLACKOUT, st.failure_now[op.FAILURE_BLACKOUT])
+    note_common(st, at.V_BLUR, st.failure_now[op.FAILURE_BLUR])
+    note_common(st, at.V_DIRT, st.failure_now[op.FAILURE_DIRT])
+    note_common(st, at.V_IMPULSES, st.failure_now[op.FAILURE_IMPULSE_NOISE])
+    note_common(st, at.V_OVEREXPOSURE, st.failure_now[op.FAILURE_OVEREXPOSURE])
+    note_common(st, at.V_DEAD_ROWS, st.failure_now[op.FAILURE_DEAD_ROWS])
+    note_common(st, at.V_QUANTISATION, st.failure_now[op.FAILURE_QUANTISATION])
+    note_common(st, at.V_LATENCY, st.failure_now[op.FAILURE_LATENCY])
 
 
 @compiled
 def look_at_others(p: Program, st: State, i: int) -> None:
-    """Write how near the objects in the picture are, and whether they cover a line of the lane.
+    """Note how near what stands or drives on the way is, and whether it covers a line of the lane.
 
     The positions along the path are those of the last look ahead.
     """
@@ -239,8 +254,12 @@ def look_at_others(p: Program, st: State, i: int) -> None:
     leader = 0.0
     left = 0.0
     right = 0.0
+    st.hides_at[0] = op.FAR
     for j in range(p.entity_count[0]):
-        if j == i or st.on_way[j] == 0 or st.far[j] <= front or st.near[j] - front > LEADER_REACH:
+        if j == i or st.present[j] == 0:
+            continue
+        note_obstacle(p, st, i, j)
+        if st.on_way[j] == 0 or st.far[j] <= front or st.near[j] - front > LEADER_REACH:
             continue
         weight = exp(clip((front - st.near[j]) / LEADER_SCALE, -50.0, 0.0))
         if st.low[j] < HALF_LANE and st.high[j] > -HALF_LANE:
@@ -249,11 +268,59 @@ def look_at_others(p: Program, st: State, i: int) -> None:
             left = max(left, weight)
         if st.low[j] < COVERED - half and st.high[j] > -half - COVERED:
             right = max(right, weight)
-    note_both(st, at.V_LEADER, leader)
-    st.view[at.V_COVERED] = left
-    st.view[at.V_OTHER_COVERED] = right
-    st.view[at.VIEW_SIZE + at.V_COVERED] = right
-    st.view[at.VIEW_SIZE + at.V_OTHER_COVERED] = left
+    note_common(st, at.V_LEADER, leader)
+    st.view[at.S_COVERED] = left
+    st.view[at.SIDE_SIZE + at.S_COVERED] = right
+    near = 0.0
+    width = 0.0
+    bearing = 0.0
+    if st.hides_at[0] < op.FAR:
+        near = exp(clip(-st.hides_at[0] / LEADER_SCALE, -50.0, 0.0))
+        width = min(st.hides_to[0] - st.hides_from[0], 2.0)
+        bearing = clip(0.5 * (st.hides_from[0] + st.hides_to[0]), -1.0, 1.0)
+    note_common(st, at.V_OBSTACLE, near)
+    note_common(st, at.V_OBSTACLE_WIDTH, width)
+    note_mirrored(st, at.S_BEARING, bearing)
+
+
+@compiled
+def note_obstacle(p: Program, st: State, i: int, j: int) -> None:
+    """Note between which directions an entity hides the ground from the camera, where it is the nearest that does."""
+    base = p.entity_const[j]
+    if p.const[base + slot.E_HEIGHT] < OBSTACLE_HEIGHT:
+        return
+    dx = st.x[j] - st.x[i]
+    dy = st.y[j] - st.y[i]
+    reach = OBSTACLE_REACH + p.const[base + slot.E_LENGTH]
+    if dx * dx + dy * dy > reach * reach:
+        return
+    c = cos(st.h[i])
+    w = sin(st.h[i])
+    along = cos(st.h[j] - st.h[i])
+    across = sin(st.h[j] - st.h[i])
+    x = c * dx + w * dy + p.const[base + slot.E_CENTER] * along - CAMERA_AT
+    y = c * dy - w * dx + p.const[base + slot.E_CENTER] * across
+    nearest = op.FAR
+    begin = NOWHERE
+    end = -NOWHERE
+    for corner in range(4):
+        ahead = p.const[base + slot.E_LENGTH] * (0.5 if corner < 2 else -0.5)
+        aside = p.const[base + slot.E_WIDTH] * (0.5 if corner % 2 == 0 else -0.5)
+        at_x = x + ahead * along - aside * across
+        bearing = (y + ahead * across + aside * along) / max(at_x, NEAREST_CORNER)
+        nearest = min(nearest, at_x)
+        begin = min(begin, bearing)
+        end = max(end, bearing)
+    if (
+        nearest > NEAREST_CORNER
+        and nearest < st.hides_at[0]
+        and nearest < OBSTACLE_REACH
+        and begin < 0.5
+        and end > -0.5
+    ):
+        st.hides_at[0] = nearest
+        st.hides_from[0] = begin
+        st.hides_to[0] = end
 
 
 @compiled
@@ -262,25 +329,17 @@ def look_at_view(n: RoadTables, p: Program, st: State) -> int:
     i = p.ego[0]
     if i < 0 or st.path_found[0] == 0 or st.path_row[0] < 0:
         return 0
-    for k in range(at.WINDOWS):
-        note_both(st, at.V_PAINT + k, 0.0)
-        note_both(st, at.V_OTHER_PAINT + k, 0.0)
-    note_both(st, at.V_JUNCTION_NEAR, 0.0)
-    note_both(st, at.V_JUNCTION_FAR, 0.0)
-    look_at_paint(n, p, st)
-    look_at_way(n, p, st)
-    look_at_air(st)
+    note_air(st)
+    note_glare(st, st.h[i])
+    look_at_camera(st)
     look_at_others(p, st, i)
-    left = log(max(seen_paint(st, at.V_PAINT), LEAST_PAINT))
-    right = log(max(seen_paint(st, at.V_OTHER_PAINT), LEAST_PAINT))
-    st.view[at.V_SEEN] = left
-    st.view[at.V_OTHER_SEEN] = right
-    st.view[at.VIEW_SIZE + at.V_SEEN] = right
-    st.view[at.VIEW_SIZE + at.V_OTHER_SEEN] = left
-    note_both(st, at.V_SPEED, 0.05 * st.v[i])
-    note_mirrored(st, at.V_OFFSET, st.path_off[0])
-    note_mirrored(st, at.V_HEADING, 5.0 * st.path_heading[0])
-    note_both(st, at.V_PITCH, 50.0 * st.body_pitch[i])
+    look_at_way(n, p, st, i)
+    look_at_lines(n, p, st)
+    note_common(st, at.V_SPEED, 0.05 * st.v[i])
+    note_common(st, at.V_PITCH, 50.0 * st.body_pitch[i])
+    note_mirrored(st, at.S_OFFSET, st.path_off[0])
+    note_mirrored(st, at.S_HEADING, 5.0 * st.path_heading[0])
+    st.view_looks[0] += 1
     return 1
 
 
@@ -291,10 +350,12 @@ def way_stays(n: RoadTables, st: State) -> int:
     row = st.path_row[0]
     piece = st.path_piece[0]
     s = st.path_s[0]
-    end = s + st.path_sense[0] * SAMPLE_TO
+    end = s + st.path_sense[0] * SEEN_TO
     if min(s, end) < st.path_from[0] or max(s, end) >= st.path_to[0] or paint_stays(st) == 0:
         return 0
-    if n.piece_kind[piece] == POLYNOMIAL or n.piece_dk[piece] != 0.0:
+    if n.piece_kind[piece] == POLYNOMIAL or n.piece_dk[piece] != 0.0 or st.view_dashed[0] == 1:
+        return 0
+    if st.air_glare[0] > 0.0 and n.piece_k[piece] != 0.0:
         return 0
     return 1 if n.road_flat[road] == 1 and n.lane_steady[row] == 1 else 0
 
@@ -339,10 +400,20 @@ def may_keep(n: RoadTables, p: Program, st: State) -> int:
 
 
 @compiled
+def votes_settled(st: State) -> int:
+    """Return 1 where the running means of the votes have come to the votes."""
+    for side in range(2):
+        base = at.SIDE_SIZE * side
+        if abs(st.view[base + at.S_VOTES] - st.view[base + at.S_VOTES_LATELY]) > STEADY_VOTES:
+            return 0
+    return 1
+
+
+@compiled
 def keep_view(n: RoadTables, p: Program, st: State) -> None:
     """Write whether the view that was just computed may be kept, and the state of the ego that it belongs to."""
     i = p.ego[0]
-    st.view_row[0] = st.path_row[0] if may_keep(n, p, st) == 1 else op.NONE
+    st.view_row[0] = st.path_row[0] if may_keep(n, p, st) == 1 and votes_settled(st) == 1 else op.NONE
     st.view_piece[0] = st.path_piece[0]
     st.view_speed[0] = st.v[i]
     st.view_off[0] = st.path_off[0]

@@ -36,8 +36,10 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.camera_health import falling
 from scenario_compiler.marker import compiled
 
+W_CLOUDINESS = 0
 W_PRECIPITATION = 1
 W_DEPOSITS = 2
+W_SUN_AZIMUTH = 4
 W_SUN_ALTITUDE = 5
 W_FOG_DENSITY = 6
 W_FOG_DISTANCE = 7

@@ -27,6 +27,9 @@ REMEMBERING = 3
 FITTED = (0, 2, 4, 5)
 """Images of a clip that are used for the fit; neighbouring ones are redundant."""
 
+DRAWN_WEIGHT = 5.0
+"""Weight of a look at a drawn situation: there are few, and they have bends and grades that maps lack."""
+
 
 @dataclass(frozen=True)
 class Worth:
@@ -89,7 +92,8 @@ def fitted(gathered: Gathered, without: str = "") -> Confidence:
     of_maps = Looks.joined(parts)
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
     looks = Looks.joined([chosen, gathered.drawn])
-    return fit_confidence(looks.rows, looks.labels)
+    weight = np.concatenate([np.ones(len(chosen.error)), np.full(len(gathered.drawn.error), DRAWN_WEIGHT)])
+    return fit_confidence(looks.rows, looks.labels, weight)
 
 
 def judged(looks: Looks, confidence: Confidence) -> Looks:

@@ -1,0 +1,278 @@
+"""How strongly the lines of the lane ahead stand out for a camera, piece by piece.
+
+What is seen of a line depends on its paint (its dashes where they lie), on the light and the air (`air_ahead`), on the
+field of view, and on what stands before it.
+"""
+
+from __future__ import annotations
+
+from math import log
+
+from scenario_compiler.engine.columns import view as at
+from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.air_ahead import AHEAD_FROM, AHEAD_STEP, note_common
+from scenario_compiler.engine.ego.lane_confidence import mark_visibility
+from scenario_compiler.engine.motion.path import path_ahead
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_direction, lane_inside, lane_row_in, row_width
+from scenario_compiler.roads.marks import MARK_COLOUR_CODES, mark_row, painted_share, row_mark
+from scenario_compiler.roads.tables import RoadTables
+
+CAMERA_AT = 1.9
+"""Distance of the camera ahead of the reference point of a usual car, m."""
+
+HALF_PIECE = 0.5 * AHEAD_STEP
+
+EDGE_OF_VIEW = 0.414
+WITHIN_VIEW = 0.15
+"""Tangent of half the angle of view, and how far inside it a line has to lie to be seen with its sides, m."""
+
+ENOUGH = 3.0
+STRONGEST = 8.0
+SHOWN = 1.0
+SHOWN_SHARE = 0.2
+"""Strength from which a piece counts no more in a vote, and on its own; strength and share of a piece that is seen."""
+
+LEAST_STRENGTH = 0.1
+
+WHITE = 227.0
+"""Brightness of white paint, grey levels of the brighter of green and red."""
+
+YELLOW = MARK_COLOUR_CODES["yellow"]
+BLUE = MARK_COLOUR_CODES["blue"]
+GREEN = MARK_COLOUR_CODES["green"]
+RED = MARK_COLOUR_CODES["red"]
+VIOLET = MARK_COLOUR_CODES["violet"]
+BLACK = MARK_COLOUR_CODES["black"]
+
+WHOLE_WIDTH = 0.14
+NARROWEST = 0.3
+"""Width from which a line has its full contrast, m, and the share that the narrowest has."""
+
+NEWEST = 0.3
+"""Weight of the newest image in the running mean of the votes, as in `perception.confidence`."""
+
+NEAR_PIECES = 7
+FAR_PIECES = 6
+"""Pieces up to 18 m, which the detector's confidence is about, and beyond."""
+
+
+@compiled
+def brightness_of(colour: int) -> float:
+    """Return the brightness of paint, grey levels, as the detector sees it."""
+    if colour == YELLOW:
+        return 209.0
+    if colour == BLUE:
+        return 110.0
+    if colour == GREEN:
+        return 160.0
+    if colour == RED:
+        return 190.0
+    if colour == VIOLET:
+        return 150.0
+    if colour == BLACK:
+        return 40.0
+    return WHITE
+
+
+@compiled
+def left_of_paint(quality: float) -> float:
+    """Return the share of paint's contrast that wear leaves."""
+    return min(1.12 * quality, 1.0) * (0.45 + 0.55 * quality)
+
+
+@compiled
+def note_clutter(st: State, pavement_left: float, pavement_right: float) -> None:
+    """Note how rough the ground looks in each piece, by how far the pavement reaches to both sides, m."""
+    for k in range(at.SAMPLES):
+        x = AHEAD_FROM + AHEAD_STEP * k
+        half = max(min(EDGE_OF_VIEW * x, 8.0), 1.0)
+        left = clip((half - pavement_left) / half, 0.0, 1.0)
+        right = clip((half - pavement_right) / half, 0.0, 1.0)
+        meadow = 0.5 * (left + right)
+        rough = st.air_hard[k] * (1.0 - meadow) + st.air_soft[k] * meadow
+        clutter = 2.0 + rough + 0.8 * st.sigma[0] + st.air_streaks[0]
+        st.stands_out[k] = 2.0 * st.air_lit[k] / max(clutter, 1.0)
+        if k == 2:
+            note_common(st, at.V_MEADOW_NEAR, meadow)
+        if k == 3:
+            note_common(st, at.V_CLUTTER, log(max(clutter, 1.0)))
+        if k == 6:
+            note_common(st, at.V_MEADOW_FAR, meadow)
+
+
+@compiled
+def window_of(k: int) -> int:
+    """Return the window of a piece: two of 4 m, then three of 6 m."""
+    return k // 2 if k < 4 else 2 + (k - 4) // 3
+
+
+@compiled
+def window_share(k: int) -> float:
+    """Return the share of a piece in its window."""
+    return 0.5 if k < 4 else 1.0 / 3.0
+
+
+@compiled
+def begin_side(st: State, base: int) -> None:
+    """Forget what was seen of a side."""
+    for k in range(at.S_VOTES + 1):
+        st.view[base + k] = 0.0
+    st.view[base + at.S_FARTHEST] = 0.4
+    st.view[base + at.S_CONTRAST] = log(LEAST_STRENGTH)
+
+
+@compiled
+def see_piece(st: State, base: int, k: int, bright: float, quality: float, painted: float, y: float) -> None:
+    """Add a piece of a side's line to its features.
+
+    Args:
+        st: The state.
+        base: Where the side's features begin.
+        k: The piece.
+        bright: How much the paint is brighter than the ground, grey levels.
+        quality: Quality of the paint.
+        painted: Share of the piece that is painted.
+        y: How far the line lies to the side, m.
+    """
+    x = AHEAD_FROM + AHEAD_STEP * k
+    strength = bright * st.stands_out[k]
+    hidden = 0.0
+    if x > st.hides_at[0]:
+        ray = y if base == 0 else -y
+        hidden = 1.0 if ray > st.hides_from[0] * x and ray < st.hides_to[0] * x else 0.0
+    in_view = 1.0 if abs(y) < EDGE_OF_VIEW * x - WITHIN_VIEW else 0.0
+    seen = painted if hidden == 0.0 and in_view == 1.0 else 0.0
+    voted = min(strength, ENOUGH) * seen
+    st.view[base + at.S_STRENGTH + window_of(k)] += window_share(k) * voted
+    st.view[base + at.S_VOTES] += voted
+    if seen > SHOWN_SHARE and strength > SHOWN:
+        st.view[base + at.S_FARTHEST] = 0.1 * x
+    if k == 3:
+        st.view[base + at.S_CONTRAST] = log(max(LEAST_STRENGTH + strength, LEAST_STRENGTH))
+    if k < NEAR_PIECES:
+        st.view[base + at.S_SEEN] += seen / NEAR_PIECES
+        st.view[base + at.S_STRONG] += min(strength, STRONGEST) / NEAR_PIECES
+        st.view[base + at.S_HIDDEN] += hidden / NEAR_PIECES
+        st.view[base + at.S_IN_VIEW] += in_view / NEAR_PIECES
+        if k > 0:
+            st.view[base + at.S_QUALITY] += quality / (NEAR_PIECES - 1.0)
+
+
+@compiled
+def line_tone(st: State, base: int, colour: int) -> float:
+    """Return how much a side's new paint is brighter than the ground, grey levels; 0 where no line is."""
+    width = st.view[base + at.S_WIDTH]
+    if width <= 0.0:
+        width = WHOLE_WIDTH
+    brighter = max(brightness_of(colour) - st.air_ground[0], 0.0)
+    return brighter * st.air_contrast[0] * clip(width / WHOLE_WIDTH, NARROWEST, 1.0)
+
+
+@compiled
+def end_side(st: State, base: int) -> None:
+    """Finish what was summed up over pieces: votes count by the square root of the pieces that are in view."""
+    in_view = 0.0
+    for k in range(at.SAMPLES):
+        half = abs(way_side(st, base, k))
+        if half < EDGE_OF_VIEW * (AHEAD_FROM + AHEAD_STEP * k) - WITHIN_VIEW:
+            in_view += 1.0
+    st.view[base + at.S_VOTES] /= max(safe_sqrt(in_view), 1.0)
+    st.view[base + at.S_BESIDE] = way_side(st, base, 0)
+    share = NEWEST if st.view_looks[0] > 0 else 1.0
+    st.view[base + at.S_VOTES_LATELY] += share * (st.view[base + at.S_VOTES] - st.view[base + at.S_VOTES_LATELY])
+
+
+@compiled
+def way_side(st: State, base: int, k: int) -> float:
+    """Return how far a side's line lies beside the ego's axis in a piece, m: a curve whose bend changes evenly."""
+    d = CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k
+    centre = -st.path_off[0] - st.path_heading[0] * d
+    centre += d * d * (0.5 * st.way_bend[0] + d * st.way_bend_rate[0] / 6.0)
+    return st.way_half[k] + centre if base == 0 else st.way_half[k] - centre
+
+
+@compiled
+def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colour: int) -> None:
+    """Write what is seen of the paint of both sides, piece by piece as the way goes on."""
+    begin_side(st, 0)
+    begin_side(st, at.SIDE_SIZE)
+    left_tone = line_tone(st, 0, left_colour)
+    right_tone = line_tone(st, at.SIDE_SIZE, right_colour)
+    near = 0.0
+    far = 0.0
+    half = 0.5 * st.lane_width[0]
+    for k in range(at.SAMPLES):
+        ahead = CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k
+        road, lane, row, s, rest = path_ahead(n, p, st, ahead)
+        outer = 0.0
+        inner = 0.0
+        outer_share = 0.0
+        inner_share = 0.0
+        if rest <= 0.0 and row >= 0:
+            half = 0.5 * row_width(n, row, s)
+            inside = lane_inside(lane)
+            outer_share = painted_share(n, row_mark(n, row, s), s - HALF_PIECE, s + HALF_PIECE)
+            inner_share = painted_share(n, mark_row(n, road, inside, s), s - HALF_PIECE, s + HALF_PIECE)
+            outer = mark_visibility(n, p, road, lane, s)
+            inner = mark_visibility(n, p, road, inside, s)
+        if rest <= 0.0 and n.road_junction[road] >= 0:
+            if k < NEAR_PIECES:
+                near += 1.0 / NEAR_PIECES
+            else:
+                far += 1.0 / FAR_PIECES
+        st.way_half[k] = half
+        y_left = way_side(st, 0, k)
+        y_right = way_side(st, at.SIDE_SIZE, k)
+        if (lane > 0) == (lane_direction(n, road, lane) > 0):
+            see_piece(st, 0, k, left_tone * left_of_paint(outer), outer, outer_share, y_left)
+            see_piece(st, at.SIDE_SIZE, k, right_tone * left_of_paint(inner), inner, inner_share, y_right)
+        else:
+            see_piece(st, 0, k, left_tone * left_of_paint(inner), inner, inner_share, y_left)
+            see_piece(st, at.SIDE_SIZE, k, right_tone * left_of_paint(outer), outer, outer_share, y_right)
+    end_side(st, 0)
+    end_side(st, at.SIDE_SIZE)
+    note_common(st, at.V_JUNCTION_NEAR, near)
+    note_common(st, at.V_JUNCTION_FAR, far)
+
+
+@compiled
+def see_even_lines(n: RoadTables, st: State, left_colour: int, right_colour: int) -> None:
+    """Do what `see_lines` does where the marks on both sides are known to stay as they are."""
+    begin_side(st, 0)
+    begin_side(st, at.SIDE_SIZE)
+    left_bright = line_tone(st, 0, left_colour) * left_of_paint(st.even_left[0])
+    right_bright = line_tone(st, at.SIDE_SIZE, right_colour) * left_of_paint(st.even_right[0])
+    row = st.path_row[0]
+    lane = st.path_lane[0]
+    here = st.path_s[0]
+    outer = row_mark(n, row, here)
+    inside = lane_row_in(n, n.lane_section[row], lane_inside(lane))
+    inner = row_mark(n, inside, here) if inside >= 0 else -1
+    left_mark = inner
+    right_mark = outer
+    if (lane > 0) == (st.path_sense[0] > 0):
+        left_mark = outer
+        right_mark = inner
+    st.view_dashed[0] = 0
+    first_left = 0.0
+    first_right = 0.0
+    for k in range(at.SAMPLES):
+        s = here + st.path_sense[0] * (CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k)
+        st.way_half[k] = 0.5 * row_width(n, row, s)
+        left_share = painted_share(n, left_mark, s - HALF_PIECE, s + HALF_PIECE)
+        right_share = painted_share(n, right_mark, s - HALF_PIECE, s + HALF_PIECE)
+        if k == 0:
+            first_left = left_share
+            first_right = right_share
+        if left_share != first_left or right_share != first_right:
+            st.view_dashed[0] = 1
+        see_piece(st, 0, k, left_bright, st.even_left[0], left_share, way_side(st, 0, k))
+        see_piece(st, at.SIDE_SIZE, k, right_bright, st.even_right[0], right_share, way_side(st, at.SIDE_SIZE, k))
+    end_side(st, 0)
+    end_side(st, at.SIDE_SIZE)
+    inside_junction = 1.0 if n.road_junction[st.path_road[0]] >= 0 else 0.0
+    note_common(st, at.V_JUNCTION_NEAR, inside_junction)
+    note_common(st, at.V_JUNCTION_FAR, inside_junction)
