@@ -3,7 +3,7 @@
 
 SHELL := /bin/bash
 BIN := .venv/bin
-CODE := $(wildcard scenario_compiler tests maps examples)
+CODE := $(wildcard scenario_compiler tests maps examples tools)
 FRESH := $(wildcard tests/test_layers.py tests/forms/test_translation.py tests/test_schemas.py tests/test_public_names.py \
 	tests/roads/test_unread.py)
 PYTEST := $(BIN)/pytest -n 2 --dist worksteal

@@ -10,13 +10,22 @@ import pytest
 from hypothesis import settings
 from playwright.sync_api import Browser
 
+from scenario_compiler.cli import start_lightly
 from tests.apart import pytest_runtest_protocol
 from tests.browser import opened_browser
 
 __all__ = ["pytest_runtest_protocol"]
 
+start_lightly()
 settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=50)
+settings.register_profile("quick", settings.get_profile("repeatable"), max_examples=20)
 settings.load_profile("repeatable")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Draw fewer examples for a property where the slow tests are left out: `make test-all` draws all."""
+    if config.getoption("markexpr") == "not slow":
+        settings.load_profile("quick")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

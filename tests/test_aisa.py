@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from scenario_compiler import judge, open_world, run
+from scenario_compiler import judge
 from scenario_compiler.compiler import Compilation, Overrides, compile_target, read_source
 from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
 from scenario_compiler.languages import expand
@@ -21,6 +21,7 @@ from scenario_compiler.source.aisa_conversion import convert_aisa
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.catalogs import load_catalogs
 from scenario_compiler.vocabulary.sensors import Perception
+from tests.playing import played_until
 
 MAPS = {
     "Town01": "Scenic/assets/maps/CARLA/Town01.xodr",
@@ -64,11 +65,11 @@ def _played(
 
 
 def _driven(compilation: Compilation) -> tuple[Recording, Outcome]:
-    """Run a scenario with a small image, and judge it."""
+    """Run a scenario with a small image, with the camera until the car asks, and judge it."""
     small = compilation.plan.camera.model_copy(update={"width": 512, "height": 256})
     plan = compilation.plan.model_copy(update={"camera": small})
-    with open_world("kinematic", plan, compilation.network) as world:
-        recording = run(plan, world, seed=1)
+    end = "request" if plan.perception == "camera" else "stop"
+    recording = played_until(end, plan, compilation.network)
     return recording, judge(plan, recording)
 
 

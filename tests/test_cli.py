@@ -89,6 +89,12 @@ def test_several_scenarios_need_a_name(tmp_path: Path, capsys: pytest.CaptureFix
     assert call("run", f"{file}#other", "--perception", "ideal") == 0
 
 
+def test_a_folder_does_not_hide_a_conflict_of_the_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    run = ("run", "obstacle_ahead", "--perception", "ideal", "--duration", "1", "-o", "obstacle_ahead", "--force")
+    assert [call(*run), call(*run)] == [0, 0]
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

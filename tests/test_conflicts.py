@@ -12,6 +12,7 @@ from scenario_compiler import Outcome, Plan, Recording, judge, open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.vocabulary.sensors import Perception
+from tests.playing import played_until
 
 CONFLICTS = Path(__file__).parent.parent / "library" / "conflicts"
 
@@ -69,9 +70,10 @@ def test_fading_paint_makes_the_car_ask_neither_early_nor_late(perception: Perce
 
 
 def test_a_failing_camera_makes_the_car_ask_within_a_second() -> None:
-    _, recording, outcome = played(compiled("sensor_failure", duration=3.0, onset=1.0, sigma=60))
+    found = compiled("sensor_failure", duration=3.0, onset=1.0, sigma=60)
+    recording = played_until("request", found.plan, found.network)
     assert 1.0 <= first(recording, "request") <= 2.0
-    assert outcome.cause in ("sensor_health", "lane_confidence")
+    assert judge(found.plan, recording).cause in ("sensor_health", "lane_confidence")
 
 
 FAILING = """<scenarios version="1"><scenario name="failing" map="town_grid" duration="4.5" control_every="2">
@@ -87,7 +89,7 @@ def test_whatever_fails_in_a_noisy_camera_makes_the_car_ask(kind: str, perceptio
     file.write_text(FAILING.format(kind), encoding="utf-8")
     compilation = compile_target(file, {}, Diagnostics(), overrides=Overrides(perception=perception))
     assert compilation is not None
-    assert 2.0 <= first(played(compilation)[1], "request") <= 4.2
+    assert 2.0 <= first(played_until("request", compilation.plan, compilation.network), "request") <= 4.2
 
 
 def test_a_little_noise_is_no_failure() -> None:
@@ -124,8 +126,9 @@ def test_a_late_driver_collides_or_stops(takeover_time: float) -> None:
 
 
 def test_the_camera_sees_a_blocked_path_as_the_map_does() -> None:
-    _, recording, outcome = played(compiled("obstacle_ahead", "camera", duration=4.0, distance=110))
-    assert outcome.cause == "path_blocked"
+    found = compiled("obstacle_ahead", "camera", duration=4.0, distance=110)
+    recording = played_until("request", found.plan, found.network)
+    assert judge(found.plan, recording).cause == "path_blocked"
     assert first(recording, "collision") == math.inf
 
 
@@ -143,8 +146,9 @@ def test_on_the_ramp_the_car_never_merges_into_an_occupied_gap(spacing: int) -> 
 
 
 def test_a_full_lane_beside_the_ramp_makes_the_car_ask() -> None:
-    _, recording, outcome = played(compiled("ramp_blocked", "camera", duration=9.0))
-    assert outcome.cause == "lane_ends"
+    found = compiled("ramp_blocked", "camera", duration=9.0)
+    recording = played_until("request", found.plan, found.network)
+    assert judge(found.plan, recording).cause == "lane_ends"
     assert first(recording, "request") < 9.0
 
 

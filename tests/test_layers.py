@@ -130,11 +130,10 @@ def imports_of(root: Path) -> Iterator[Import]:
     for path in sorted(root.rglob("*.py")):
         parts = path.relative_to(root.parent).with_suffix("").parts
         importer = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+        shown = path.relative_to(root.parent)
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            line = getattr(node, "lineno", 0)
-            place = f"{path.relative_to(root.parent)}:{line}"
             for imported in _named_by(node, root):
-                yield Import(importer, imported, place)
+                yield Import(importer, imported, f"{shown}:{getattr(node, 'lineno', 0)}")
 
 
 def _named_by(node: ast.AST, root: Path) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from scenario_compiler import judge, open_world, run
+from scenario_compiler import Plan, judge, open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.document import read_document
@@ -25,6 +25,7 @@ from scenario_compiler.validation import validate_file
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.sensors import Perception
 from scenario_compiler.vocabulary.taxonomies import TAXONOMIES
+from tests.playing import played_until
 
 LIBRARY = library_folder()
 FILES = sorted(LIBRARY.rglob("*.xml"))
@@ -226,11 +227,7 @@ def _changed_lane(recording: Recording, entity: int) -> list[float]:
     return [float(apart[row] / max(recording.v[row, 0], 0.1)) for row in rows]
 
 
-def _assert_provoked(compilation: Compilation, expected: Provokes) -> None:
-    plan = compilation.plan
-    world = open_world("kinematic", plan, compilation.network)
-    recording = run(plan, world, seed=1)
-    world.close()
+def _assert_provoked(plan: Plan, recording: Recording, expected: Provokes) -> None:
     assert (judge(plan, recording).cause or "") == expected.cause
     if expected.event:
         assert expected.event in {event.kind for event in recording.events}
@@ -295,7 +292,10 @@ def test_conflict_has_its_place_in_the_taxonomy(target: str) -> None:
 
 @pytest.mark.parametrize("target", _targets())
 def test_conflict_provokes_what_it_is_named_for(target: str) -> None:
-    _assert_provoked(_compiled(_path_of(target)), PROVOKES[target])
+    compilation = _compiled(_path_of(target))
+    with open_world("kinematic", compilation.plan, compilation.network) as world:
+        recording = run(compilation.plan, world, seed=1)
+    _assert_provoked(compilation.plan, recording, PROVOKES[target])
 
 
 @pytest.mark.parametrize(
@@ -305,7 +305,9 @@ def test_conflict_provokes_what_it_is_named_for(target: str) -> None:
 def test_camera_sees_what_the_template_provokes(template: str, tmp_path: Path) -> None:
     close = BY_CAMERA[template]
     target = _with_use(close.target, template, close.use, tmp_path)
-    _assert_provoked(_compiled(target, "camera", close.duration), close.provokes)
+    compilation = _compiled(target, "camera", close.duration)
+    recording = played_until("request", compilation.plan, compilation.network)
+    _assert_provoked(compilation.plan, recording, close.provokes)
 
 
 def test_every_template_is_seen_by_the_camera() -> None:
@@ -358,9 +360,10 @@ def _host(template: str) -> str:
 
 @pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.stem)
 def test_template_compiles_at_the_ends_of_its_parameters(path: Path, tmp_path: Path) -> None:
+    host = _host(path.stem)
     for parameter, value in _ends(_library(path).templates[path.stem]):
         sink = Diagnostics()
-        compiled = compile_target(_with_use(_host(path.stem), path.stem, {parameter: value}, tmp_path), {}, sink)
+        compiled = compile_target(_with_use(host, path.stem, {parameter: value}, tmp_path), {}, sink)
         assert compiled is not None, (parameter, value, [as_text(one) for one in sink])
 
 

@@ -98,12 +98,12 @@ def test_nothing_unseen_and_no_command_of_a_build_service_gets_through(name: str
 
 
 @pytest.mark.parametrize("form", ["text", "json", "sarif", "github"])
-@pytest.mark.parametrize("name", [one for one in HOSTILE if "nul" not in one])
-def test_file_names_reach_no_log_raw(tmp_path: Path, name: str, form: str) -> None:
+def test_file_names_reach_no_log_raw(tmp_path: Path, form: str) -> None:
     folder = tmp_path / "library"
     folder.mkdir()
-    hostile = HOSTILE[name].replace("/", "_").replace("\x00", "")
-    (folder / f"{hostile}.xml").write_text(BAD)
+    names = [text.replace("/", "_") for name, text in HOSTILE.items() if "nul" not in name]
+    for name in names:
+        (folder / f"{name}.xml").write_text(BAD)
     (folder / "template.xml").write_text(GOOD.replace('"t"', '"&#10;::error::x&#x202e;"'))
     done = subprocess.run(
         [sys.executable, "-m", "scenario_compiler", "validate", ".", "--format", form],

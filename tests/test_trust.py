@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -107,28 +107,32 @@ class Watch:
 
 sys.meta_path.insert(0, Watch())
 from scenario_compiler.cli import main
-try:
-    code = main(sys.argv[1:])
-except SystemExit as end:
-    code = end.code
-outside = [name for name, module in sys.modules.items()
-           if getattr(module, "__file__", None) and not module.__file__.startswith(allowed)]
-print("EXIT", code, "FOREIGN", foreign, outside, file=sys.stderr)
+for command in sys.argv[1:]:
+    try:
+        code = main(command.split())
+    except SystemExit as end:
+        code = end.code
+    outside = [name for name, module in sys.modules.items()
+               if getattr(module, "__file__", None) and not module.__file__.startswith(allowed)]
+    print("EXIT", code, "FOREIGN", foreign, outside, flush=True)
 """
 
 
-def watched(arguments: Sequence[object], folder: Path) -> tuple[int, str]:
-    """Run a command with the folder's modules importable; return its exit code and what it printed.
+def watched(folder: Path, *commands: str) -> list[tuple[int, str]]:
+    """Run commands in a process with the folder's modules importable; return the exit code and the words of each.
 
     Fails on any import of a module that neither belongs to Python, nor to an installed package, nor to this one.
     """
     package = str(Path(__file__).resolve().parent.parent)
-    probe = [sys.executable, "-c", WATCHED.format(package=package), *map(str, arguments)]
+    probe = [sys.executable, "-u", "-c", WATCHED.format(package=package), *commands]
     environment = os.environ | {"PYTHONPATH": str(folder)}
-    done = subprocess.run(probe, capture_output=True, text=True, timeout=120, env=environment, cwd=folder, check=False)
-    last = done.stderr.splitlines()[-1]
-    assert last.endswith("FOREIGN [] []"), done.stderr
-    return int(last.split()[1]), done.stdout + done.stderr
+    both = subprocess.STDOUT
+    done = subprocess.run(
+        probe, stdout=subprocess.PIPE, stderr=both, text=True, timeout=120, env=environment, cwd=folder, check=False
+    )
+    told = re.split(r"^EXIT (\d+) FOREIGN (.*)\n", done.stdout, flags=re.MULTILINE)
+    assert told[2::3] == ["[] []"] * len(commands), done.stdout
+    return [(int(code), words) for code, words in zip(told[1::3], told[0::3], strict=False)]
 
 
 OPENSCENARIO_EGO = """\
@@ -155,51 +159,47 @@ OPENSCENARIO_EGO = """\
         pytest.param("no_such_module_anywhere.x:Y", marks=pytest.mark.slow),
     ],
 )
-@pytest.mark.parametrize(
-    ("command", "code"),
-    [
-        ("validate {file}", 0),
-        ("compile {file} -o {folder}/plan.json", 0),
-        ("export {file} -o {folder}/out.xosc", 0),
-        ("preview {file} -o {folder}/out.png", 0),
-        ("list {file}", 0),
-        ("list {file} --html {folder}/out.html", 0),
-        ("run {file}", 1),
-        ("run {file} -o {folder}/out", 1),
-        ("sweep {file} --vary gap=values(1,2) -o {folder}/swept", 1),
-    ],
-)
-def test_no_command_imports_what_a_file_names(tmp_path: Path, model: str, command: str, code: int) -> None:
+def test_no_command_imports_what_a_file_names(tmp_path: Path, model: str) -> None:
     file = written(tmp_path, model, code=HOSTILE)
     text = file.read_text().replace("    <ego", '    <parameter name="gap" type="length" default="1"/>\n    <ego')
     file.write_text(text)
-    left, told = watched(command.format(file=file, folder=tmp_path).split(), tmp_path)
-    assert left == code, told
+    codes = {
+        f"validate {file}": 0,
+        f"compile {file} -o {tmp_path}/plan.json": 0,
+        f"export {file} -o {tmp_path}/out.xosc": 0,
+        f"preview {file} -o {tmp_path}/out.png": 0,
+        f"list {file}": 0,
+        f"list {file} --html {tmp_path}/out.html": 0,
+        f"run {file}": 1,
+        f"run {file} -o {tmp_path}/out": 1,
+        f"sweep {file} --vary gap=values(1,2) -o {tmp_path}/swept": 1,
+    }
+    for (command, code), (left, told) in zip(codes.items(), watched(tmp_path, *codes), strict=True):
+        assert left == code, told
+        if not command.startswith("list"):
+            assert "SC507" in told
+            assert "not trusted: its properties were not checked" in told
+        if code == 1:
+            assert f"--trust {model}" in told
     assert not (tmp_path / "it_ran").exists()
-    if not command.startswith("list {file}"):
-        assert "SC507" in told
-        assert "not trusted: its properties were not checked" in told
-    if code == 1:
-        assert f"--trust {model}" in told
 
 
 def test_an_openscenario_file_names_code_in_vain(tmp_path: Path) -> None:
     (tmp_path / "stranger.py").write_text(HOSTILE)
     file = tmp_path / "named.xosc"
     file.write_text(OPENSCENARIO_EGO)
-    for command in ("validate", "list"):
-        watched([command, file], tmp_path)
-    watched(["run", file, "--duration", "0.1"], tmp_path)
+    watched(tmp_path, f"validate {file}", f"list {file}", f"run {file} --duration 0.1")
     assert not (tmp_path / "it_ran").exists()
 
 
 def test_an_exported_conflict_names_code_in_vain(tmp_path: Path) -> None:
     file = written(tmp_path, "stranger:Mine", code=HOSTILE)
-    assert watched(["export", file, "-o", tmp_path / "out.xosc"], tmp_path)[0] == 0
-    assert "stranger:Mine" in (tmp_path / "out.xosc").read_text()
-    left, told = watched(["validate", tmp_path / "out.xosc"], tmp_path)
-    assert (left, "SC507" in told) == (0, True)
-    assert watched(["run", tmp_path / "out.xosc"], tmp_path)[0] == 1
+    out = tmp_path / "out.xosc"
+    exported, validated, ran = watched(tmp_path, f"export {file} -o {out}", f"validate {out}", f"run {out}")
+    assert exported[0] == 0
+    assert "stranger:Mine" in out.read_text()
+    assert (validated[0], "SC507" in validated[1]) == (0, True)
+    assert ran[0] == 1
     assert not (tmp_path / "it_ran").exists()
 
 
@@ -227,11 +227,13 @@ def test_a_module_that_the_command_line_names_is_found_in_the_current_folder(
 def test_a_plan_is_data_too(tmp_path: Path) -> None:
     file = written(tmp_path, "stranger:Mine", code=HOSTILE)
     plan = tmp_path / "plan.json"
-    assert watched(["compile", file, "-o", plan], tmp_path)[0] == 0
-    for command in (["run", plan], ["sweep", plan, "--vary", "x=values(1,2)", "-o", tmp_path / "s"]):
-        left, told = watched(command, tmp_path)
+    sweep = f"sweep {plan} --vary x=values(1,2) -o {tmp_path}/s"
+    compiled, *refused, exported = watched(
+        tmp_path, f"compile {file} -o {plan}", f"run {plan}", sweep, f"export {plan} -o {tmp_path}/out.xosc"
+    )
+    assert (compiled[0], exported[0]) == (0, 0)
+    for left, told in refused:
         assert (left, "SC507" in told) == (1, True), told
-    assert watched(["export", plan, "-o", tmp_path / "out.xosc"], tmp_path)[0] == 0
     content = json.loads(plan.read_text())
     assert content["controller"]["model"] == "stranger:Mine"
 

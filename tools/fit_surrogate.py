@@ -1,12 +1,15 @@
-"""Fits surrogate perception to runs with the camera, and judges it by runs that took no part.
+"""Fits surrogate perception to runs with camera perception, and evaluates it on runs that were not fitted to.
 
     python tools/fit_surrogate.py gather MAPS RUNS [--fitted 2000] [--jobs 32] [--seconds 370]
     python tools/fit_surrogate.py fit RUNS
     python tools/fit_surrogate.py judge RUNS MAPS [--pages docs]
 
-`gather` makes the runs with the camera: MAPS is a folder of road files, RUNS the folder for what came of them (six
-minutes on 32 cores). `fit` writes the coefficients beside `engine/program/surrogate.py` (a minute on one core). `judge`
-makes the runs that took no part again, with surrogate and with ideal perception, and writes the page and the figure.
+`gather` makes the runs with camera perception: MAPS is a folder of road files, RUNS the folder to which the runs are
+written (six minutes on 32 cores). `fit` writes the coefficients beside `engine/program/surrogate.py` (a minute on one
+core). `judge` repeats the runs that were not fitted to, with surrogate and with ideal perception, and writes the page
+and its figure.
+
+A look is one observation of the lane's boundaries by the perception, at one time of a run.
 """
 
 from __future__ import annotations
@@ -31,43 +34,53 @@ Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
 STEPS, WARM_UP, BATCH, RATE, DECAY = 12000, 200, 4096, 1e-2, 1e-5
-"""Steps of the fit, those until its greatest rate, looks of a step, that rate, and the penalty on squared weights."""
+"""Number of steps of the fit, steps until the learning rate is greatest, looks per step, greatest learning rate, and
+the penalty on squared weights.
+"""
 
 ABSOLUTE = 3.0
-"""How much the absolute error of a confidence counts beside its cross-entropy."""
+"""Weight of the absolute error of a confidence, relative to its cross-entropy."""
 
 WORN, WORN_WEIGHT, ASKING_WEIGHT = 0.5, 4.0, 0.5
-"""Looks at paint of less than this quality count more, and looks from a request on less: few are of either kind."""
+"""Looks at paint of a quality below the first have the second as weight, and those from a takeover request on the
+third; both kinds are rare.
+"""
 
 PATH_WEIGHT, PATH_BEND, PATH_MOST = 10.0, 0.3, 1.5
-"""Weight of the path's error, the error from which it counts linearly, and the greatest that counts, m."""
+"""Weight of the path's error in the loss; the error above which the loss is linear, m; the greatest error that counts,
+m.
+"""
 
 MARGIN = 0.05
-"""How far the domain reaches beyond what was seen, as a share of its width."""
+"""Share of the width of the observed range by which the domain extends beyond it at each end."""
 
 LEAST, MOST_OPEN, HALF_LEFT = 1e-3, 4.0, 0.7
-"""Bounds of the confidence and of what is left open of its logit; and, of noise that is linear between cells, the share
-of a cell at which half of what neighbours have in common is left."""
+"""Least distance of a confidence from 0 and 1 before its logit is taken, and the greatest residual of a logit that
+counts.
+
+`HALF_LEFT` is the share of a cell at which the covariance of noise that is linear between cells has fallen to half.
+"""
 
 RARE = (0.002, 0.998)
-"""Quantiles that bound the domain in what has no bounds of its own: where the ego is in the lane, and bends."""
+"""Quantiles that bound the domain of features without bounds of their own: the ego's place in its lane, and bends."""
 UNBOUNDED = (at.V_OFFSET, at.V_HEADING, at.V_BEND_NEAR, at.V_BEND_FAR, at.V_TOWARDS_NEAR, at.V_TOWARDS_FAR)
 
 
 class Looks:
-    """The looks of runs as arrays: N looks, two sides.
+    """The looks of several runs as arrays of N looks; each look has a left and a right side.
 
     Attributes:
         view: (N, 2, VIEW_SIZE) features.
-        p: (N, 2) the detector's confidence, without the sensor's health.
+        p: (N, 2) the detector's confidence, without the factor of the sensor's health.
         path: (N,) how far left of the lane's centre the followed path lies, m; NaN where that is not known.
-        asking: (N,) 1 from the request on.
-        s: (N,) place along the road, m; `road` its number.
-        run: (N,) number of the run.
+        asking: (N,) 1 from the takeover request on, else 0.
+        s: (N,) the ego's s, m.
+        road: (N,) index of the ego's road.
+        run: (N,) index of the run.
     """
 
     def __init__(self, runs: list[Made]) -> None:
-        """Put the looks of the runs together."""
+        """Concatenate the looks of the runs."""
         looks = np.concatenate([one.looks for one in runs]).astype(np.float64)
         rest = dict(zip(LOOK_COLUMNS, looks[:, 2 * VIEW_SIZE :].T, strict=True))
         self.view = looks[:, : 2 * VIEW_SIZE].reshape(-1, 2, VIEW_SIZE)
@@ -77,20 +90,21 @@ class Looks:
 
     @property
     def leads(self) -> NDArray[np.bool_]:
-        """(N,) whether the followed path tells of what was seen: a boundary leads it, and the ego is in its lane."""
+        """(N,) whether the followed path depends on what was seen: it follows a boundary and the ego is in its lane."""
         seen = self.p.max(axis=1) >= 0.3
-        return seen & np.isfinite(self.path) & (np.abs(self.view[:, 0, at.V_OFFSET]) < 1.2) & (np.abs(self.path) < 2.0)
+        inside = np.abs(self.view[:, 0, at.V_OFFSET]) < 1.2
+        return np.asarray(seen & np.isfinite(self.path) & inside & (np.abs(self.path) < 2.0))
 
     @property
     def weight(self) -> Floats:
-        """(N,) how much each look counts, by what is there to be seen alone."""
+        """(N,) the probability of each look in a batch, from the paint and the takeover's state alone; the sum is 1."""
         worn = self.view[:, 0, at.V_PAINT : at.V_PAINT + 2 * at.WINDOWS].min(axis=1) < WORN
         weight = np.where(worn, WORN_WEIGHT, 1.0) * np.where(self.asking > 0.0, ASKING_WEIGHT, 1.0)
-        return weight / weight.sum()
+        return np.asarray(weight / weight.sum())
 
 
 def domain_of(looks: Looks) -> tuple[Floats, Floats]:
-    """Return the least and the greatest value of each feature in the domain."""
+    """Return the least and the greatest value of each feature in the domain, with the margin."""
     flat = looks.view.reshape(-1, VIEW_SIZE)
     low, high = flat.min(axis=0), flat.max(axis=0)
     for feature in UNBOUNDED:
@@ -100,11 +114,11 @@ def domain_of(looks: Looks) -> tuple[Floats, Floats]:
 
 
 def fit(looks: Looks, steps: int = STEPS, seed: int = 1) -> tuple[Floats, Floats]:
-    """Return the weights (VIEW_SIZE + 1, UNITS) and (HIDDEN, OUTPUTS) with the least loss over looks.
+    """Return the weights (VIEW_SIZE + 1, UNITS) and (HIDDEN, OUTPUTS) with the least loss over the looks.
 
-    The loss of a confidence is its cross-entropy and `ABSOLUTE` times its absolute error: the latter is least at the
-    median, which is what a threshold asks for where the detector is sure of one thing or the other. It is brought
-    down by Adam (Kingma and Ba 2015) on batches, the rate falling to 0 by half a cosine.
+    The loss of a confidence is its cross-entropy plus `ABSOLUTE` times its absolute error. The absolute error is least
+    at the median, which is what a threshold needs where the detector is almost certain one way or the other. Adam
+    (Kingma and Ba 2015) minimizes the loss on batches; the learning rate falls to 0 along half a cosine.
     """
     low, high = domain_of(looks)
     view = np.clip(looks.view, low, high)
@@ -136,7 +150,7 @@ def fit(looks: Looks, steps: int = STEPS, seed: int = 1) -> tuple[Floats, Floats
 def _slopes(
     weights: list[Singles], known: Singles, p: Singles, path: Singles, path_weight: Singles
 ) -> tuple[Singles, Singles, Singles]:
-    """Return the derivative of the mean loss of a batch by each of the weights."""
+    """Return the derivatives of the mean loss of a batch with respect to each array of weights."""
     first, bias, second = weights
     rows, count = known.reshape(-1, VIEW_SIZE), len(known)
     inner = rows @ first + bias
@@ -159,7 +173,7 @@ def _slopes(
 
 
 def answers(view: Floats, low: Floats, high: Floats, first: Floats, second: Floats) -> tuple[Floats, Floats]:
-    """Return the logits (N, 2) and the path's error (N,), m, as the engine works them out."""
+    """Return the logits (N, 2) and the path's error (N,), m, with the engine's arithmetic."""
     inner = np.clip(view, low, high) @ first[:-1] + first[-1]
     units = inner[..., :HIDDEN]
     out = inner[..., HIDDEN:] + units / (1.0 + np.abs(units)) @ second
@@ -167,11 +181,15 @@ def answers(view: Floats, low: Floats, high: Floats, first: Floats, second: Floa
 
 
 def noise_of(residual: Floats, looks: Looks) -> tuple[float, float]:
-    """Return (deviation, cell in m) of noise like what is left open, (N,), NaN where it does not count.
+    """Return the (standard deviation, cell in m) of noise along the road that resembles residuals.
 
-    Of each run what is left open on the whole way is taken out: it is of the run, not of the place. The deviation is
-    that which looks 1 to 3 m apart have in common, so that what changes from image to image does not count. The cell is
-    the distance at which half of it is left, over `HALF_LEFT`.
+    Each run's mean residual is subtracted first, because it belongs to the run and not to the place. The variance is
+    the mean product of residuals 1 to 3 m apart, so that what changes from image to image does not count. The cell is
+    the distance at which half of that variance is left, divided by `HALF_LEFT`.
+
+    Args:
+        residual: (N,) observed minus fitted values; NaN where a look does not count.
+        looks: The looks.
     """
     rest = residual.copy()
     for number in np.unique(looks.run):
@@ -195,7 +213,7 @@ def noise_of(residual: Floats, looks: Looks) -> tuple[float, float]:
 
 
 def fitted(runs: list[Made]) -> Surrogate:
-    """Return surrogate perception fitted to runs."""
+    """Return surrogate perception fitted to the runs."""
     looks = Looks(runs)
     low, high = domain_of(looks)
     first, second = fit(looks)
@@ -225,7 +243,7 @@ def _rounded(values: Floats) -> tuple[float, ...]:
 
 
 def write_sample(judged: list[Made], file: Path) -> None:
-    """Write every second of the judged variants of conflicts, as [number, time of the request or null], for a test."""
+    """Write every second of the unfitted conflict runs as [number, time of the request in s or null], for a test."""
     some = [one for one in judged if one.case.kind == "conflict"][::2]
     times = [[one.case.number, float(one.outcome["request_time"])] for one in some]
     rows = [[number, None if math.isnan(time) else round(time, 2)] for number, time in times]
@@ -233,7 +251,7 @@ def write_sample(judged: list[Made], file: Path) -> None:
 
 
 def main() -> None:
-    """Do what the command line says."""
+    """Run the command of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True)
     gathering = commands.add_parser("gather")

@@ -2,10 +2,10 @@
 
     python tools/make_sounds.py [OUT]
 
-OUT is `scenario_compiler/live/pages/sounds` unless given. It gets a folder for each language and one for the tones,
-with Opus in Ogg at 48 kHz, and `sounds.json`, which says what each file holds, its SHA-256, and by what right it is
-there. It needs the program `espeak-ng` (Debian's package of that name) and PyAV (the extra `video`). The same versions
-of both write the same bytes.
+OUT is `scenario_compiler/live/pages/sounds` by default. A folder for each language and one for the tones are written to
+it, with Opus in Ogg at 48 kHz, and `sounds.json`, which contains the text, the duration and the SHA-256 of each file
+and the licence. The program `espeak-ng` (Debian's package of that name) and PyAV (the extra `video`) are needed. The
+same versions of both write the same bytes.
 """
 
 from __future__ import annotations
@@ -27,27 +27,27 @@ from scenario_compiler.runtime.messages import TEXTS
 Samples = npt.NDArray[np.float32]
 
 RATE = 48_000
-"""Samples a second of every file."""
+"""Samples per second of every file."""
 
 SPOKEN_AT = 22_050
-"""Samples a second that eSpeak NG writes."""
+"""Samples per second that eSpeak NG writes."""
 
 VOICES = {"en": "en-gb", "de": "de", "fi": "fi", "sv": "sv"}
-"""Voices of eSpeak NG itself; none of MBROLA's, whose licences do not allow every use."""
+"""eSpeak NG's own voice for each language. MBROLA's voices are not used, because their licences restrict use."""
 
 WORDS_A_MINUTE = 160
 
 TONES = {"warning": [(660.0, 0.0, 0.18)], "request": [(880.0, 0.0, 0.14), (880.0, 0.22, 0.14), (880.0, 0.44, 0.14)]}
-"""By name, the sine waves of a tone: frequency, Hz, beginning, s, and duration, s."""
+"""The sine waves of each tone by its name: (frequency in Hz, start in s, duration in s)."""
 
 FADE = 0.01
-"""Duration over which a sine wave begins and ends, s."""
+"""Duration over which a sine wave fades in and out, s."""
 
 LOUDNESS = 0.12
-"""Root mean square of the louder half of a text, of full scale."""
+"""Root mean square of the louder half of each text; full scale is 1."""
 
 QUIET = 0.005
-"""What counts as silence at both ends of a text, of full scale."""
+"""Amplitude up to which the ends of a text count as silence; full scale is 1."""
 
 LICENCE = (
     "MIT, as the project. Tones are computed. Texts are the project's own, spoken by eSpeak NG, which is free software "
@@ -57,7 +57,7 @@ LICENCE = (
 
 
 def spoken(text: str, voice: str) -> Samples:
-    """Return a text as it is spoken, without silence at its ends, all texts equally loud."""
+    """Return a spoken text as samples in -1 to 1 at `RATE`, without silence at its ends; all texts are equally loud."""
     sentence = f"{text[:1].upper()}{text[1:]}."
     command = ["espeak-ng", "-v", voice, "-s", str(WORDS_A_MINUTE), "--stdout", sentence]
     wave = subprocess.run(command, capture_output=True, check=True).stdout
@@ -69,11 +69,11 @@ def spoken(text: str, voice: str) -> Samples:
     parts = samples[: len(samples) // 960 * 960].reshape(-1, 960)
     power = np.sort((parts**2).mean(axis=1))
     louder = float(np.sqrt(power[len(power) // 2 :].mean()))
-    return np.clip(samples * (LOUDNESS / louder), -0.95, 0.95).astype(np.float32)
+    return np.asarray(np.clip(samples * (LOUDNESS / louder), -0.95, 0.95), np.float32)
 
 
 def tone(waves: list[tuple[float, float, float]]) -> Samples:
-    """Return sine waves, one after the other."""
+    """Return a tone of sine waves (frequency in Hz, start in s, duration in s) as samples in -1 to 1 at `RATE`."""
     samples = np.zeros(round(RATE * max(begin + duration for _, begin, duration in waves)), dtype=np.float32)
     for frequency, begin, duration in waves:
         t = np.arange(round(RATE * duration)) / RATE
@@ -84,7 +84,7 @@ def tone(waves: list[tuple[float, float, float]]) -> Samples:
 
 
 def write_opus(samples: Samples, path: Path) -> None:
-    """Write samples as Opus in Ogg."""
+    """Write samples to a file as Opus in Ogg; its folder is created if it does not exist."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with av.open(str(path), "w", format="ogg", options={"fflags": "+bitexact"}) as container:
         stream = container.add_stream("libopus", rate=RATE, layout="mono", options={"application": "voip"})
@@ -97,7 +97,7 @@ def write_opus(samples: Samples, path: Path) -> None:
 
 
 def main() -> None:
-    """Write all files."""
+    """Write all sounds and sounds.json."""
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else SOUNDS
     version = subprocess.run(["espeak-ng", "--version"], capture_output=True, text=True, check=True).stdout
     files: dict[str, Any] = {}

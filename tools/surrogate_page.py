@@ -1,4 +1,4 @@
-"""The page on surrogate perception: how its answers agree with the camera's in runs that took no part in the fit."""
+"""The page on surrogate perception: its agreement with camera perception in runs that were not fitted to."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ import matplotlib.pyplot as plt
 Floats = NDArray[np.float64]
 
 SAME = 0.5
-"""Requests that are no further apart are the same answer, s."""
+"""Largest difference between the times of two takeover requests that count as the same answer, s."""
 
 PERCEPTIONS: tuple[Perception, ...] = ("camera", "surrogate", "ideal")
 COLOURS = {"camera": "black", "surrogate": "#d55e00", "ideal": "#0072b2"}
@@ -36,31 +36,31 @@ NOT_ANSWERED = ("minimum_risk", "unanswered")
 
 
 class Pairs(NamedTuple):
-    """Outcomes of the same runs with the camera and with another perception."""
+    """Measures of the same runs with camera perception and with another perception."""
 
     camera: list[dict[str, Any]]
     other: list[dict[str, Any]]
 
     def times(self) -> tuple[Floats, Floats]:
-        """Return the times of the requests, NaN without one, s."""
+        """Return the times of the takeover requests with the camera and with the other, s; NaN without a request."""
         camera, other = (np.array([float(one["request_time"]) for one in side]) for side in self)
         return camera, other
 
     def same(self) -> NDArray[np.bool_]:
-        """Return whether each run has the same answer."""
+        """Return whether the answers of each run agree: requests at most `SAME` apart, or no request in either."""
         camera, other = self.times()
         with np.errstate(invalid="ignore"):
             near = np.abs(camera - other) <= SAME + 1e-9
         return near | (np.isnan(camera) & np.isnan(other))
 
     def alike(self, name: str) -> float:
-        """Return the probability of two samples of a measure as different as these from one distribution."""
+        """Return the p-value of Kolmogorov and Smirnov's two-sample test of a measure, without undefined values."""
         sides = (np.array([float(one[name]) for one in side]) for side in self)
         camera, other = (side[~np.isnan(side)] for side in sides)
         return float(ks_2samp(camera, other).pvalue)
 
     def departed(self) -> tuple[float, float]:
-        """Return the shares of the runs without an answer of the driver in which the lane was left."""
+        """Return the camera's and the other's share of lane departures among the runs without a takeover."""
         found = []
         for side in self:
             runs = [one for one in side if one["resolution"] in NOT_ANSWERED]
@@ -69,13 +69,16 @@ class Pairs(NamedTuple):
 
 
 def write_page(judged: Sequence[Made], again: Sequence[Made], maps: Path, folder: Path) -> None:
-    """Make the judged runs again with surrogate and ideal perception, and write the page and its figure.
+    """Repeat the runs with surrogate and ideal perception, and write the page and its figure.
 
     Args:
-        judged: The runs with the camera.
-        again: The same a little faster.
+        judged: The runs with camera perception.
+        again: The same runs, a little faster.
         maps: Folder of the road files.
         folder: Folder of the pages.
+
+    Raises:
+        RuntimeError: A run can no longer be compiled.
     """
     pairs: dict[Perception, Pairs] = {}
     for perception in PERCEPTIONS[1:]:

@@ -1,14 +1,14 @@
-"""Closed-loop runs that surrogate perception is fitted to and judged by: drawn roads, scenarios, and what came of them.
+"""The closed-loop runs to which surrogate perception is fitted and on which it is evaluated.
 
-A run is drawn from its number alone. There are three kinds:
+The number of a run determines everything that is random in it. There are three kinds:
 
-    road       a road of clothoids with lanes, widths, marks and grades that are drawn
-    map        a lane of a road file that was made by others
-    conflict   a variant of one of the five conflicts of the library, on the maps that come with the program
+    road       a random road of clothoids, with random lanes, widths, marks and grades
+    map        a lane of a road file of another author
+    conflict   a variant of one of the library's five conflicts, on the maps that come with the program
 
-Runs that take part in the fit are on drawn roads and on maps; those that do not are variants of the conflicts, drawn
-roads of other numbers and maps that no run of the fit was on. The latter are made twice with the camera, the second
-time a little faster: no function of the place can agree with the camera much better than the camera does with itself.
+Runs of the fit are on random roads and on maps. The runs for evaluation are variants of the conflicts, random roads of
+other numbers, and maps that no run of the fit is on. They are made twice with camera perception, the second time a
+little faster: no function of the place can agree with the camera much better than the camera agrees with itself.
 """
 
 from __future__ import annotations
@@ -45,29 +45,32 @@ from scenario_compiler.vocabulary.sensors import Perception
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS
 
 Floats = NDArray[np.float64]
+Kind = Literal["road", "map", "conflict"]
 
 UNSEEN_MAPS = (
     *("Town03", "e6mini", "multi_intersections", "town_grid", "highway_loop"),
     *("Crossing8Course", "highway_exit"),
 )
-"""Maps that take no part in the fit."""
+"""Names of the maps that are not used in the fit."""
 
 CONFLICTS = ("markings_missing", "obstacle_ahead", "ramp_blocked", "road_narrows", "sensor_failure")
-JUDGED = {"conflict": (-3001, 100), "road": (-4001, 60), "map": (-5001, 40)}
-"""First number and how many runs of each kind take no part in the fit. They count downwards; -1 to -2040 are runs that
-were looked at while the features were chosen."""
+JUDGED: dict[Kind, tuple[int, int]] = {"conflict": (-3001, 100), "road": (-4001, 60), "map": (-5001, 40)}
+"""First number and count of the runs for evaluation, by kind; the numbers count downwards.
+
+The numbers -1 to -2040 are not used, because those runs were inspected while the features were chosen.
+"""
 
 FASTER = 0.01
-"""How much faster the judged runs are driven the second time, as a share."""
+"""Share by which the runs for evaluation are faster the second time."""
 
 MAPS_SHARE = 0.45
-"""Share of the runs of the fit that are on maps."""
+"""Share of maps in the runs of the fit."""
 
 BY_HAND = (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK)
 AUTOMATED = (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
 
 KEPT = ("takeover_time", "minimum_time_to_collision", "maximum_lateral_offset", "request_time", "lane_departures")
-"""Measures that are kept of each run."""
+"""Names of the measures that are stored for each run."""
 
 TEXT_OF_SCENARIO = """<scenarios version="1"><allow code="SC512"/><allow code="SC513"/>
 <scenario name="drawn" map="{map}" duration="{duration}" step="0.05" control_every="2" summary="Drawn">
@@ -81,16 +84,16 @@ TEXT_OF_SCENARIO = """<scenarios version="1"><allow code="SC512"/><allow code="S
 
 
 class Case(NamedTuple):
-    """A run to be made.
+    """The specification of a run.
 
     Attributes:
-        kind: What it is on.
-        number: What it is drawn from.
-        map: The road file, empty for a drawn road.
-        faster: How much faster the ego begins and wants to drive than was drawn, as a share.
+        kind: The kind of run.
+        number: Seed of everything that is random in the run.
+        map: Path of the road file; empty except for the kind map.
+        faster: Share by which the ego's initial and desired speed exceeds the scenario's.
     """
 
-    kind: Literal["road", "map", "conflict"]
+    kind: Kind
     number: int
     map: str
     faster: float = 0.0
@@ -98,12 +101,12 @@ class Case(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Made:
-    """What came of a run.
+    """A finished run.
 
     Attributes:
-        case: The run.
-        looks: (N, 2 VIEW_SIZE + 9) one row a look until the driver drives; see `LOOK_COLUMNS`.
-        outcome: Measures by name, NaN where undefined; `cause` and `resolution` as texts.
+        case: Its specification.
+        looks: (N, 2 VIEW_SIZE + 9) one row for each look until the driver drives; see `LOOK_COLUMNS`.
+        outcome: Measures by name, NaN where undefined; `cause`, `resolution`, `result`, `name` and `map` are texts.
     """
 
     case: Case
@@ -112,12 +115,16 @@ class Made:
 
 
 LOOK_COLUMNS = ("p_left", "p_right", "health", "path_error", "road", "lane", "s", "t", "asking")
-"""Columns behind the features of a look: both sides' confidence without the sensor's health, the health, how far left
-of the lane's centre the followed path lies where it is steered for, the place, the time, and 1 from the request on."""
+"""Columns that follow a look's features.
+
+They are the confidence of each side without the factor of the sensor's health; that health; how far left of the lane's
+centre the followed path lies at the look-ahead distance, m; the ego's road, lane and s; the time, s; and 1 from the
+takeover request on, else 0.
+"""
 
 
 def cases(maps: Sequence[Path], fitted: int) -> list[Case]:
-    """Return the runs that are judged, the same a little faster, and then those that are fitted to."""
+    """Return the runs for evaluation, then the same a little faster, then the runs of the fit."""
     unseen = sorted(str(one) for one in maps if one.stem in UNSEEN_MAPS)
     seen = sorted(str(one) for one in maps if one.stem not in UNSEEN_MAPS)
     judged = []
@@ -132,7 +139,7 @@ def cases(maps: Sequence[Path], fitted: int) -> list[Case]:
 
 
 def run_case(case: Case, perception: Perception, *, looks: bool) -> Made | None:
-    """Make a run; None where what was drawn cannot be driven. Without `looks` the outcome alone is kept."""
+    """Make a run; None if its scenario does not compile. Without `looks` only the measures are kept."""
     cv2.setNumThreads(1)
     with TemporaryDirectory() as folder:
         draw = np.random.default_rng([7, case.number % (1 << 32)])
@@ -160,7 +167,7 @@ def _number(value: Any) -> float:
 
 
 def _looks(execution: Execution, *, keep: bool) -> Iterator[Floats]:
-    """Drive a run to its end; yield the looks at which the automation drives."""
+    """Advance a run to its end. If `keep`, yield a row for each look at which the automation drives."""
     st, program, simulation = execution.state, execution.program, execution.simulation
     while execution.going:
         view = None
@@ -179,14 +186,23 @@ def _looks(execution: Execution, *, keep: bool) -> Iterator[Floats]:
 
 
 def _look_ahead(speed: float) -> float:
-    """Return how far ahead the automation steers for at a speed, m."""
+    """Return the distance ahead of the ego of the point for which the automation steers, m, at a speed in m/s."""
     return min(
         max(LANE_KEEPING["look_ahead_time"] * speed, LANE_KEEPING["look_ahead_min"]), LANE_KEEPING["look_ahead_max"]
     )
 
 
 def _path_error(path: Sequence[tuple[float, float]], way: Sequence[tuple[float, float]], reach: float) -> float:
-    """Return how far left of the way the path lies at a distance from the ego, m; NaN where either does not reach."""
+    """Return how far left of the lane's centre line the path lies at a distance from the ego, m.
+
+    Args:
+        path: The planned path, (x, y) in the ego's frame, m.
+        way: The lane's centre line in the same frame, m.
+        reach: The distance from the ego, m.
+
+    Returns:
+        The lateral distance; NaN if either line does not reach so far.
+    """
     x, y = _reached(path, reach)
     for (x0, y0), (x1, y1) in pairwise(way):
         if x0 <= x <= x1 and x1 > x0:
@@ -205,7 +221,11 @@ def _reached(path: Sequence[tuple[float, float]], reach: float) -> tuple[float, 
 
 
 def make(todo: Sequence[Case], jobs: int, seconds: float, perception: Perception = "camera") -> list[Made]:
-    """Make runs with their looks on several cores, as many as there is time for."""
+    """Make runs with their looks in `jobs` processes.
+
+    Returns:
+        The runs that were made within `seconds`, ordered by number.
+    """
     began, done = time.monotonic(), []
     with multiprocessing.get_context("spawn").Pool(jobs) as pool:
         for made in pool.imap_unordered(_make, [(case, perception) for case in todo]):
@@ -222,7 +242,7 @@ def _make(job: tuple[Case, Perception]) -> Made | None:
 
 
 def keep(runs: Sequence[Made], folder: Path, parts: int = 6) -> None:
-    """Write runs into files of a folder."""
+    """Write runs to `parts` files in a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     for part in range(parts):
         some = runs[part::parts]
@@ -238,7 +258,7 @@ def keep(runs: Sequence[Made], folder: Path, parts: int = 6) -> None:
 
 
 def kept(folder: Path) -> list[Made]:
-    """Read what `keep` has written."""
+    """Return the runs that `keep` wrote to a folder, ordered by number."""
     found = []
     for file in sorted(folder.glob("runs*.npz")):
         with np.load(file) as stored:
@@ -250,7 +270,7 @@ def kept(folder: Path) -> list[Made]:
     return sorted(found, key=lambda one: one.case.number)
 
 
-def _scenario(case: Case, folder: Path, draw: np.random.Generator) -> tuple[Path, dict[str, float]]:
+def _scenario(case: Case, folder: Path, draw: np.random.Generator) -> tuple[Path, dict[str, Any]]:
     if case.kind == "conflict":
         return _conflict(case, folder, draw)
     if case.kind == "road":
@@ -266,7 +286,7 @@ def _scenario(case: Case, folder: Path, draw: np.random.Generator) -> tuple[Path
 
 
 def _conflict(case: Case, folder: Path, draw: np.random.Generator) -> tuple[Path, dict[str, float]]:
-    """Return a variant of a conflict: its parameters, in most runs another weather, in some a noise."""
+    """Return the file and the parameters of a variant of a conflict, some with another weather or with sensor noise."""
     name = CONFLICTS[-case.number % len(CONFLICTS)]
     text = (library_folder() / "conflicts" / f"{name}.xml").read_text(encoding="utf-8")
     if draw.random() < 0.6:
@@ -287,12 +307,20 @@ def _conflict(case: Case, folder: Path, draw: np.random.Generator) -> tuple[Path
 
 
 def _hurried(text: str, faster: float) -> str:
-    """Return a scenario whose ego is faster by a share."""
+    """Return the scenario's text with the ego's speed multiplied by 1 + faster."""
     return re.sub(r'<ego speed="([0-9.]+)"', lambda found: f'<ego speed="{float(found[1]) * (1.0 + faster):.4f}"', text)
 
 
 class Start(NamedTuple):
-    """A place that a run begins at, and how far its road goes on."""
+    """A run's start: a position in a lane and the rest of its road.
+
+    Attributes:
+        road: Identifier of the road.
+        lane: OpenDRIVE lane id.
+        s: Position along the road, m.
+        sense: 1 if traffic in the lane drives along s, otherwise -1.
+        room: Distance to the road's end in the driving direction, m.
+    """
 
     road: str
     lane: int
@@ -302,7 +330,7 @@ class Start(NamedTuple):
 
 
 def _start(network: Network, draw: np.random.Generator) -> Start:
-    """Return a place in a lane that may be driven on, in proportion to the lanes' lengths."""
+    """Return a random start outside junctions in a drivable lane wider than 2.4 m, uniform over the lanes' lengths."""
     n = network.tables
     rows = [row for row, lane in enumerate(n.lane_id) if lane != 0 and is_drivable(n.lane_type[row])]
     lengths = np.array([n.section_end[n.lane_section[row]] - n.section_s[n.lane_section[row]] for row in rows])
@@ -344,7 +372,7 @@ def _drawn(file: Path, network: Network, draw: np.random.Generator) -> str:
 
 
 def _weather(draw: np.random.Generator) -> str:
-    """Return the attributes of a weather: a clear noon, a preset, or numbers between those of presets."""
+    """Return the attributes of a weather: a clear noon, a preset, or random values."""
     kind = draw.random()
     if kind < 0.35:
         return 'preset="ClearNoon"'
@@ -355,7 +383,7 @@ def _weather(draw: np.random.Generator) -> str:
     sun = draw.uniform(-20.0, 60.0)
     if draw.random() < 0.1:
         dust = draw.uniform(0, 100)
-    numbers = {
+    numbers: dict[str, str | float] = {
         "preset": "custom", "cloudiness": rain, "precipitation": rain, "precipitation_deposits": wet,
         "wind_intensity": 10.0, "sun_azimuth_angle": draw.uniform(0, 360), "sun_altitude_angle": sun,
         "fog_density": fog, "fog_distance": draw.uniform(0, 20), "fog_falloff": draw.uniform(0.1, 2.0),
@@ -378,7 +406,7 @@ def _failure(draw: np.random.Generator) -> str:
 
 
 def _actors(draw: np.random.Generator, speed: float) -> str:
-    """Return a leader, a vehicle beside, or one that stands in or beside the lane; in half of the runs none."""
+    """Return the element of a leader, of a vehicle alongside or of a parked one; in half of the runs nothing."""
     kind = draw.random()
     model = draw.choice(("vehicle.tesla.model3", "vehicle.carlamotors.carlacola", "vehicle.audi.tt"))
     if kind < 0.2:
@@ -403,7 +431,7 @@ def _actors(draw: np.random.Generator, speed: float) -> str:
 
 
 def _markings(draw: np.random.Generator, start: Start, speed: float) -> str:
-    """Return what becomes of the paint on the first road: nothing, wear of all of it, or stretches of their own."""
+    """Return the elements for worn lane marks on the first road: none, one along all of it, or several stretches."""
     kind = draw.random()
     if kind < 0.2:
         return ""
@@ -433,7 +461,7 @@ def _markings(draw: np.random.Generator, start: Start, speed: float) -> str:
 
 
 def road_text(draw: np.random.Generator) -> str:
-    """Return an OpenDRIVE file with one drawn road of some 900 m."""
+    """Return an OpenDRIVE file with one random road of about 900 m."""
     pieces: list[tuple[float, float, float]] = []
     while sum(length for length, _, _ in pieces) < 900.0:
         if draw.random() < 0.4:

@@ -1,12 +1,12 @@
-"""Trains the network of the learned lane detector, fits its confidence and measures both: one command, ten minutes.
+"""Trains the network of the learned lane detector, fits its confidence and evaluates both, within ten minutes.
 
     python tools/train_lane_network.py MAPS OUT [--images N] [--epochs 33] [--jobs 16] [--seconds 550]
 
-MAPS is a folder of road files. The maps are parted three ways by `UNSEEN` and `TEST`: the network learns on all others,
-its confidence is fitted on `UNSEEN`, and the figures are of `TEST`. To the first two come, with seeds of their own,
-maps painted anew and roads made up (`training_roads`). Every map that is learned on has a ground texture of its own.
-OUT gets lane_network.onnx, learned_confidence.json, learned_figures.json and the road files that were made. It needs
-PyTorch, which is no dependency of the package, and uses a GPU where there is one.
+MAPS is a folder of road files. The maps are split in three: `TEST` for the figures, `UNSEEN` for the fit of the
+confidence, and all others for the training. For the training and the fit, maps with repainted lane marks and made-up
+roads (`training_roads`) are added, with seeds of their own. Every map of the training and every added one has a ground
+texture of its own. lane_network.onnx, learned_confidence.json, learned_figures.json and the added road files are
+written to OUT. PyTorch is needed, which the package does not depend on; it uses a GPU if there is one.
 """
 
 from __future__ import annotations
@@ -57,38 +57,40 @@ from scenario_compiler.roads import load_network
 UNSEEN, TEST = ("Town05", "fabriksgatan"), ("Town03", "soderleden")
 SEED, UNSEEN_SEED, TEST_SEED = 101, 202, 303
 PAINTED_ANEW = {"Town01": 4, "Town04": 6, "Town_Safebench_Light": 4, "HRI_custommap": 3, "cubetown": 2, "Town05": 2}
-"""How often a map is painted anew: once unless it stands here."""
+"""Number of repainted copies of a map by its name. A map that is not named has one; a map of `TEST` has none."""
 
 MADE_UP, MADE_UP_UNSEEN = 24, 6
-"""Files of roads that are made up to learn on, and to fit the confidence to."""
+"""Number of files with made-up roads for the training and for the fit of the confidence."""
 
 ANEW, OTHER_ROADS = "-anew-", "other-roads-"
-"""What the names of such files contain."""
+"""Parts of the names of files with repainted marks, and of those with made-up roads for the fit of the confidence."""
 
 CLIPS = 24
-"""Clips or situations of a job."""
+"""Clips or situations per job."""
 
 
 IMAGES, VIEWS = 100_000, 2
-"""Pictures that are learned from, and how many of each clip: neighbours are much alike."""
+"""Images in the training set, and images of each clip; more of a clip would be much alike."""
 
 RATE, WARM_UP, BATCH = 4e-3, 200, 256
-"""Greatest rate of learning, steps until it is reached, and pictures of a step."""
+"""Greatest learning rate, steps until it is reached, and images per step."""
 
 MEASURING = 110.0
-"""Time that is kept for what comes after the training, s."""
+"""Time that is reserved for what follows the training, s."""
 
 BLUR, ABSENT, UNPAINTED = 0.8, 0.3, 0.25
-"""Width of a target in columns, and how much rows without a boundary, and rows of unpainted boundaries, count."""
+"""Width of a row's target, columns; weight of rows without a boundary; weight of rows with an unpainted boundary."""
 
 THIN = 1.5
-"""Half the width of the mask by which overlaps are measured, columns: three of 128."""
+"""Half the width of the mask with which overlaps are computed, columns: 3 columns of 128."""
 
 OFF, FAR = 0.2, 3.0
-"""Weight of the distance of a row's mean column from the true one, and the columns from which it counts no more."""
+"""Weight of the distance of a row's mean column from the true one, and the loss of that distance above which it is
+constant.
+"""
 
 SIZES, MIDDLE = (16, 32, 40, 48, 60), (24, 32, 32, 40)
-"""Channels of the encoder's steps, and of the decoder's, both from the large pictures to the small ones."""
+"""Channels of the encoder's and of the decoder's steps, both from the large feature maps to the small ones."""
 
 Arrays = tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.float32]]
 
@@ -100,14 +102,16 @@ def _layer(before: int, after: int, size: int = 3, stride: int = 1) -> nn.Sequen
 
 
 class LaneNetwork(nn.Module):
-    """An encoder of five steps, a decoder with skips to half the size, and a head on what the deepest step sees.
+    """An encoder of five steps, a decoder with skip connections up to half the image's size, and a head.
 
-    Most of the time goes into layers at half the size, most of the parameters into the deep ones. So what comes up is
-    thinned out before it is enlarged, and more channels are left where columns are told apart.
+    The head gets the encoder's last step. Most of the time is spent in the layers at half the size, and most parameters
+    are in the deep layers. For that reason feature maps are reduced to fewer channels before they are enlarged, and the
+    layers at half the size have more channels in the decoder than in the encoder, because there the columns are told
+    apart.
     """
 
     def __init__(self) -> None:
-        """Make the layers."""
+        """Create the layers."""
         super().__init__()
         before = 3
         self.down = nn.ModuleList()
@@ -124,7 +128,7 @@ class LaneNetwork(nn.Module):
         self.rest = nn.Sequential(nn.Linear(SIZES[-1] * 4 * 2, 32), nn.ReLU(), nn.Linear(32, 4))
 
     def forward(self, x: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-        """Return the logits of the rows (N, 2, ROWS, COLUMNS) and the four numbers (N, 4)."""
+        """Return the logits of the rows (N, 2, ROWS, COLUMNS), and those of the paint with tilt and width (N, 4)."""
         steps = []
         for layer in self.down:
             x = layer(x)
@@ -136,7 +140,7 @@ class LaneNetwork(nn.Module):
 
 
 def columns_of(pixels: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Return the column of a boundary in each row, NaN where it is not seen, (ROWS,)."""
+    """Return the column of a boundary in each row from its pixels (n, 2), NaN where it is not visible, (ROWS,)."""
     found = np.full(ROWS, np.nan, np.float32)
     if len(pixels) < 2:
         return found
@@ -155,7 +159,7 @@ def columns_of(pixels: NDArray[np.float64]) -> NDArray[np.float32]:
 def example(
     image: NDArray[np.uint8], truth: Truth
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.float32]]:
-    """Return the small picture, the columns (2, ROWS), and paint left and right, tilt and width, (4,)."""
+    """Return an image (HEIGHT, WIDTH, 3), its columns (2, ROWS), and its scaled paint, tilt and lane width (4,)."""
     small = cv2.resize(image, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
     columns = np.stack([columns_of(one) for one in truth.pixels])
     left, right = (float(one[0]) for one in truth.boundaries)
@@ -170,7 +174,7 @@ def _roads(path: str, seed: int) -> MapRoads:
 
 
 def texture_of(seed: int) -> int:
-    """Return the seed of the ground's texture: that of the clips, where a map has one of its own."""
+    """Return the seed of the ground texture for a seed of clips: `GROUND_SEED` for the common seeds, else itself."""
     return GROUND_SEED if seed in (SEED, UNSEEN_SEED, TEST_SEED) else seed
 
 
@@ -180,7 +184,7 @@ def _begin() -> None:
 
 
 def render(job: tuple[str, int, int, int, int]) -> Arrays:
-    """Return pictures with their truth: clips of a map, or situations that are drawn where no map is named."""
+    """Return the images and the truth of a job: clips of a map, or random situations if the job names no map."""
     path, seed, first, last, count = job
     found = []
     if path:
@@ -201,7 +205,7 @@ def render(job: tuple[str, int, int, int, int]) -> Arrays:
 
 
 def all_maps(paths: list[Path], folder: Path) -> list[Path]:
-    """Return the maps in a fixed order; those that are painted anew or made up are written to a folder."""
+    """Return the given, the repainted and the made-up maps in a fixed order; the latter two are written to a folder."""
     found = list(paths)
     folder.mkdir(parents=True, exist_ok=True)
     for number, path in enumerate(paths):
@@ -215,12 +219,12 @@ def all_maps(paths: list[Path], folder: Path) -> list[Path]:
 
 
 def is_unseen(name: str) -> bool:
-    """Return whether the confidence is fitted on a map, which the network then does not learn on."""
+    """Return whether a map serves for the fit of the confidence and therefore not for the training."""
     return name.split(ANEW)[0] in UNSEEN or name.startswith(OTHER_ROADS)
 
 
 def jobs_of(maps: list[Path], images: int) -> list[tuple[str, int, int, int, int]]:
-    """Return jobs of 24 clips or situations; a fifth of the pictures are of situations."""
+    """Return jobs of `CLIPS` clips or situations; a fifth of the images show situations."""
     drawn = images // 5
     clips = -(-(images - drawn) // (VIEWS * max(len(maps), 1)))
     parts = [("", 0, drawn), *((str(path), number, clips) for number, path in enumerate(maps, 1))]
@@ -232,12 +236,12 @@ def jobs_of(maps: list[Path], images: int) -> list[tuple[str, int, int, int, int
 
 
 def joined(parts: list[Arrays]) -> Arrays:
-    """Return all pictures with their truth."""
+    """Return the images and the truth of all jobs."""
     return tuple(np.concatenate([part[k] for part in parts]) for k in range(3))  # type: ignore[return-value]
 
 
 def augmented(x: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
-    """Return pictures with other brightness, contrast, colour and noise, -0.5 to 0.5."""
+    """Return images in -0.5 to 0.5 with random brightness, contrast, colour and noise, from images in 0 to 1."""
     n = len(x)
 
     def draw(*shape: int) -> torch.Tensor:
@@ -252,7 +256,14 @@ def augmented(x: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
 
 
 def loss_of(maps: torch.Tensor, rest: torch.Tensor, columns: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
-    """Return the loss: cross-entropy of each row's column, of the paint, and the errors of tilt and width."""
+    """Return the loss: cross-entropies of each row's column and of the paint, and errors of the column, tilt and width.
+
+    Args:
+        maps: (N, 2, ROWS, COLUMNS) logits of the columns.
+        rest: (N, 4) logits of the paint; tilt and width.
+        columns: (N, 2, ROWS) true columns; NaN where a boundary is not visible.
+        truth: (N, 4) true paint, 0 or 1; tilt and width.
+    """
     logits = torch.cat([maps, torch.zeros_like(maps[..., :1])], 3)
     absent = torch.isnan(columns)
     place = torch.arange(COLUMNS, device=maps.device)
@@ -273,11 +284,12 @@ def loss_of(maps: torch.Tensor, rest: torch.Tensor, columns: torch.Tensor, truth
 
 
 def train(data: Arrays, epochs: int, seconds: float, device: str) -> LaneNetwork:
-    """Return the network after some epochs, or when the time is over."""
+    """Return the network after `epochs` epochs, or after the epoch in which `seconds` have passed."""
     torch.manual_seed(SEED)
     images, columns, truth = (torch.from_numpy(one).to(device) for one in data)
     images = images.permute(0, 3, 1, 2).contiguous()
-    network = LaneNetwork().to(device, memory_format=torch.channels_last)
+    network = LaneNetwork()
+    network.to(device, memory_format=torch.channels_last)
     torch.backends.cuda.matmul.allow_tf32 = torch.backends.cudnn.allow_tf32 = torch.backends.cudnn.benchmark = True
     optimizer = torch.optim.AdamW(network.parameters(), lr=RATE, weight_decay=1e-4)
     steps, batch = epochs * max(len(images) // BATCH, 1), min(BATCH, len(images))
@@ -290,7 +302,7 @@ def train(data: Arrays, epochs: int, seconds: float, device: str) -> LaneNetwork
         for k in range(len(images) // batch):
             chosen = order[k * batch : (k + 1) * batch]
             x, c, t = images[chosen].float() / 255.0, columns[chosen], truth[chosen]
-            # Where time is short the rate falls with it, so that the last epochs are the calm ones all the same.
+            # If time is short, the rate falls with the time, so that it is low in the last epochs in that case too.
             done = max(step / steps, (time.monotonic() - began) / seconds)
             for group in optimizer.param_groups:
                 group["lr"] = RATE * min(step / WARM_UP, 0.5 + 0.5 * math.cos(math.pi * min(done, 1.0)))
@@ -312,15 +324,19 @@ def train(data: Arrays, epochs: int, seconds: float, device: str) -> LaneNetwork
         if used > seconds:
             print("stopped: the time is over")
             break
-    return network.eval().to("cpu", memory_format=torch.contiguous_format)
+    network.eval().to("cpu", memory_format=torch.contiguous_format)
+    return network
 
 
 def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.float64]]:
-    """Return looks at clips of a map, at a situation of the bank, or at drawn situations, and the overlap of masks."""
+    """Return the job's name, its looks, and (N, 5) overlaps of masks and the softmax's maximum for each side.
+
+    A job is of clips of a map, of random situations or of a situation of the bank.
+    """
     which, seed, first, last, network = job
     size = len(LEARNED_FEATURES)
     even = Confidence(np.zeros(size), np.ones(size), np.zeros((1, size + 1)), np.zeros((3, size + 2)))
-    even.out[:, 1] = 3.0  # the paint's own logit, until the confidence is fitted
+    even.out[:, 1] = 3.0  # the weight of the network's own logit of the paint; the confidence is fitted later
     detector = LearnedLaneDetector(network=network, confidence=even)
     rows: list[NDArray[np.float64]] = []
     rest: list[tuple[float, ...]] = []
@@ -365,7 +381,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
 
 
 def overlap(told: Rows, columns: NDArray[np.float32], half: NDArray[np.float64]) -> tuple[float, float]:
-    """Return the cells in both masks and in either: in each row that has the boundary, so many columns about it."""
+    """Return the number of cells in both masks and in either. A mask has the cells within `half` of a row's column."""
     place = np.arange(COLUMNS)
     ours = (np.abs(place - told.column[:, None]) <= half[:, None]) & (told.there > 0.5)[:, None]
     true = np.abs(place - np.nan_to_num(columns, nan=-1e3)[:, None]) <= half[:, None]
@@ -373,13 +389,13 @@ def overlap(told: Rows, columns: NDArray[np.float32], half: NDArray[np.float64])
 
 
 def as_wide_as_right(tilt: float) -> NDArray[np.float64]:
-    """Return half the width of a mask as wide as a boundary may be off, no less than the thin one, columns, (ROWS,)."""
+    """Return half the mask's width in each row, columns, (ROWS,): the image of `RIGHT`, but at least `THIN`."""
     x, _ = ground_of(np.zeros(ROWS), (np.arange(ROWS) + 0.5) * TRAINED_FOR.height / ROWS - 0.5, tilt)
     return np.maximum(THIN, RIGHT * TRAINED_FOR.focal * COLUMNS / TRAINED_FOR.width / x)
 
 
 def export(network: LaneNetwork, path: Path) -> bytes:
-    """Write the network and return the file's bytes."""
+    """Write the network as ONNX and return the file's bytes."""
     torch.onnx.export(
         network, (torch.zeros(1, 3, HEIGHT, WIDTH),), str(path), input_names=["image"], output_names=["rows", "rest"],
         opset_version=13, dynamo=False,
@@ -388,7 +404,7 @@ def export(network: LaneNetwork, path: Path) -> bytes:
 
 
 def jobs_of_looks(paths: list[Path], scale: float, onnx: bytes) -> list[tuple[str, int, int, int, bytes]]:
-    """Return what is looked at: clips of the maps that the network did not learn on, drawn situations and the bank."""
+    """Return the jobs for `look`: clips of maps that the training did not use, random situations, and the bank."""
     jobs: list[tuple[str, int, int, int, bytes]] = []
     for number, path in enumerate(paths):
         if is_unseen(path.stem) or path.stem in TEST:
@@ -402,14 +418,14 @@ def jobs_of_looks(paths: list[Path], scale: float, onnx: bytes) -> list[tuple[st
 
 
 def confidence_of(seen: list[tuple[str, Looks, NDArray[np.float64]]]) -> Confidence:
-    """Return the confidence fitted to the looks at the maps that are kept for it and at drawn situations."""
+    """Return the confidence fitted to the looks at its own maps and at random situations."""
     of_maps = Looks.joined([looks for which, looks, _ in seen if is_unseen(Path(which).stem)])
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
     return fitted_to(chosen, Looks.joined([looks for which, looks, _ in seen if which == "drawn"]))
 
 
 def figures_of(seen: list[tuple[str, Looks, NDArray[np.float64]]], confidence: Confidence) -> dict[str, object]:
-    """Return the figures of the test maps and of the bank."""
+    """Return the figures of each test map and of the bank."""
     figures: dict[str, object] = {}
     for name in TEST:
         looks = Looks.joined([judged(one, confidence) for which, one, _ in seen if Path(which).stem == name])
@@ -436,7 +452,7 @@ def figures_of(seen: list[tuple[str, Looks, NDArray[np.float64]]], confidence: C
 
 
 def forward_time(onnx: bytes, confidence: Confidence) -> float:
-    """Return the CPU time of one forward pass on one thread, ms."""
+    """Return the CPU time of one forward pass on one thread, ms: the mean of 50."""
     detector = LearnedLaneDetector(network=onnx, confidence=confidence)
     cv2.setNumThreads(1)
     image = np.zeros((TRAINED_FOR.height, TRAINED_FOR.width, 3), np.uint8)
@@ -447,7 +463,7 @@ def forward_time(onnx: bytes, confidence: Confidence) -> float:
 
 
 def main() -> None:
-    """Render, train, export, fit and measure."""
+    """Render, train, export, fit the confidence and evaluate."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("maps", type=Path)
     parser.add_argument("out", type=Path)

@@ -1,7 +1,7 @@
-"""Roads that a lane detector learns on beside those of real maps: towns painted anew, and roads made up whole.
+"""Roads for the training of a lane detector besides those of real maps: maps with repainted marks, and made-up roads.
 
-What a map has of paint is its author's habit: some have no double line, some no paint at the edge. So every kind of
-line that OpenDRIVE has is painted here, white and yellow, of the widths, dashes and gaps that are common.
+The marks of a map follow its author's habits: some maps have no double line, some no line at the edge. Here all kinds
+of lines of OpenDRIVE are used, white and yellow, with common widths, dashes and gaps.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ KINDS: dict[str, dict[str, float]] = {
     },
     "edge": {"solid": 0.62, "broken": 0.13, "solid solid": 0.02, "none": 0.23},
 }  # fmt: skip
-"""How often lines of a kind are painted in the road's middle, between its lanes and at its edge."""
+"""Relative frequency of each kind of line in the middle of a road, between its lanes and at its edges."""
 
 DRIVEN = ("driving", "bidirectional", "exit", "entry", "onRamp", "offRamp")
 """Types of lanes whose borders are painted."""
@@ -34,14 +34,14 @@ DRIVEN = ("driving", "bidirectional", "exit", "entry", "onRamp", "offRamp")
 BESIDE = {
     "shoulder": (0.4, 3.0), "curb": (0.15, 0.3), "sidewalk": (1.0, 3.0), "parking": (2.0, 2.6), "biking": (1.2, 2.2),
 }  # fmt: skip
-"""Widths of what may lie beside the driving lanes, m."""
+"""Least and greatest width of the lanes beside the driving lanes by type, m."""
 
 ROADS, LENGTH = 4, 500.0
-"""Roads of a file that is made up, and the length of each, m."""
+"""Number of roads in a made-up file, and the least length of each, m."""
 
 
 def repainted(source: Path, target: Path, seed: int) -> None:
-    """Write a road file whose driving lanes have other lines than the source's; all else stays."""
+    """Write a copy of a road file in which the driving lanes have other lines; all else is unchanged."""
     tree = etree.parse(str(source))
     draw = np.random.default_rng(seed)
     added = draw.uniform(0.0, 0.9)
@@ -50,7 +50,7 @@ def repainted(source: Path, target: Path, seed: int) -> None:
         kept = inside and draw.random() < 0.6
         styles = _Styles(draw)
         for section in road.iterfind("lanes/laneSection"):
-            lanes = {int(lane.get("id")): lane for lane in section.iter("lane")}
+            lanes = {int(lane.attrib["id"]): lane for lane in section.iter("lane")}
             for number, lane in lanes.items():
                 where = _where(lanes, number)
                 if where is None:
@@ -64,7 +64,7 @@ def repainted(source: Path, target: Path, seed: int) -> None:
 
 
 def made_up(target: Path, seed: int) -> None:
-    """Write a road file with some roads that wind up and down, with one to seven lanes each."""
+    """Write a road file with `ROADS` winding and hilly roads of one to seven lanes."""
     draw = np.random.default_rng(seed)
     drive = etree.Element("OpenDRIVE")
     etree.SubElement(drive, "header", revMajor="1", revMinor="6", name=target.stem)
@@ -74,7 +74,7 @@ def made_up(target: Path, seed: int) -> None:
 
 
 class _Styles:
-    """The lines of one road: drawn when they are first asked for."""
+    """The lines of one road; each is drawn at random when it is first asked for."""
 
     def __init__(self, draw: np.random.Generator) -> None:
         self._draw = draw
@@ -82,7 +82,12 @@ class _Styles:
         self._middle = "yellow" if draw.random() < 0.5 else "white"
 
     def line(self, where: str, number: int) -> etree._Element:
-        """Return the mark of a lane's outer border."""
+        """Return the mark of a lane's outer border.
+
+        Args:
+            where: Place of the border, a key of `KINDS`.
+            number: OpenDRIVE lane id.
+        """
         key = (where, number if self._draw.random() < 0.3 else 0)
         if key not in self._lines:
             self._lines[key] = self._drawn(where)
@@ -113,7 +118,7 @@ class _Styles:
 
 
 def _where(lanes: dict[int, etree._Element], number: int) -> str | None:
-    """Return where the outer border of a lane lies, None where no driving lane is beside it."""
+    """Return the place of a lane's outer border, a key of `KINDS`; None if no driving lane is on either side."""
 
     def driven(k: int) -> bool:
         return k in lanes and lanes[k].get("type") in DRIVEN
@@ -127,7 +132,7 @@ def _where(lanes: dict[int, etree._Element], number: int) -> str | None:
 
 
 def _replace(mark: etree._Element, line: etree._Element) -> None:
-    """Give a mark another line; where it begins stays."""
+    """Replace the attributes and children of a mark by those of a line; its sOffset is kept."""
     begin = mark.get("sOffset", "0")
     mark.attrib.clear()
     for child in list(mark):
@@ -178,13 +183,24 @@ def _road(draw: np.random.Generator, number: int) -> etree._Element:
 
 
 def _beside(draw: np.random.Generator) -> list[str]:
-    """Return the types of the lanes between the outermost driving lane and the verge."""
-    choices = ([], [], ["shoulder"], ["shoulder"], ["curb", "sidewalk"], ["parking", "curb", "sidewalk"], ["biking"])
+    """Return the types of the lanes between the outermost driving lane and the verge, from the inside outwards."""
+    choices: tuple[list[str], ...] = (
+        [],
+        [],
+        ["shoulder"],
+        ["shoulder"],
+        ["curb", "sidewalk"],
+        ["parking", "curb", "sidewalk"],
+        ["biking"],
+    )
     return list(choices[int(draw.integers(len(choices)))])
 
 
 def _plan(draw: np.random.Generator, start: tuple[float, float]) -> tuple[etree._Element, float]:
-    """Return straights and bends with clothoids that never turn back, and their length."""
+    """Return a planView of straights and bends from a start (x, y), and its length, m.
+
+    The bends have clothoids, and the road never turns back.
+    """
     plan = etree.Element("planView")
     (x, y), heading, s = start, 0.0, 0.0
     while s < LENGTH:
@@ -214,7 +230,7 @@ def _plan(draw: np.random.Generator, start: tuple[float, float]) -> tuple[etree.
 
 
 def _elevation(draw: np.random.Generator, length: float) -> etree._Element:
-    """Return hills: cubics between heights and grades of up to 6 %, level on a third of the roads."""
+    """Return the elevation profile: cubics with grades of up to 6 %; about a third of the roads are level."""
     profile = etree.Element("elevationProfile")
     steepest = 0.0 if draw.random() < 0.35 else 0.06
     s, z, grade = 0.0, 0.0, 0.0

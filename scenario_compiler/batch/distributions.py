@@ -25,22 +25,22 @@ GREATEST_MEAN = 500.0
 
 
 class SweepError(ValueError):
-    """A sweep that cannot be done as it is asked for; the message says why."""
+    """A sweep is not possible as requested; the message gives the reason."""
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """What values a parameter takes.
+    """The distribution of a parameter's values.
 
     Attributes:
         text: Its spelling, normalised.
         kind: Type of its values.
-        quantile: The value at a probability in the open interval (0, 1).
-        points: All its values in order, for those that are a list of values; empty otherwise.
-        listed: The values are tried one by one rather than drawn: a grid.
-        limits: The range, for the uniform distribution: what a search looks through.
-        extent: Values that it gives, or comes as near to as one likes, the least and the greatest among them; empty
-            where nothing limits them.
+        quantile: Returns the value at a probability in the open interval (0, 1).
+        points: All its values in order if it is a list of values; empty otherwise.
+        listed: Whether each value is used in turn and not drawn: a grid.
+        limits: The range of the uniform distribution, in which a search looks.
+        extent: Values that it takes or comes arbitrarily close to, with the least and the greatest; empty if it is
+            unbounded.
     """
 
     text: str
@@ -78,7 +78,7 @@ def parse_distribution(text: str) -> Distribution:
 
 
 def misfit(axis: Distribution, kind: ParameterKind) -> str:
-    """Return what varies a parameter of a kind, where a distribution does not; an empty text where it does."""
+    """Return what a parameter of a kind must vary by, if a distribution does not fit; otherwise empty."""
     if kind in ("text", "boolean"):
         fits = axis.kind == "boolean" if kind == "boolean" else bool(axis.points)
         values = "true, false" if kind == "boolean" else "value, value, ..."
@@ -94,7 +94,7 @@ def misfit(axis: Distribution, kind: ParameterKind) -> str:
 
 
 def beyond(axis: Distribution, limits: AttributeSpelling) -> str:
-    """Return a value of a distribution outside of limits and what it must be; an empty text where all keep them."""
+    """Return a value of a distribution that is outside the limits, and the requirement; empty if all are within."""
     for value in axis.extent:
         fault = outside(value, limits) if isinstance(value, float) else ""
         if fault:
@@ -103,7 +103,7 @@ def beyond(axis: Distribution, limits: AttributeSpelling) -> str:
 
 
 def value_of(text: str) -> Value:
-    """Return what a text means as the value of a parameter: a truth value, a number, else the text."""
+    """Return the parameter's value for a text: a truth value, a number, or else the text."""
     if text in ("true", "false"):
         return text == "true"
     try:
@@ -267,4 +267,4 @@ USAGE = {
     "weighted": "weighted(value, weight, value, weight, ...), one of the weights above 0",
     "grid": "grid(first, last, count)",
 }
-"""How each distribution is written."""
+"""The notation of each distribution."""

@@ -109,17 +109,17 @@ def row_of_recording(plan: Plan, recording: Recording) -> Columns:
 
 
 def error_columns(count: int, error: str) -> Columns:
-    """Return the outcome of variants that have no run."""
+    """Return the outcome of variants without a run."""
     columns: Columns = {name: [None] * count for name in (*OUTCOME, *(measure.name for measure in MEASURES))}
     return columns | {"result": ["error"] * count, "error": [error] * count, TAKEOVERS: [[] for _ in range(count)]}
 
 
 def _avoiders(verdicts: Mapping[ReferenceName, bool]) -> str | None:
-    """Return the reference drivers that have no collision; None where none was asked."""
+    """Return the names of the reference drivers without a collision; None if none was asked for."""
     return " ".join(name for name, avoids in verdicts.items() if avoids) if verdicts else None
 
 
 def _why_broken(recording: Recording) -> str:
-    """Return why a run could not go on; empty where it could."""
+    """Return why a run stopped; empty if it did not."""
     told = [event.message for event in recording.events if event.kind == "broken_off"]
     return told[0] if told else ""

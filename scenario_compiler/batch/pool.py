@@ -25,11 +25,11 @@ START_ATTEMPTS = 3
 """Deaths before the first variant of a part begins after which the sweep gives up."""
 
 PATIENCE = 0.5
-"""How often a time limit is looked at, s."""
+"""Interval at which time limits are checked, s."""
 
 
 def serve(connection: Connection, form: Form, trust: Trust) -> None:
-    """Run parts that come through the connection until it closes; the body of a worker process."""
+    """Run the parts that arrive through the connection until it closes; the body of a worker process."""
     runner = Runner(form, trust=trust)
     try:
         while True:
@@ -153,7 +153,7 @@ class Pool:
     def _lost(
         self, worker: _Worker, waiting: deque[Part], why: str, *, again: bool = True
     ) -> Iterator[tuple[int, Batch]]:
-        """Replace a worker, and put back or give up what it was at."""
+        """Replace a worker; its variants are queued again or given up."""
         part = worker.part
         worker.connection.close()
         self._workers[self._workers.index(worker)] = self._start()

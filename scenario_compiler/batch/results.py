@@ -39,7 +39,7 @@ TABLE = "results.parquet"
 TAKEOVER_TABLE = "takeovers.parquet"
 PARTS = "parts"
 GROUP = 1 << 16
-"""Rows of a row group of the table, at least; a part is never split."""
+"""Least number of rows in a row group of the table; a part is never split."""
 
 _KEY = b"scenario-compiler"
 _TYPES: dict[ColumnKind, pa.DataType] = {
@@ -51,7 +51,7 @@ _TYPES: dict[ColumnKind, pa.DataType] = {
 
 
 def schema_of(columns: Sequence[Column]) -> pa.Schema:
-    """Return the columns of a table as its file has them."""
+    """Return the Arrow schema of a table's columns."""
     return pa.schema({one.column: _TYPES[one.kind] for one in columns})
 
 
@@ -65,12 +65,12 @@ class ResultStore:
     """The folder of a sweep."""
 
     def __init__(self, folder: Path, parameters: Sequence[Column], manifest: Mapping[str, Any]) -> None:
-        """Take the folder of a sweep; nothing is written.
+        """Set the folder of a sweep; nothing is written.
 
         Args:
             folder: The folder.
             parameters: The columns of the parameters that vary.
-            manifest: What decides the rows: a folder with another one belongs to another sweep.
+            manifest: Everything that determines the rows; a folder with another manifest belongs to another sweep.
         """
         self.folder = folder
         self.table = folder / TABLE
@@ -86,7 +86,7 @@ class ResultStore:
         self.begin()
 
     def check(self, *, resume: bool) -> None:
-        """Look whether the sweep may begin, or be taken up again; nothing is written.
+        """Check that the sweep may begin or resume; nothing is written.
 
         Raises:
             SweepError: There is another sweep in the folder, or the same one without `resume`, or other files.
@@ -106,10 +106,10 @@ class ResultStore:
 
     @contextmanager
     def owned(self) -> Iterator[None]:
-        """Keep other sweeps out of the folder for as long as this one writes into it.
+        """Keep other sweeps out of the folder while this one writes to it.
 
         Raises:
-            SweepError: Another sweep is writing into it; or it may not begin, or be taken up again (see `check`).
+            SweepError: Another sweep is writing to it, or this one may not begin or resume (see `check`).
             OSError: The folder cannot be written.
         """
         make_folder(self.folder)
@@ -136,7 +136,7 @@ class ResultStore:
 
     @property
     def finished(self) -> bool:
-        """Whether the table is there."""
+        """Whether the table exists."""
         return self.table.is_file()
 
     def drop_damaged(self) -> list[Path]:
@@ -164,11 +164,11 @@ class ResultStore:
             return False
 
     def done(self) -> set[int]:
-        """Return the numbers of the parts that are there."""
+        """Return the numbers of the parts that exist."""
         return {int(path.stem) for path in self._parts.glob("*.parquet") if path.stem.isdigit()}
 
     def write_part(self, number: int, columns: Columns) -> None:
-        """Keep the rows of a part; OSError when there is no room, and nothing of it is left."""
+        """Write the rows of a part; OSError if there is no room, and then no file is left."""
         written = {**columns, TAKEOVERS: [json.dumps(some) for some in columns[TAKEOVERS]]}
         table = table_of(written, self._part_schema)
         sink = pa.BufferOutputStream()
@@ -186,13 +186,13 @@ class ResultStore:
         return tally_of(self._part(number))
 
     def errors(self) -> Counter[str]:
-        """Return what the rows of the table that are errors say, and how often, the first in the table first."""
+        """Return the errors in the table's rows with their counts, in the order of their first row."""
         with pq.ParquetFile(self.table) as file:
             groups = (file.read_row_group(k, columns=["error"]) for k in range(file.num_row_groups))
             return Counter(error for group in groups for error in group["error"].to_pylist() if error)
 
     def merge(self, parts: int) -> None:
-        """Make the table of all parts, in order, with its codebook, and drop them."""
+        """Write the table from all parts, in order, with its codebook, and delete the parts."""
         columns = takeover_columns()
         write_whole(self.folder / CODEBOOK, codebook_text({TABLE: self._columns, TAKEOVER_TABLE: columns}))
         schema = schema_of(columns)
@@ -223,7 +223,7 @@ class ResultStore:
             yield tables or [self._part_schema.empty_table()]
 
     def _about(self) -> bytes:
-        """Return what the table says about itself, as JSON."""
+        """Return the metadata of the table as JSON."""
         return json.dumps({**self._manifest, "columns": [vars(one) for one in self._columns]}, sort_keys=True).encode()
 
     def _part(self, number: int) -> Path:
@@ -252,7 +252,7 @@ def arrow_array(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
 
 
 def read_results(path: Path) -> tuple[Columns, dict[str, Any]]:
-    """Return the rows of a sweep by column and what the file says about itself; SweepError when it holds none.
+    """Return the rows of a sweep by column, and the file's metadata; SweepError if it has none.
 
     Args:
         path: The table, or the folder of a finished sweep.

@@ -37,15 +37,15 @@ from scenario_compiler.vocabulary.scenario import parameter_values
 Form = Literal["camera", "interpreted", "compiled"]
 
 TOGETHER = 4096
-"""Variants of one call of the engine at most: the rows of numbers and totals that they need stay small."""
+"""Greatest number of variants in one call of the engine, so that their rows of numbers and totals stay small."""
 
 FAMILIES_KEPT = 64
-"""Plans that a runner keeps ready."""
+"""Number of plans that a runner keeps ready."""
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One variant: its index, its seed, its family and its values of the family's slots; or why it cannot run."""
+    """A variant: its index, seed, family and values of the family's slots, or the reason why it cannot run."""
 
     index: int
     seed: int
@@ -56,11 +56,11 @@ class Variant:
 
 @dataclass(frozen=True)
 class SentPlan:
-    """A plan on its way to a worker; the map goes by path, and by content where the worker has no such file.
+    """A plan that is sent to a worker. The map is sent as a path, and as content if the worker does not have the file.
 
     Attributes:
         family: Number of its family.
-        made: The plan as it is, or as JSON, as which it goes to another process.
+        made: The plan, or its JSON, as which it is sent to another process.
         map_file: File of the map.
     """
 
@@ -69,7 +69,7 @@ class SentPlan:
     map_file: str
 
     def __reduce__(self) -> tuple[type[SentPlan], tuple[int, str, str]]:
-        """Go as JSON: where the plan stays in its process, none is made."""
+        """Pickle as JSON; none is made if the plan stays in its process."""
         return SentPlan, (self.family, self.text, self.map_file)
 
     @cached_property
@@ -79,19 +79,19 @@ class SentPlan:
 
     @cached_property
     def plan(self) -> Plan:
-        """The plan as it is."""
+        """The plan."""
         return Plan.model_validate_json(self.made) if isinstance(self.made, str) else self.made
 
 
 @dataclass(frozen=True)
 class Part:
-    """A piece of work.
+    """A part of a sweep's work.
 
     Attributes:
-        number: Its number, by which the parts are put together.
-        variants: What to run.
-        plans: Plans of their families; the worker may be new.
-        one_by_one: Run a single variant at a time, to find the one that ends the process.
+        number: Its number, by which the parts are merged in order.
+        variants: The variants to run.
+        plans: Plans of their families, which the worker may not have yet.
+        one_by_one: Whether to run one variant at a time, to find the one that ends the process.
     """
 
     number: int
@@ -110,10 +110,10 @@ class Batch:
 
 @dataclass
 class Runner:
-    """Runs the variants of a sweep; one in each process.
+    """Runs the variants of a sweep; there is one in each process.
 
     Attributes:
-        form: What runs them.
+        form: How they are run.
         trust: Code that the plans may name as their controllers.
     """
 
@@ -122,7 +122,7 @@ class Runner:
     _families: dict[int, _Family] = field(default_factory=dict)
 
     def add(self, family: int, plan: Plan, network: Network) -> None:
-        """Make a plan known; the one that is known longest makes room."""
+        """Add a plan; if there are too many, the oldest is dropped."""
         if family not in self._families:
             while len(self._families) >= FAMILIES_KEPT:
                 del self._families[next(iter(self._families))]
@@ -216,12 +216,12 @@ def joined(parts: Sequence[Columns]) -> Columns:
 
 
 def _following(rows: Mapping[str, Iterator[Any]]) -> Columns:
-    """Return the next of some rows."""
+    """Return the next rows, one after the other."""
     return {name: [next(values)] for name, values in rows.items()}
 
 
 def record(plan: Plan, network: Network, variant: Variant, trust: Trust | None = None) -> Recording:
-    """Run one variant interpreted and return its recording; `trust` is what the plan's controller may be."""
+    """Run one variant in the interpreted engine and return its recording; `trust` is the code its plan may name."""
     chosen = with_values(plan, variant.values)
     world = open_world("kinematic", chosen, network)
     try:

@@ -1,8 +1,8 @@
 """Searches for the boundary at which something begins to happen, and for the least value of a measure.
 
-Every evaluation is a run with the same draws (variant 0), so that what is found is about the parameters. Evaluations
-are kept like the parts of a sweep: the searches are deterministic, so a resumed one asks for the same values again and
-finds them there.
+All runs use the random numbers of variant 0, so that the result depends on the parameters alone. Runs are stored like
+the parts of a sweep. The searches are deterministic: a resumed one asks for the same values again and finds their runs
+in the folder.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ from scenario_compiler.expressions import Expression, ExpressionError, Value, pa
 from scenario_compiler.recording.measures import MEASURES
 
 UNDEFINED = 1.0e9
-"""Stands for the value of a measure that is not defined where it is minimised."""
+"""Value used for an undefined measure when it is minimised."""
 
 Optimizer = Literal["direct", "nelder-mead"]
 
 
 @dataclass(frozen=True)
 class Boundary:
-    """Where something begins to happen.
+    """The boundary at which something begins to happen.
 
     Attributes:
         name: The parameter.
         without: The nearest value found at which it does not happen.
-        with_it: The nearest value found at which it does.
+        with_it: The nearest value found at which it happens.
         evaluations: Number of runs.
     """
 
@@ -66,7 +66,7 @@ class Minimum:
 
 
 class Search:
-    """Runs of one scenario, one after the other, each kept."""
+    """Runs of one scenario, one after the other, each of which is stored."""
 
     def __init__(
         self,
@@ -125,7 +125,7 @@ class Search:
             self._kept = {number: self.store.part_columns(number) for number in self.store.done()}
 
     def evaluate(self, sample: dict[str, float]) -> Columns:
-        """Return the row of a run, from the folder where it is there."""
+        """Return the row of a run, from the folder if it is there."""
         number, self.count = self.count, self.count + 1
         if self._progress is not None:
             self._progress(Progress("evaluations", number, max(self.expected, self.count)))
@@ -146,7 +146,7 @@ class Search:
         return columns
 
     def finish(self) -> None:
-        """Make the table of all evaluations."""
+        """Write the table of all runs."""
         if not self.store.finished:
             self.store.merge(self.count)
 

@@ -62,7 +62,7 @@ class Tally:
 
 
 Stage = Literal["variants", "traces", "cases", "evaluations"]
-"""What a sweep is at: its variants, the traces that it keeps, the cases that its report shows, or a search's runs."""
+"""The stage of a sweep: its variants, the traces that it keeps, the cases that its report shows, or a search's runs."""
 
 
 @dataclass(frozen=True)
@@ -85,4 +85,4 @@ class Progress:
 
 
 OnProgress = Callable[[Progress], None]
-"""What is reported of progress."""
+"""A function that receives the progress."""

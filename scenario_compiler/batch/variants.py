@@ -23,18 +23,18 @@ from scenario_compiler.roads import Network
 from scenario_compiler.runtime.runnable import check_runnable
 
 VARIED = FilePlace("--vary")
-"""The place of a varied parameter's values that are at fault."""
+"""Place of diagnostics about the values of a varied parameter."""
 
 
 @dataclass(frozen=True)
 class Family:
-    """Variants that differ in numbers alone.
+    """Variants that differ only in numbers.
 
     Attributes:
-        number: Its number, in the order in which families were met.
+        number: Its number, in the order of the families' first variants.
         plan: Their plan, with the slots at their defaults.
         network: The map.
-        slots: Varying parameters that fill numbers of the plan.
+        slots: Varying parameters on which numbers of the plan depend.
     """
 
     number: int
@@ -54,13 +54,13 @@ class Family:
 
 
 def with_values(plan: Plan, values: Mapping[str, Value]) -> Plan:
-    """Return the plan with other defaults of its parameters: what compiling with `--set` gives."""
+    """Return the plan with other defaults of its parameters, as compiled with `--set`."""
     changed = at_values(plan, values)
     return changed.model_copy(update={"digest": digest_of(changed)})
 
 
 def _placed(one: Diagnostic, of_settings: Collection[str]) -> Diagnostic:
-    """Return a finding about an argument with the option that gave it: --vary where settings alone do not bring it."""
+    """Return a diagnostic about an argument at its option: --vary, unless it also occurs with the settings alone."""
     varied = one.place == COMMAND_LINE and one.message not in of_settings
     return replace(one, place=VARIED) if varied else one
 
@@ -131,7 +131,7 @@ class Families:
         return base
 
     def _compile(self, structure: Mapping[str, str]) -> tuple[Family | None, Diagnostics]:
-        """Return the family of a structure, none where there are errors, and the findings."""
+        """Return the family of a structure, None if there are errors, and the diagnostics."""
         given = {**self._spec.settings, **structure}
         first = {name: format_value(value) for name, value in self._first.items()}
         of_settings: list[str] = []

@@ -27,7 +27,7 @@ TRACES = "traces"
 def by_severity(rows: Columns) -> list[int]:
     """Return the variants that have a run, the worst first.
 
-    Collisions come first, the fastest first; then the least time to collision, then the least distance.
+    Collisions come first, in descending order of speed; then the other runs in ascending order of `SEVERITY`.
     """
     return sorted(
         (index for index, result in enumerate(rows["result"]) if result != "error"),
@@ -41,7 +41,7 @@ def by_severity(rows: Columns) -> list[int]:
 
 
 SEVERITY = ("minimum_time_to_collision", "minimum_distance")
-"""Measures that order runs without a collision, the least first."""
+"""Measures by which runs without a collision are ordered, ascending."""
 
 
 def chosen(rows: Columns, spec: SweepSpec) -> list[int]:
@@ -96,7 +96,7 @@ def write_traces(
 
 
 def repeat_command(target: str, spec: SweepSpec, rows: Columns, index: int) -> str:
-    """Return the command that runs a variant alone, with the same trajectories."""
+    """Return the command that runs a single variant with the same trajectories."""
     words = ["scenario-compiler", "run", target]
     if not target.endswith(".json"):
         settings = dict(spec.settings)

@@ -271,7 +271,7 @@ def library_target(text: str) -> str:
     Raises:
         WrongUse: There is neither a file nor a conflict of that name.
     """
-    if Path(text).exists() or not re.fullmatch(IDENTIFIER, text):
+    if Path(text).is_file() or not re.fullmatch(IDENTIFIER, text):
         return text
     from scenario_compiler.listing import find_conflict, list_library
     from scenario_compiler.resources import library_folder

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from scenario_compiler.perception.lane_detector import Image, LaneDetector, LaneResult, LaneState
 
 DetectorMaker: TypeAlias = "Callable[[Camera], LaneDetector]"
-"""Makes a detector for a camera."""
+"""A function that makes a detector for a camera."""
 
 UNKNOWN_DETECTOR = Code(
     "SC527",
@@ -46,12 +46,12 @@ DETECTOR = Kind(
 
 
 def detector_maker(name: str, code: CodeName | None, trust: Trust, named_in: str) -> DetectorMaker:
-    """Return the factory of the detectors of a name; code of the user's own is imported, which the caller has allowed.
+    """Return the factory of the detectors with a name; user code is imported, which the caller has allowed.
 
     Args:
         name: The name of a built-in detector, or of code.
-        code: The code that it names, unless the detector is built in.
-        trust: What the user trusts.
+        code: The code for the name; None if the detector is built in.
+        trust: The code that the user trusts.
         named_in: Path of the file that names it.
 
     Raises:
@@ -66,7 +66,7 @@ def detector_maker(name: str, code: CodeName | None, trust: Trust, named_in: str
 
 
 class ForeignDetector:
-    """A detector of the user's own: asked as any other, but what it raises is a ControllerError."""
+    """A detector of the user's; its exceptions become a ControllerError."""
 
     def __init__(self, name: str, made_by: Callable[[Camera], LaneDetector], camera: Camera) -> None:
         """Make the detector for a camera.
@@ -79,7 +79,7 @@ class ForeignDetector:
             self._inner = made_by(camera)
 
     def detect(self, image: Image, prior: LaneState | None = None, pitch: float | None = None) -> LaneResult:
-        """See `LaneDetector`; an answer that is not a lane of finite numbers and probabilities is a fault too.
+        """See `LaneDetector`. A result that is not a lane of finite numbers and probabilities is also an error.
 
         Raises:
             ControllerError: It failed.

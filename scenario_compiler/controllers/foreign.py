@@ -1,7 +1,7 @@
-"""Imports and calls the user's own controllers and lane detectors, and turns their failures into values.
+"""Imports and calls the user's controllers and lane detectors, and turns their exceptions into `ControllerError`.
 
-Whatever code raises that is not ours (an exception, `SystemExit`, a model's file that is missing) is a
-`ControllerError` with the code's name and the file and line at which it was raised; never a traceback.
+Any exception of such code (also `SystemExit`, or one for a model's missing file) becomes a `ControllerError` with the
+code's name and the file and line at which it was raised; the user never sees a traceback.
 """
 
 from __future__ import annotations
@@ -55,13 +55,13 @@ _Answer = TypeVar("_Answer")
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of code that a scenario can name.
+    """A kind of user code that a scenario can name.
 
     Attributes:
         name: Its name in messages.
-        unknown: The diagnostic of a name that does not exist.
-        fits: Whether the object with this name is of the kind.
-        must: What it must be, for messages.
+        unknown: The diagnostic's code for a name that does not exist.
+        fits: Returns whether an object is of this kind.
+        must: The requirement, for messages.
     """
 
     name: str
@@ -79,41 +79,42 @@ CONTROLLER = Kind(
 
 
 class ControllerError(Exception):
-    """A controller or detector of the user's own cannot be found, imported or made, or it failed.
+    """A controller or detector of the user's cannot be found, imported or made, or it failed.
 
     Attributes:
         code: The diagnostic's code.
-        place: Where in its code it happened; line 0 if that is not known.
+        place: Place in the user's code; line 0 if it is not known.
     """
 
     def __init__(self, message: str, code: Code = UNKNOWN_CONTROLLER, place: FilePlace | None = None) -> None:
-        """Keep the message and what belongs to it."""
+        """Set the message, the code and the place."""
         super().__init__(message)
         self.code = code
         self.place = FilePlace("") if place is None else place
 
     @classmethod
     def of(cls, name: str, fault: BaseException, kind: Kind = CONTROLLER) -> ControllerError:
-        """Return what code of the user's raised as its failure, with the file and line that raised it."""
+        """Return the error for an exception of user code, with the file and line that raised it."""
         what = f"{type(fault).__name__}: {fault}" if str(fault) else type(fault).__name__
         return cls.at(name, _place_of(fault), what, kind)
 
     @classmethod
     def at(cls, name: str, place: FilePlace, what: str, kind: Kind = CONTROLLER) -> ControllerError:
-        """Return the failure of a controller or detector at a place in its code."""
+        """Return the error of a controller or detector at a place in its code."""
         where = f", {Path(place.file).name}:{place.line}" if place.file else ""
         return cls(f"{kind.name} '{name}'{where}: {what}", CONTROLLER_FAILED, place)
 
 
 def load_class(name: str, code: CodeName, trust: Trust, named_in: str, kind: Kind = CONTROLLER) -> Any:
-    """Import a class that the user trusts; nobody else may call this.
+    """Import a class that the user trusts; the caller must have checked that.
 
     Args:
         name: The name as it was given, for messages.
-        code: What to import.
-        trust: What the user has named: such modules are looked for in the current folder and beside the scenario too.
+        code: The code to import.
+        trust: The code that the user named: such modules are also looked for in the current folder and beside the
+            scenario.
         named_in: Path of the file that names it.
-        kind: What it has to be.
+        kind: The kind of code that it must be.
 
     Raises:
         ControllerError: There is no such class, or importing it fails.
@@ -149,7 +150,7 @@ def _module(name: str, source: str, folders: Sequence[Path], kind: Kind) -> Any:
 
 
 def _file_module(name: str, file: Path, kind: Kind) -> Any:
-    """Return the module of a Python file, which is executed once."""
+    """Return the module of a Python file; the file is executed once."""
     known = sys.modules.get(str(file))
     if known is not None:
         return known
@@ -171,7 +172,7 @@ def _file_module(name: str, file: Path, kind: Kind) -> Any:
 
 @contextmanager
 def _looked_for_in(folders: Sequence[Path]) -> Iterator[None]:
-    """Look for modules in some folders too, after all other places, and no longer than needed."""
+    """Add folders to the end of the search path for modules, within the context."""
     before = list(sys.path)
     importlib.invalidate_caches()
     sys.path.extend(str(folder.resolve()) for folder in folders)
@@ -183,7 +184,7 @@ def _looked_for_in(folders: Sequence[Path]) -> Iterator[None]:
 
 @contextmanager
 def blamed(name: str, kind: Kind = CONTROLLER) -> Iterator[None]:
-    """Turn what code of the user's raises into a ControllerError; an interruption by the user passes."""
+    """Turn exceptions of user code into a ControllerError; KeyboardInterrupt passes."""
     try:
         yield
     except (ControllerError, KeyboardInterrupt):
@@ -193,7 +194,7 @@ def blamed(name: str, kind: Kind = CONTROLLER) -> Iterator[None]:
 
 
 def _place_of(fault: BaseException) -> FilePlace:
-    """Return the innermost line of code that is the user's: not of this package, Python's or an installed one."""
+    """Return the innermost line of user code, which is neither this package's, Python's nor an installed package's."""
     if isinstance(fault, SyntaxError) and fault.filename:
         return FilePlace(fault.filename, fault.lineno or 0, fault.offset or 0, 1, (fault.text or "").rstrip("\n"))
     frames = [one for one in traceback.extract_tb(fault.__traceback__) if not one.filename.startswith(("<", _PACKAGE))]
@@ -207,7 +208,7 @@ def _place_of(fault: BaseException) -> FilePlace:
 
 
 class ForeignController(ControllerModel):
-    """A controller of the user's own: asked as any other, but what it raises is a ControllerError."""
+    """A controller of the user's; its exceptions become a ControllerError."""
 
     def __init__(self, name: str, make: Callable[[], ControllerModel]) -> None:
         """Make the controller.
@@ -228,7 +229,7 @@ class ForeignController(ControllerModel):
         self._ask(self._inner.reset, seed)
 
     def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
-        """See ControllerModel; an answer that is not a command is a fault too."""
+        """See ControllerModel. A result that is not a command is also an error."""
         control: object = self._ask(self._inner.control, sensor_data, speed, vehicle)
         if not isinstance(control, Control):
             raise self._misbehaved(f"it returned {type(control).__name__}, which is not a Control")

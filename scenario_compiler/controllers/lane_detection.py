@@ -36,25 +36,26 @@ if TYPE_CHECKING:
 Point = tuple[float, float]
 
 PATH_LENGTH = 25
-"""Length of the path ahead of the camera that is kept, m: the detector's reach."""
+"""Length of the path ahead of the camera that is kept, m: the detector's range."""
 
 NEAREST = 5.0
 """Distance ahead of the camera from which the detector sees the ground, m."""
 
 NEW_SHARE, UNSEEN_SHARE = 0.4, 0.1
-"""How far a trusted image moves the remembered path, where it sees the ground and where it extrapolates."""
+"""Share by which a trusted image moves the remembered path, where the ground is visible and where it is extrapolated.
+"""
 
 BEND_SHARE = 0.1
-"""How far each trusted image moves the remembered curvature of the lane."""
+"""Share by which each trusted image moves the remembered curvature of the lane."""
 
 END_POINTS = 6
-"""Points at the end of the path that its direction is taken from: one image's far end is too unsteady alone."""
+"""Number of points at the path's end from which its direction is taken; the end of a single image is too noisy."""
 
 BEND_SPAN = 4
-"""Points of the way, a metre apart, over which a bend is measured on either side."""
+"""Number of points of the route, a metre apart, on either side over which a bend is measured."""
 
 USUAL_WIDTH = 3.5
-"""Width of a lane of which only one side is seen before both were, m."""
+"""Assumed width of a lane of which only one side has been seen, m."""
 
 
 class LaneDetectionParams(ControllerParams):
@@ -133,7 +134,7 @@ class LaneDetectionController(ControllerModel):
         )
 
     def _look(self, sensor_data: SensorData, vehicle: VehicleState) -> None:
-        """Detect the lane in a new image and draw the remembered path towards it."""
+        """Detect the lane in a new image and move the remembered path towards it."""
         self._seen_at = sensor_data.t
         ahead = vehicle.center + sensor_data.camera.x
         left = sensor_data.camera.y
@@ -209,7 +210,7 @@ class LaneDetectionController(ControllerModel):
         return draw_lanes(image, self._lanes, self._camera)
 
     def _travelled(self, vehicle: VehicleState) -> float:
-        """Return the way since the last control step, m."""
+        """Return the distance since the last control step, m."""
         before, self._place = self._place, (vehicle.x, vehicle.y)
         return 0.0 if before is None else math.dist(before, self._place)
 
@@ -238,7 +239,7 @@ class LaneDetectionController(ControllerModel):
         return self._lanes
 
     def _middle(self, lanes: LaneResult) -> _Middle | None:
-        """Return the lane's middle from the sides that are trusted, None when neither is."""
+        """Return the lane's middle from the trusted sides; None if neither is trusted."""
         width = self._prior.width if self._prior is not None and self._prior.width is not None else USUAL_WIDTH
         left = lanes.left.p if lanes.left.p >= TRUSTED else 0.0
         right = lanes.right.p if lanes.right.p >= TRUSTED else 0.0
@@ -248,7 +249,7 @@ class LaneDetectionController(ControllerModel):
 
 
 def _way_of(sensor_data: SensorData, ahead: float) -> list[Point]:
-    """Return the planned way in the camera's ground frame where a junction is in sight; elsewhere there is one way."""
+    """Return the planned route in the camera's ground frame if a junction is in sight; otherwise no points."""
     junction = sensor_data.junction
     if junction is None or junction > ahead + LOOKED_AT[1]:
         return []
@@ -295,10 +296,10 @@ def _to_vehicle(path: list[Point], vehicle: VehicleState) -> list[Point]:
 
 
 def _blend(old: list[Point], seen: list[Point], nearest: float, trust: float, bend: float) -> list[Point]:
-    """Return the remembered path, drawn towards the seen one by its trust; where nothing is remembered, the seen one.
+    """Return the remembered path, moved towards the seen one by its trust; the seen one if nothing is remembered.
 
-    Nearer than `nearest` the camera sees no ground, and the boundaries are extrapolated: there the memory weighs more.
-    Beyond its end the memory goes on in its direction with the curvature `bend`, 1/m.
+    Nearer than `nearest` the camera does not see the ground and the boundaries are extrapolated, so the remembered path
+    has more weight there. Beyond its end the remembered path continues in its direction with the curvature `bend`, 1/m.
     """
     blended = []
     for x, y in seen:
@@ -320,7 +321,7 @@ def _y_at(path: list[Point], x: float, bend: float) -> float | None:
 
 
 def _target(path: list[Point], reach: float, bend: float) -> Point:
-    """Return the point of a path at a distance from the rear axle; beyond its end it goes on with a curvature, 1/m."""
+    """Return the point of a path at a distance from the rear axle; after its end it has a curvature `bend`, 1/m."""
     for (x0, y0), (x1, y1) in pairwise(path):
         if x1 > 0.0 and math.hypot(x1, y1) >= reach:
             near = math.hypot(x0, y0)

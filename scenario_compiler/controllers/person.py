@@ -9,18 +9,18 @@ if TYPE_CHECKING:
     from scenario_compiler.recording.recording import Recording
 
 Wish = Literal["", "take_over", "hand_back", "leave", "request"]
-"""What a person wants of the automation; who leaves lets it stop the vehicle, and who looks on may let it request."""
+"""A person's wish to the automation; one who leaves lets it stop the vehicle, and one who looks on lets it request."""
 
 
 @dataclass(frozen=True, slots=True)
 class PersonInput:
-    """What a person does in a time step.
+    """A person's inputs in a time step.
 
     Attributes:
         throttle: 0 to 1.
         brake: 0 to 1.
         steer: -1 to 1 of the vehicle's greatest steering angle, positive to the left.
-        wish: What they want of the automation.
+        wish: The wish to the automation.
     """
 
     throttle: float = 0.0
@@ -30,18 +30,18 @@ class PersonInput:
 
 
 class Person(Protocol):
-    """Somebody at the wheel."""
+    """A person at the wheel."""
 
     def act(self, t: float, state: str) -> PersonInput:
-        """Return what they do in the step that begins at a time, s, in a state of the takeover."""
+        """Return the inputs in the step that begins at time `t`, s, in a state of the takeover."""
         ...
 
 
 class RecordedPerson:
-    """The person of a recording, who does again what was recorded."""
+    """The person of a recording, who repeats the recorded inputs."""
 
     def __init__(self, recording: Recording) -> None:
-        """Take the inputs; a recording of another person or of none gives other inputs or none."""
+        """Take the recording's inputs; a recording without a person has none."""
         from scenario_compiler.recording.names import WISHES
 
         self._wishes = WISHES
@@ -49,7 +49,7 @@ class RecordedPerson:
         self._row = 0
 
     def act(self, t: float, state: str) -> PersonInput:
-        """Return the inputs that the next row was recorded with; nothing beyond the recording's end."""
+        """Return the inputs recorded in the next row; no input after the recording's end."""
         del t, state
         self._row += 1
         recording, row = self._recording, self._row

@@ -1,7 +1,7 @@
 """Compares a detected boundary with the planned route: whether it leads where the ego is to go.
 
-Only the way's shape is used. It is laid beside the boundary where the stretch looked at begins, so that the map tells
-where the way bends and never where the lane is; and it only ever lowers a probability.
+Only the route's shape is used. The route is shifted to the boundary at the beginning of the compared stretch, so that
+the map provides its bends but never the lane's position. The comparison can only lower a probability.
 """
 
 from __future__ import annotations
@@ -17,30 +17,30 @@ if TYPE_CHECKING:
 Point = tuple[float, float]
 
 LOOKED_AT = (6.0, 18.0)
-"""Stretch ahead of the camera that the probability of a boundary is about, m."""
+"""Beginning and end of the stretch ahead of the camera to which the probability of a boundary refers, m."""
 
 LEAST_SHARE = 0.6
-"""Share of that stretch on which paint is to be seen for a boundary to count as painted at all."""
+"""Share of that stretch on which paint must be visible for a boundary to count as painted."""
 
 OFF_THE_WAY = 1.75
-"""Distance from where the way leads at which a boundary belongs to another lane, m: half a lane."""
+"""Distance from the route's shape at which a boundary belongs to another lane, m: half a lane."""
 
 
 def worth_on_way(boundary: Boundary, way: Sequence[Point]) -> float:
-    """Return how much of its probability a boundary keeps beside the planned way, 0-1.
+    """Return the factor for a boundary's probability beside the planned route, 0 to 1.
 
-    It is 1 if the boundary goes where the way does on the whole stretch looked at, and falls to 0 if it leaves
-    the way so early that what is left would not count as painted.
+    It is 1 if the boundary follows the route on the whole compared stretch, and falls to 0 if it leaves the route so
+    early that the rest would not count as painted.
 
     Args:
         boundary: The boundary, in the camera's ground frame.
-        way: Points of the planned way in that frame, (x ahead, y left), m.
+        way: Points of the planned route in that frame, (x ahead, y left), m.
     """
     return max((_share_on_way(boundary, _stretch(way)) - LEAST_SHARE) / (1.0 - LEAST_SHARE), 0.0)
 
 
 def shape_of(way: Sequence[Point]) -> Point | None:
-    """Return slope and curvature (1/m) below the camera of a parabola like the way, None where none is like it."""
+    """Return slope and curvature (1/m) below the camera of a parabola fitted to the route; None if none fits."""
     stretch = _stretch(way)
     if len(stretch) < 3:
         return None
@@ -60,7 +60,7 @@ def _share_on_way(boundary: Boundary, stretch: Sequence[Point]) -> float:
 
 
 def _stretch(way: Sequence[Point]) -> list[Point]:
-    """Return the points of the way whose distance along it from beside the camera is looked at."""
+    """Return the points of the route on the compared stretch, by their distance along it from beside the camera."""
     begin, end = LOOKED_AT
     covered, found = 0.0, []
     ahead = dropwhile(lambda point: point[0] < 0.0, way)
@@ -76,5 +76,5 @@ def _at(boundary: Boundary, x: float) -> float:
 
 
 def _apart(boundary: Boundary, x: float, y: float, begin: Point) -> float:
-    """Return how far the boundary has moved to the left of the way since both were side by side, m."""
+    """Return the distance by which the boundary has moved to the left of the route since the beginning, m."""
     return _at(boundary, x) - _at(boundary, begin[0]) - (y - begin[1])

@@ -1,7 +1,7 @@
 """The meaning of the names in a file: where each is declared and where it is used.
 
-Which attribute gives a name to what, and which refers to what, is said by the words' declarations (`defines`, `names`);
-what a name means at a place is decided by the compiler's own scopes, made by its own expansion of the draft.
+The words' declarations tell which attributes define a name and which refer to one (`defines`, `names`). What a name
+means at a place is determined by the compiler's scopes, from its expansion of the draft.
 """
 
 from __future__ import annotations
@@ -41,13 +41,13 @@ from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import Word
 
 PARTS = (ScenarioElement.tag(), TemplateElement.tag())
-"""The elements that ids, events and parameters belong to."""
+"""The elements to which ids, events and parameters belong."""
 
 LOOPS = {word.tag(): grammar_of(word).attribute_of("variable") for word in (Repeat, For)}
-"""The loops' tags, and the attribute of each that names its parameter."""
+"""The tag of each loop, and its attribute that names the loop's parameter."""
 
 IN_A_FILE = frozenset({"scenario", "template", "vehicle", "driver"})
-"""What is known in a whole file; other names are known in the scenario or template that they stand in."""
+"""Kinds of names that are known in the whole file; other names are known in their scenario or template."""
 
 _EMBEDDED = re.compile(r"[$]\{([^{}]*)\}?|[$]([A-Za-z_][A-Za-z0-9_.]*)")
 _TOKEN = re.compile(r"\S+")
@@ -55,7 +55,7 @@ _TOKEN = re.compile(r"\S+")
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """Something with a name, where it is declared: a file, and the line and column of the name, counted from 1."""
+    """A named thing and the place of its name: a file, and the line and column, counted from 1."""
 
     kind: str
     name: str
@@ -65,19 +65,19 @@ class Symbol:
 
     @classmethod
     def at(cls, kind: str, name: str, place: Place) -> Symbol:
-        """Return what is declared at a place of the compiler's."""
+        """Return the symbol for one of the compiler's places."""
         return cls(kind, name, os.path.realpath(place.file), place.line, place.column)
 
 
 @dataclass(frozen=True, slots=True)
 class Mention:
-    """A name in a text: its offsets, and what it means.
+    """A name in a text.
 
     Attributes:
         start: Offset of its first character.
-        end: Offset behind its last.
-        symbol: What it means.
-        declares: The name is given here.
+        end: Offset after its last character.
+        symbol: The thing that it means.
+        declares: Whether the name is declared here.
     """
 
     start: int
@@ -95,7 +95,7 @@ class PartNames:
 
     @cached_property
     def scopes(self) -> Mapping[etree._Element, TemplateScope]:
-        """The scope of the first use or round that each element has made."""
+        """The scope of the first use or round of each element that makes one."""
         found: dict[etree._Element, TemplateScope] = {}
         for scope in self.expander.scopes:
             if scope.origin is not None:
@@ -104,7 +104,7 @@ class PartNames:
 
     @cached_property
     def declared(self) -> Mapping[tuple[str, str], tuple[Word, TemplateScope, str]]:
-        """Kind and name in the whole part, to the word that has the name, its scope and the word's attribute."""
+        """The word, its scope and its attribute by the kind and name that the word defines in the part."""
         contents = self.expander.contents
         found: dict[tuple[str, str], tuple[Word, TemplateScope, str]] = {}
         for actor, scope in contents.actors:
@@ -116,10 +116,10 @@ class PartNames:
 
 
 class Analysis:
-    """One text of a scenario file and what its names mean, worked out as far as it is asked for."""
+    """A text of a scenario file and the meaning of its names, which is determined when it is asked for."""
 
     def __init__(self, path: str, text: str) -> None:
-        """Remember the text of the file at a path."""
+        """Set the path of the file and its text."""
         self.path = path
         self.draft = Draft(text)
         self.quiet = Diagnostics()
@@ -128,12 +128,12 @@ class Analysis:
 
     @cached_property
     def document(self) -> DraftDocument | None:
-        """The text as the compiler reads it; None for a text without an element."""
+        """The text as the compiler reads it; None if it has no element."""
         return self.draft.document(self.path)
 
     @cached_property
     def library(self) -> Library:
-        """What the file holds and includes."""
+        """The scenarios and templates that the file has and includes."""
         document = self.document
         if document is None:
             return Library(Document(self.path, "", etree.Element(LibraryElement.tag())))
@@ -145,12 +145,12 @@ class Analysis:
 
     @cached_property
     def around(self) -> Around:
-        """The templates and catalogs that can be named here."""
+        """The templates and catalogs that can be named in the file."""
         return around(self.library, load_catalogs(library_folder() / "catalogs", self.quiet))
 
     @property
     def catalogs(self) -> Catalogs:
-        """The vehicles and drivers that can be named here, those beside templates among them."""
+        """The vehicles and drivers that can be named in the file, including those beside templates."""
         catalogs = Catalogs()
         for folder in template_folders():
             catalogs = catalogs.extended(templates_in(folder).catalogs)
@@ -158,26 +158,26 @@ class Analysis:
 
     @cached_property
     def templates(self) -> Mapping[str, Part]:
-        """The templates that can be named here, by name."""
+        """The templates that can be named in the file, by name."""
         return {**templates_by_name(), **self.around.templates}
 
     @cached_property
     def meanings(self) -> Mapping[int, Meaning]:
-        """What each element is, by the offset of its tag."""
+        """The meaning of each element, by the offset of its tag."""
         root = self.draft.root
         return {} if root is None else {tag.start: meaning for tag, meaning in meanings(root)}
 
     @cached_property
     def elements(self) -> Mapping[int, etree._Element]:
-        """The compiler's element of each tag, by the tag's offset."""
+        """The compiler's element for each tag, by the tag's offset."""
         return {} if self.document is None else {tag.start: one for one, tag in self.document.tags.items()}
 
     def part_of(self, tag: Tag) -> Tag | None:
-        """Return the scenario or template that an element stands in, or is."""
+        """Return the scenario or template to which an element belongs, or the element itself if it is one."""
         return next((one for one in tag.ancestors() if one.name in PARTS), None)
 
     def names_of(self, part: Tag) -> PartNames | None:
-        """Return the names of a scenario or template; None where it cannot be read."""
+        """Return the names of a scenario or template; None if it cannot be read."""
         if part.start not in self._parts:
             element = self.elements.get(part.start)
             names = None
@@ -187,7 +187,7 @@ class Analysis:
         return self._parts[part.start]
 
     def scope_at(self, tag: Tag) -> TemplateScope | None:
-        """Return what ids and events mean where an element stands; in a loop, what they mean in its first round."""
+        """Return the scope of ids and events at an element; in a loop it is that of the first round."""
         part = self.part_of(tag)
         names = None if part is None else self.names_of(part)
         if names is None:
@@ -201,8 +201,8 @@ class Analysis:
     def parameters_at(self, tag: Tag) -> Mapping[str, Attribute | None]:
         """Return the parameters that an element's values can use, each with the attribute that names it.
 
-        The innermost declaration of a name counts: those of the loops around, then those of the scenario or template.
-        A loop's that is not named has its usual name, and no attribute.
+        The innermost declaration of a name applies: first those of the loops around the element, then those of the
+        scenario or template. A loop's parameter without a name has its default name and no attribute.
         """
         found: dict[str, Attribute | None] = {}
         for one in tag.ancestors():
@@ -220,7 +220,7 @@ class Analysis:
 
     @cached_property
     def mentions(self) -> list[Mention]:
-        """Every name in the text whose declaration is known, in the order of the text."""
+        """All names in the text with a known declaration, in the order of the text."""
         root = self.draft.root
         found = (
             [] if root is None else [one for tag, meaning in meanings(root) for one in self._mentions_in(tag, meaning)]
@@ -228,16 +228,16 @@ class Analysis:
         return sorted(found, key=lambda one: (one.start, one.end))
 
     def mention_at(self, offset: int) -> Mention | None:
-        """Return the name that an offset is in, or right behind; of several the shortest."""
+        """Return the name that contains an offset or ends at it; the shortest if there are several."""
         there = [one for one in self.mentions if one.start <= offset <= one.end]
         return min(there, key=lambda one: one.end - one.start, default=None)
 
     def template_of(self, tag: Tag) -> Part | None:
-        """Return the template that a `<use>` names."""
+        """Return the template named by a `<use>`."""
         return self.templates.get(self.draft.text_of(tag, "template")) if tag.name == Use.tag() else None
 
     def symbol(self, kind: str, attribute: Attribute) -> Symbol:
-        """Return what an attribute of this text gives a name to."""
+        """Return the symbol that an attribute of this text declares."""
         line = self.draft.line_of(attribute.value_start)
         column = attribute.value_start - self.draft.line_starts[line] + 1
         return Symbol(kind, self.draft.meant(attribute), os.path.realpath(self.path), line + 1, column)
@@ -259,7 +259,7 @@ class Analysis:
                 yield from self._references(tag, attribute, rule)
 
     def _argument(self, use: Tag, attribute: Attribute) -> Iterator[Mention]:
-        """Yield the name of an argument of a use: it means a parameter of the template."""
+        """Yield the name of an argument of a use, which means a parameter of the template."""
         template = self.template_of(use)
         for element in [] if template is None else template.element.iterchildren(Parameter.tag()):
             if template is not None and element.get("name") == attribute.name:
@@ -269,7 +269,7 @@ class Analysis:
     def _parameters_in(
         self, attribute: Attribute, parameters: Mapping[str, Attribute | None], *, whole: bool
     ) -> Iterator[Mention]:
-        """Yield the parameters that a value names; with `whole` the value is an expression without brackets."""
+        """Yield the parameters that a value uses; with `whole` the value is an expression without brackets."""
         for name, start in parameters_named(self.draft.value(attribute), whole=whole):
             declared = parameters.get(name)
             if declared is not None and declared.has_value:
@@ -288,7 +288,7 @@ class Analysis:
                 yield Mention(start, start + len(name), symbol)
 
     def _named(self, tag: Tag, kind: str, name: str) -> Symbol | None:
-        """Return what a name means that is not looked up in scopes."""
+        """Return the meaning of a name that is not looked up in scopes."""
         if kind == "template":
             part = self.templates.get(name)
             return None if part is None else Symbol.at(kind, name, part.document.origin(part.element, "name"))
@@ -302,7 +302,7 @@ class Analysis:
         return self._written(tag, kind, name)
 
     def declared_in(self, part: Tag, kind: str) -> Iterator[tuple[str, Attribute, Tag]]:
-        """Yield the names of a kind that elements of a scenario or template give, as they are written."""
+        """Yield the names of a kind that elements of a scenario or template declare, as written."""
         for tag in part.below():
             meaning = self.meanings.get(tag.start)
             for name, rule in () if meaning is None else meaning.attributes.items():
@@ -321,7 +321,7 @@ class Analysis:
         return None if attribute is None else self.symbol(kind, attribute)
 
     def _scoped(self, tag: Tag, kind: str, name: str, start: int) -> Iterator[Mention]:
-        """Yield what the parts of a name mean, such as the use and the actor of `queue.2.van`, the outermost last."""
+        """Yield the meanings of a name's parts, such as the use and the actor of `queue.2.van`, the outermost last."""
         part, scope = self.part_of(tag), self.scope_at(tag)
         names = None if part is None else self.names_of(part)
         full = None if scope is None else scope.resolve(name) if kind == "entity" else scope.resolve_event(name)
@@ -343,7 +343,7 @@ class Analysis:
             inner = inner.parent
 
     def _scope_name(self, scope: TemplateScope, start: int) -> Iterator[Mention]:
-        """Yield what the name of a scope means: the id of its use or loop, else the template that names a use."""
+        """Yield the meaning of a scope's name: the id of its use or loop, or the template that names a use."""
         origin = scope.origin
         if origin is None:
             return
@@ -358,11 +358,11 @@ class Analysis:
 
 
 def parameters_named(value: str, *, whole: bool = False) -> Iterator[tuple[str, int]]:
-    """Yield the parameters that an attribute's text names, each with the offset of its name.
+    """Yield the parameters that an attribute's text uses, each with the offset of its name.
 
     Args:
-        value: The text as it is written, with XML's references.
-        whole: The text is an expression without brackets around it.
+        value: The text as written, with XML's references.
+        whole: Whether the text is an expression without brackets around it.
     """
     plain = re.sub(r"&[#\w]*;?", lambda one: " " * len(one.group()), value)
     if whole:
@@ -376,7 +376,7 @@ def parameters_named(value: str, *, whole: bool = False) -> Iterator[tuple[str, 
 
 
 def _local(full: str, scope: TemplateScope) -> str:
-    """Return a name without the names of the uses and loops that it stands in."""
+    """Return a name without the names of the uses and loops around it."""
     before = 0
     while scope.parent is not None:
         before, scope = before + len(scope.name) + 1, scope.parent
@@ -384,7 +384,7 @@ def _local(full: str, scope: TemplateScope) -> str:
 
 
 def read_analysis(path: Path) -> Analysis | None:
-    """Return the analysis of a file as it is stored; None where it cannot be read as text."""
+    """Return the analysis of a stored file; None if it cannot be read as text."""
     try:
         return Analysis(str(path), path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError):

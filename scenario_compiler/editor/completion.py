@@ -31,16 +31,16 @@ OfferKind = Literal["element", "attribute", "value", "name", "function", "end"]
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """Something that can be written.
+    """A completion.
 
     Attributes:
-        label: What is shown, and what the author's letters are compared with.
-        kind: What it is.
-        start: Offset of the text that it takes the place of.
-        end: Offset behind that text.
-        insert: What is written; `$1`, `$2` and so on are places for the author to fill in, `$0` is the last.
-        detail: What it is in a few words.
-        text: What it is, as Markdown.
+        label: The displayed text, with which the author's letters are compared.
+        kind: Its kind.
+        start: Offset of the text that it replaces.
+        end: Offset after that text.
+        insert: The inserted text; `$1`, `$2` and so on are places for the author to fill in, `$0` is the last.
+        detail: A description in a few words.
+        text: A description as Markdown.
     """
 
     label: str
@@ -53,12 +53,12 @@ class Offer:
 
     @property
     def plain(self) -> str:
-        """What is written where the editor knows no places to fill in."""
+        """The inserted text for editors without places to fill in."""
         return re.sub(r"\\([$}\\])|[$]\d", lambda one: one.group(1) or "", self.insert)
 
 
 def offers(analysis: Analysis, offset: int, maps: Sequence[Path] = ()) -> list[Offer]:
-    """Return what can be written at an offset, in the order of the declarations."""
+    """Return the completions at an offset, in the order of the declarations."""
     cursor = cursor_at(analysis.draft, offset)
     if cursor is None:
         return []
@@ -75,7 +75,7 @@ def offers(analysis: Analysis, offset: int, maps: Sequence[Path] = ()) -> list[O
 
 
 def _elements(analysis: Analysis, cursor: Cursor) -> Iterator[Offer]:
-    """Yield the elements that have a place here: those that the order of the children and their number allow."""
+    """Yield the elements that the order and number of the children allow here."""
     before = "" if cursor.bracket else "<"
     if cursor.tag.parent is None:
         for name, word in ROOTS.items() if analysis.draft.root in (None, cursor.written) else ():
@@ -92,7 +92,7 @@ def _elements(analysis: Analysis, cursor: Cursor) -> Iterator[Offer]:
 
 
 def _open_rules(meaning: Meaning, cursor: Cursor) -> Iterator[ChildRule]:
-    """Yield the rules whose elements may stand at the cursor."""
+    """Yield the rules whose elements are allowed at the cursor."""
     order = {name: index for index, rule in enumerate(meaning.rules) for name in meaning.tags(rule)}
     others = [one for one in cursor.tag.children if one is not cursor.written and one.name in order]
     least = max((order[one.name] for one in others if one.start < cursor.offset), default=0)
@@ -110,9 +110,9 @@ def _element_offer(name: str, word: type[Word] | None, text: str, before: str, c
 
 
 def _written(name: str, word: type[Word] | None, numbers: Iterator[int]) -> str:
-    """Return an element behind its bracket, with places for its required attributes and for its children.
+    """Return an element's text after its bracket, with places for its required attributes and for its children.
 
-    The children that it must have are written where there is no choice.
+    Required children are written if there is no choice.
     """
     if word is None:
         return f"{name}>${next(numbers)}</{name}>"
@@ -127,14 +127,14 @@ def _written(name: str, word: type[Word] | None, numbers: Iterator[int]) -> str:
 
 
 def _required_child(rule: ChildRule, numbers: Iterator[int]) -> str:
-    """Return a child that an element must have: the only one that it can be, else a place for one."""
+    """Return the text of a required child, or a place for it if there is a choice."""
     only = next(iter(rule.words.items())) if len(rule.words) == 1 else None
     inner = f"${next(numbers)}" if only is None else f"<{_written(*only, numbers)}"
     return f"<{rule.wrapper}>{inner}</{rule.wrapper}>" if rule.wrapper else inner
 
 
 def _attributes(analysis: Analysis, cursor: Cursor, meaning: Meaning) -> Iterator[Offer]:
-    """Yield the attributes that an element does not have yet; of a `<use>` also its template's parameters."""
+    """Yield the attributes that an element does not have yet; for a `<use>` also the template's parameters."""
     taken = {one.name for one in cursor.tag.attributes if one.start != cursor.start}
     end = "" if cursor.rest.startswith("=") else '="$1"'
     for rule in meaning.attributes.values():
@@ -153,19 +153,19 @@ def _attributes(analysis: Analysis, cursor: Cursor, meaning: Meaning) -> Iterato
 
 
 def attribute_text(rule: AttributeRule) -> str:
-    """Return what an attribute is: its description, unit, limits and default, as Markdown."""
+    """Return an attribute's description, unit, limits and default as Markdown."""
     return "\n\n".join(
         part for part in (f"**{rule.name}** ({holds(rule)})", rule.description, default_text(rule)) if part
     )
 
 
 def arguments_of(template: Part) -> Declared:
-    """Return the parameters that a use of a template can give values to."""
+    """Return the parameters of a template that a use can set."""
     return template_parameters(template, Diagnostics())
 
 
 def _values(analysis: Analysis, cursor: Cursor, meaning: Meaning, maps: Sequence[Path]) -> Iterator[Offer]:
-    """Yield what an attribute can hold: its choices, the names that it can name, and parameters behind a `$`."""
+    """Yield an attribute's possible values: its choices, names, and parameters after a `$`."""
     rule = meaning.attributes.get(cursor.attribute)
     spot = Spot(analysis, cursor.tag, maps)
     written = analysis.draft.text[cursor.value_start : cursor.offset]
@@ -215,13 +215,13 @@ def _literals(rule: AttributeRule | None, parameter: Parameter | None) -> Iterat
 
 
 def _argument(analysis: Analysis, cursor: Cursor) -> Parameter | None:
-    """Return the template's parameter that an attribute of a `<use>` gives a value to."""
+    """Return the template's parameter that an attribute of a `<use>` sets."""
     template = analysis.template_of(cursor.tag) if cursor.tag.name == Use.tag() else None
     return None if template is None else arguments_of(template).known.get(cursor.attribute)
 
 
 def _kind_of(analysis: Analysis, use: Tag, parameter: Parameter) -> str:
-    """Return what a template's parameter names: what the attribute names in the template that holds it alone."""
+    """Return the kind of name that a template's parameter has, if an attribute in the template consists of it alone."""
     template = analysis.template_of(use)
     if template is None:
         return ""
@@ -239,7 +239,7 @@ def _kind_of(analysis: Analysis, use: Tag, parameter: Parameter) -> str:
 
 
 def _token(analysis: Analysis, cursor: Cursor) -> Cursor:
-    """Return the cursor on the one word of a list that it is in."""
+    """Return the cursor for the word of a list that contains it."""
     text = analysis.draft.text
     start, end = cursor.offset, cursor.offset
     while start > cursor.value_start and not text[start - 1].isspace():

@@ -1,4 +1,4 @@
-"""The place of a cursor in a draft: behind a bracket, at an attribute's name, in a value, between elements."""
+"""The place of a cursor in a draft: after a bracket, in an attribute's name, in a value, or between elements."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ _NAME_BEFORE = re.compile(r"[^\s=\"'<>/]*\Z")
 
 @dataclass(frozen=True, slots=True)
 class Cursor:
-    """A place in a draft where something can be written.
+    """A place in a draft at which something can be written.
 
     Attributes:
         place: What can be written: an element, an attribute's name, an attribute's value, an end tag.
-        offset: The place.
-        tag: The element that it is written in: the parent of an element, the one whose attribute or end tag it is.
-        start: Offset of the name or value that the cursor is in.
-        end: Offset behind it.
+        offset: The offset.
+        tag: The element concerned: the parent of an element, or the owner of the attribute or end tag.
+        start: Offset of the name or value that contains the cursor.
+        end: Offset after it.
         attribute: Name of the attribute whose value it is.
         value_start: Offset at which the value begins.
-        bracket: An opening bracket stands before the name already.
-        written: The unfinished element that the cursor is in the name of.
-        rest: What follows the name on its line.
+        bracket: Whether an opening bracket is already before the name.
+        written: The unfinished element whose name contains the cursor.
+        rest: The text after the name on its line.
     """
 
     place: CursorPlace
@@ -43,7 +43,7 @@ class Cursor:
 
 
 def cursor_at(draft: Draft, offset: int) -> Cursor | None:
-    """Return where an offset is; None where nothing of the language is written: in a comment, behind a value."""
+    """Return the cursor at an offset; None where nothing can be completed, as in a comment or after a value."""
     if any(start < offset < end or (offset == end == len(draft.text)) for start, end in draft.passed_over):
         return None
     tag = draft.innermost(offset)

@@ -1,8 +1,8 @@
 """A tree of the tags and attributes of a file in an editor, with their positions, even if it is unfinished.
 
-XML that a parser refuses still gets a tree here: a start tag without its bracket ends where the next tag begins
-and holds nothing, a value without its quote ends with its line, and an element without an end tag ends with the element
-around it. The tree of a well-formed file is the parser's. Offsets count characters of the text.
+XML that is not well-formed also gets a tree: a start tag without its bracket ends where the next tag begins and has no
+content, a value without its closing quote ends with its line, and an element without an end tag ends with the element
+around it. The tree of a well-formed file is that of a parser. Offsets count characters of the text.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from lxml import etree
 from scenario_compiler.document import Document
 
 MOST_DEPTH = 200
-"""Depth of elements up to which they are read; the parser's own limit is 256."""
+"""Greatest depth of elements that are read; the parser's own limit is 256."""
 
 _NAME = re.compile(r"[^\s=\"'<>/!?&]+")
 _SPACE = re.compile(r"\s*")
@@ -34,7 +34,7 @@ _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]
 
 @dataclass(slots=True)
 class Attribute:
-    """An attribute as written: its name, and its value between the quotes, where it has one."""
+    """An attribute as written: its name, and its value between the quotes if it has one."""
 
     name: str
     start: int
@@ -53,15 +53,15 @@ class Tag:
     """An element as written.
 
     Attributes:
-        name: Its name, empty where only the bracket is written.
+        name: Its name; empty if only the bracket is written.
         start: Offset of its `<`.
-        head_end: Offset behind the start tag.
+        head_end: Offset after the start tag.
         closed: Whether the start tag has its `>`.
         parent: The element around it; None for the whole text.
         attributes: In the order of the file.
         children: In the order of the file.
-        end_start: Offset of the end tag's `<`; that of `end` where there is no end tag.
-        end: Offset behind the element.
+        end_start: Offset of the end tag's `<`; equal to `end` if there is no end tag.
+        end: Offset after the element.
         ended: Whether it has an end tag, or needs none.
     """
 
@@ -77,7 +77,7 @@ class Tag:
     ended: bool = False
 
     def attribute(self, name: str) -> Attribute | None:
-        """Return the first attribute of a name."""
+        """Return the first attribute with a name."""
         return next((one for one in self.attributes if one.name == name), None)
 
     def ancestors(self) -> Iterator[Tag]:
@@ -88,7 +88,7 @@ class Tag:
             tag = tag.parent
 
     def below(self) -> Iterator[Tag]:
-        """Yield the element and all below it, in document order."""
+        """Yield the element and everything below it, in document order."""
         waiting = [self]
         while waiting:
             tag = waiting.pop()
@@ -97,10 +97,10 @@ class Tag:
 
 
 class Draft:
-    """A text and the tree of its tags, which is made when it is first asked for."""
+    """A text and the tree of its tags, which is built when it is first needed."""
 
     def __init__(self, text: str) -> None:
-        """Take a text."""
+        """Set the text."""
         self.text = text
 
     @cached_property
@@ -110,12 +110,12 @@ class Draft:
 
     @property
     def whole(self) -> Tag:
-        """What stands for the whole text: it holds the first element."""
+        """The tag of the whole text, which contains the first element."""
         return self._tree[0]
 
     @property
     def passed_over(self) -> list[tuple[int, int]]:
-        """Where comments and the like begin and end."""
+        """Begin and end of comments and the like."""
         return self._tree[1]
 
     @property
@@ -125,7 +125,7 @@ class Draft:
 
     @cached_property
     def line_starts(self) -> list[int]:
-        """Offsets at which the lines begin."""
+        """Offsets of the beginnings of the lines."""
         return [0, *(match.end() for match in re.finditer(r"\r\n|\n|\r", self.text))]
 
     def line_of(self, offset: int) -> int:
@@ -133,7 +133,7 @@ class Draft:
         return bisect.bisect_right(self.line_starts, offset) - 1
 
     def offset_at(self, line: int, column: int) -> int:
-        """Return the offset of a line and a column in characters, both counted from 0; the nearest that there is."""
+        """Return the offset nearest to a line and a column in characters, both counted from 0."""
         if line < 0:
             return 0
         if line >= len(self.line_starts):
@@ -142,27 +142,27 @@ class Draft:
         return min(start + max(column, 0), start + len(self.line_text(line)))
 
     def line_text(self, line: int) -> str:
-        """Return a line, counted from 0, without its end; empty for none."""
+        """Return a line, counted from 0, without its end; empty if there is no such line."""
         if not 0 <= line < len(self.line_starts):
             return ""
         last = line + 1 >= len(self.line_starts)
         return self.text[self.line_starts[line] : len(self.text) if last else self.line_starts[line + 1]].rstrip("\r\n")
 
     def value(self, attribute: Attribute) -> str:
-        """Return an attribute's value as it is written."""
+        """Return an attribute's value as written."""
         return self.text[attribute.value_start : attribute.value_end] if attribute.has_value else ""
 
     def meant(self, attribute: Attribute) -> str:
-        """Return an attribute's value as a parser hands it on."""
+        """Return an attribute's value as a parser gives it."""
         return _NOT_IN_XML.sub("", _ENTITY.sub(_character, re.sub(r"[\t\r\n]", " ", self.value(attribute))))
 
     def text_of(self, tag: Tag, name: str) -> str:
-        """Return the value of an attribute of an element, empty where it has none."""
+        """Return the value of an attribute of an element; empty if it has none."""
         attribute = tag.attribute(name)
         return "" if attribute is None else self.meant(attribute)
 
     def innermost(self, offset: int) -> Tag:
-        """Return the innermost element that an offset lies in: behind its `<`, and before its end."""
+        """Return the innermost element that contains an offset, from after its `<` to before its end."""
         tag = self.whole
         while True:
             starts = [one.start for one in tag.children]
@@ -172,7 +172,7 @@ class Draft:
             tag = tag.children[at]
 
     def document(self, path: str) -> DraftDocument | None:
-        """Return the text as a document of this path, as far as it is written; None where no element is."""
+        """Return the text as a document with this path, as far as it is written; None if it has no element."""
         root = self.root
         if root is None or not _XML_NAME.fullmatch(root.name):
             return None
@@ -200,7 +200,7 @@ class Draft:
 
 
 class _Reader:
-    """Reads a text's tags from its begin to its end."""
+    """Reads a text's tags from beginning to end."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -229,7 +229,7 @@ class _Reader:
         self.whole.end_start = self.whole.end = len(text)
 
     def _end_tag(self, current: Tag, at: int) -> tuple[Tag, int]:
-        """End the element that an end tag names, and those inside it that were not ended; return what goes on."""
+        """End the element that an end tag names and the open ones inside it; return the one that continues."""
         match = _END_TAG.match(self.text, at)
         assert match is not None
         name, after = match.group(1), match.end()
@@ -264,7 +264,7 @@ class _Reader:
         return tag
 
     def _attribute(self, tag: Tag, at: int) -> int:
-        """Read an attribute, or pass over a character that begins none; return the offset behind it."""
+        """Read an attribute, or skip a character that begins none; return the offset after it."""
         text = self.text
         name = _NAME.match(text, at)
         if name is None:
@@ -291,7 +291,7 @@ class _Reader:
 
 @dataclass(frozen=True)
 class DraftDocument(Document):
-    """A document made of a draft: its elements' places are those of the draft's tags."""
+    """A document made of a draft, whose elements have the places of the draft's tags."""
 
     draft: Draft
     tags: Mapping[etree._Element, Tag]
@@ -312,7 +312,7 @@ class DraftDocument(Document):
 
 
 def _holds(tag: Tag, offset: int) -> bool:
-    """Return whether an offset is inside an element; behind one that is not finished it still is."""
+    """Return whether an element contains an offset; an unfinished one also contains the offset after it."""
     return offset < tag.end or (offset == tag.end and not tag.ended)
 
 

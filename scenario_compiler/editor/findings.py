@@ -1,7 +1,7 @@
-"""The findings of a text in an editor: those of `validate` for a file with this text.
+"""The findings for a text in an editor: those of `validate` for a file with this text.
 
-A text that is not well-formed has one finding, which says so. While it is being written, what was found of the text
-before is still shown where that text still stands.
+A text that is not well-formed has only the finding that it is not. While it is being written, the findings for the
+previous text are still shown wherever that text is unchanged.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from scenario_compiler.validation import validate_files
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Another place that a finding speaks of: its file, its line and column counted from 0, and what is there."""
+    """Another place to which a finding refers: its file, its line and column counted from 0, and a text."""
 
     file: str
     line: int
@@ -31,14 +31,14 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that is wrong with a text.
+    """A fault in a text.
 
     Attributes:
-        start: Offset at which it is wrong.
-        end: Offset behind that.
+        start: Offset of the fault.
+        end: Offset after it.
         code: Id of the diagnostic's code.
-        severity: How much it weighs.
-        message: What is wrong, and what helps.
+        severity: Its severity.
+        message: The message and the hint.
         notes: Other places that belong to it.
     """
 
@@ -53,13 +53,13 @@ class Finding:
 def findings(
     path: str, draft: Draft, held: Mapping[str, bytes] | None = None, maps: Sequence[Path] = ()
 ) -> list[Finding]:
-    """Return what is wrong with a text.
+    """Return the findings for a text.
 
     Args:
-        path: The file that it is the text of.
+        path: The text's file.
         draft: The text.
-        held: Contents of other files that an editor holds, by their real paths.
-        maps: Folders that maps are looked for in first.
+        held: Contents of other files that an editor has open, by their real paths.
+        maps: Folders in which maps are looked for first.
     """
     own = os.path.realpath(path)
     with unsaved({**(held or {}), own: draft.text.encode("utf-8", "replace")}):
@@ -68,7 +68,7 @@ def findings(
 
 
 def carried_over(before: Sequence[Finding], old: str, new: str) -> Iterator[Finding]:
-    """Yield the findings of an old text that hold where the new one says the same, at their places there."""
+    """Yield the findings for an old text in the parts that are unchanged in the new one, with their places there."""
     first = _alike(old, new)
     last = min(min(len(old), len(new)) - first, _alike(old[::-1], new[::-1]))
     moved = len(new) - len(old)
@@ -80,7 +80,7 @@ def carried_over(before: Sequence[Finding], old: str, new: str) -> Iterator[Find
 
 
 def _alike(one: str, other: str) -> int:
-    """Return the number of characters at the begin that two texts share."""
+    """Return the number of equal characters at the beginning of two texts."""
     least, most = 0, min(len(one), len(other))
     while least < most:
         middle = (least + most + 1) // 2
@@ -89,13 +89,13 @@ def _alike(one: str, other: str) -> int:
 
 
 def while_written(found: Sequence[Finding], before: Iterable[Finding]) -> list[Finding]:
-    """Return what is found of a text, with what was found `before` where it is not well-formed now."""
+    """Return the findings for a text, with those `before` if it is not well-formed now."""
     malformed = any(one.code == MALFORMED.id for one in found)
     return [*found, *(one for one in before if one.code != MALFORMED.id)] if malformed else list(found)
 
 
 def _finding(one: Diagnostic, own: str, draft: Draft) -> Finding:
-    """Return a finding where it is seen in a text: at its place, else at what brought its place in."""
+    """Return a finding at its place in a text, or at the place of the use or include that brought it in."""
     places = [one.place, *one.chain()]
     here = next((index for index, place in enumerate(places) if os.path.realpath(place.file) == own), None)
     start, end = (0, 0) if here is None else _stretch(places[here], draft)
@@ -107,7 +107,7 @@ def _finding(one: Diagnostic, own: str, draft: Draft) -> Finding:
 
 
 def _stretch(place: Place, draft: Draft) -> tuple[int, int]:
-    """Return the offsets that a place covers; a line's text where its column is not known."""
+    """Return the offsets of a place, or those of its line's text if the column is not known."""
     if place.line <= 0:
         return 0, 0
     line = place.line - 1

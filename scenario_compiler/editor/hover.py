@@ -16,7 +16,7 @@ from scenario_compiler.vocabulary.grammar import AttributeRule
 
 @dataclass(frozen=True, slots=True)
 class Explained:
-    """A stretch of a text and what it means, as Markdown."""
+    """A part of a text and its explanation as Markdown."""
 
     start: int
     end: int
@@ -24,7 +24,7 @@ class Explained:
 
 
 def explained(analysis: Analysis, offset: int, maps: Sequence[Path] = ()) -> Explained | None:
-    """Return what stands at an offset; None where nothing is known of it."""
+    """Return the explanation at an offset; None if there is none."""
     if any(start <= offset < end for start, end in analysis.draft.passed_over):
         return None
     tag = analysis.draft.innermost(offset) if offset < len(analysis.draft.text) else analysis.draft.whole
@@ -50,7 +50,7 @@ def _explained_name(analysis: Analysis, tag: Tag, attribute: Attribute, rule: At
 
 
 def _argument_text(analysis: Analysis, tag: Tag, attribute: Attribute) -> str:
-    """Return what an attribute of a `<use>` means: a parameter of its template."""
+    """Return the explanation of an attribute of a `<use>`, which is a parameter of its template."""
     template = analysis.template_of(tag)
     parameter = None if template is None else arguments_of(template).known.get(attribute.name)
     return "" if parameter is None else parameter_text(parameter)
@@ -59,7 +59,7 @@ def _argument_text(analysis: Analysis, tag: Tag, attribute: Attribute) -> str:
 def _explained_value(
     analysis: Analysis, tag: Tag, attribute: Attribute, meaning: Meaning, offset: int, maps: Sequence[Path]
 ) -> Explained | None:
-    """Return the parameter that an offset in a value names, else the thing that the value names, else the attribute."""
+    """Return the explanation of the parameter at an offset, else of the thing named there, else of the attribute."""
     rule, value = meaning.attributes.get(attribute.name), analysis.draft.value(attribute)
     whole = rule is not None and rule.spelling.expression
     spot = Spot(analysis, tag, maps)

@@ -1,6 +1,6 @@
 """The names that an attribute can have at a position: ids, templates, models, maps, roads, weathers and so on.
 
-Completion offers these and hover explains them, so that both say the same of a thing.
+Completion offers these and hover explains them, so that both give the same descriptions.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weath
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """Something that can be named: its name, what it is in a few words, and more in Markdown."""
+    """Something with a name: the name, a description in a few words, and more in Markdown."""
 
     name: str
     detail: str = ""
@@ -41,7 +41,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Spot:
-    """Where something is named: a text, the element, and the folders that maps are looked for in first."""
+    """A place at which something is named: a text, the element, and the folders in which maps are looked for first."""
 
     analysis: Analysis
     tag: Tag
@@ -50,21 +50,21 @@ class Spot:
 
     @property
     def map_name(self) -> str:
-        """The map of the scenario around; empty in a template, which has none of its own."""
+        """The map of the surrounding scenario; empty in a template."""
         part = self.analysis.part_of(self.tag)
         if part is None or part.name != ScenarioElement.tag():
             return ""
         return self.analysis.draft.text_of(part, "map")
 
     def network(self) -> Network | None:
-        """Return the map of the scenario around; None where it names none that is there."""
+        """Return the map of the surrounding scenario; None if it names none that exists."""
         if not self.map_name or "$" in self.map_name:
             return None
         return open_map(self.map_name, Path(self.analysis.path).parent, FilePlace(""), self.quiet, self.maps)
 
 
 def known(kind: str, spot: Spot) -> list[Known]:
-    """Return what an attribute that names a `kind` can name at a place, each name once, in a useful order."""
+    """Return the names of a kind that can be used at a place, each once, in a useful order."""
     found = KNOWN[kind](spot) if kind in KNOWN else ()
     return list({one.name: one for one in reversed(list(found))}.values())[::-1]
 
@@ -89,7 +89,7 @@ def _events(spot: Spot) -> Iterator[Known]:
 
 
 def _written(spot: Spot, kind: str) -> Iterator[Known]:
-    """Yield names of a kind that elements of the scenario or template give, but for those in other loops."""
+    """Yield names of a kind that elements of the scenario or template declare, except for those in other loops."""
     part = spot.analysis.part_of(spot.tag)
     loops = {one.start for one in spot.tag.ancestors() if one.name in LOOPS}
     for name, _, tag in () if part is None else spot.analysis.declared_in(part, kind):
@@ -104,7 +104,7 @@ def _templates(spot: Spot) -> Iterator[Known]:
 
 
 def template_text(part: Part) -> str:
-    """Return what a template does and what its parameters are, as Markdown."""
+    """Return a template's description and parameters as Markdown."""
     element = part.element
     lines = [f"**{part.name}**: {element.get('summary', '')}", ""]
     lines += [f"- {parameter_text(one)}" for one in template_parameters(part, Diagnostics()).known.values()]
@@ -114,7 +114,7 @@ def template_text(part: Part) -> str:
 
 
 def parameter_text(parameter: Parameter) -> str:
-    """Return what a parameter is, with its kind, unit, limits and default, as a line of Markdown."""
+    """Return a parameter's description, kind, unit, limits and default as a line of Markdown."""
     default = "must be given" if parameter.default is None else f"default `{parameter.default}`"
     return f"`{parameter.name}` ({parameter_kind(parameter)}; {default}) {parameter.summary}".strip()
 
@@ -249,4 +249,4 @@ KNOWN: Mapping[str, Callable[[Spot], Iterable[Known]]] = {
     "vehicle": _vehicles,
     "weather": _weathers,
 }
-"""What attributes name, to what there is of it."""
+"""For each kind of name, the function that lists the names."""

@@ -1,8 +1,8 @@
 """Formatting: indents a file's lines by the nesting of its elements, and keeps everything else in a line.
 
-Elements inside others stand two spaces further in; further lines of a start tag are aligned with its first attribute;
-lines of a comment move with its first. Lines inside values, and texts between elements, are left alone. Spaces at the
-ends of lines go, and of several empty lines one stays.
+Elements are indented by two spaces for each element around them. Further lines of a start tag are aligned with its
+first attribute, and lines of a comment move with its first line. Lines inside values, and texts between elements, are
+unchanged. Spaces at the ends of lines are removed, and one of several consecutive empty lines is kept.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from scenario_compiler.document import parse_document
 from scenario_compiler.editor.draft import Draft, Tag
 
 STEP = 2
-"""Spaces that an element stands further in than the one around it."""
+"""Number of spaces by which an element is indented relative to the one around it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """A stretch of a text, by offsets, and what takes its place."""
+    """A part of a text, by offsets, and its replacement."""
 
     start: int
     end: int
@@ -28,7 +28,7 @@ class Edit:
 
 
 def layout_edits(draft: Draft) -> list[Edit]:
-    """Return what lays a text out, none where it is laid out already or is not well-formed."""
+    """Return the edits that format a text; none if it is formatted already or is not well-formed."""
     if parse_document(draft.text.encode("utf-8", "replace"), "", Diagnostics()) is None:
         return []
     edits: list[Edit] = []
@@ -58,14 +58,14 @@ def layout_edits(draft: Draft) -> list[Edit]:
 
 
 def laid_out(text: str) -> str:
-    """Return a text as it is laid out."""
+    """Return a text, formatted."""
     for edit in reversed(layout_edits(Draft(text))):
         text = text[: edit.start] + edit.text + text[edit.end :]
     return text
 
 
 def _emptied(draft: Draft, line: int) -> list[Edit]:
-    """Return what makes an empty line empty, or takes it away behind another and at the end."""
+    """Return the edits that remove a line's spaces, or an empty line after another one or at the end."""
     start, text = draft.line_starts[line], draft.line_text(line)
     if line + 1 >= len(draft.line_starts):
         return [Edit(start, start + len(text), "")] if text else []
@@ -75,7 +75,7 @@ def _emptied(draft: Draft, line: int) -> list[Edit]:
 
 
 def _is_kept(draft: Draft, offset: int) -> bool:
-    """Return whether white space at an offset is part of a value, of a text or of something that is no comment."""
+    """Return whether white space at an offset is part of a value, of a text or of something other than a comment."""
     if any(start < offset < end and not draft.text.startswith("<!--", start) for start, end in draft.passed_over):
         return True
     tag = draft.innermost(offset)
@@ -85,7 +85,7 @@ def _is_kept(draft: Draft, offset: int) -> bool:
 
 
 def _holds_text(draft: Draft, tag: Tag) -> bool:
-    """Return whether text other than white space stands between the tags in an element."""
+    """Return whether an element contains text other than white space between its tags."""
     at = tag.head_end
     inside = [(one.start, one.end) for one in tag.children]
     inside += [one for one in draft.passed_over if tag.head_end <= one[0] < tag.end_start]
@@ -97,7 +97,7 @@ def _holds_text(draft: Draft, tag: Tag) -> bool:
 
 
 def _indent(draft: Draft, first: int) -> int:
-    """Return how far in a line stands whose first character has this offset."""
+    """Return the indentation of the line whose first character has this offset."""
     tag = draft.innermost(first)
     if tag.parent is not None and tag.start < first < tag.head_end:
         return _tag_indent(draft, tag) + _first_attribute(draft, tag)
@@ -108,7 +108,7 @@ def _indent(draft: Draft, first: int) -> int:
 
 
 def _tag_indent(draft: Draft, tag: Tag) -> int:
-    """Return how far in an element's start tag stands once its line is laid out."""
+    """Return the indentation of an element's start tag after formatting."""
     line = draft.line_of(tag.start)
     text = draft.line_text(line)
     before = text[: tag.start - draft.line_starts[line]]
@@ -118,7 +118,7 @@ def _tag_indent(draft: Draft, tag: Tag) -> int:
 
 
 def _first_attribute(draft: Draft, tag: Tag) -> int:
-    """Return how far behind its bracket an element's first attribute stands; two steps where a line is between them."""
+    """Return the distance of an element's first attribute from its bracket; two steps if it is on a later line."""
     if tag.attributes and draft.line_of(tag.attributes[0].start) == draft.line_of(tag.start):
         return tag.attributes[0].start - tag.start
     return 2 * STEP

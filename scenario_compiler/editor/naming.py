@@ -20,13 +20,13 @@ PATTERNS = {
     "spawn_point": ENTITY_ID,
     "traffic": ENTITY_ID,
 }
-"""What a new name may be, by what it names; other names are any text without quotes and spaces."""
+"""The allowed new names by kind; other kinds allow any text without quotes and spaces."""
 
 ANY_NAME = r"[^\s\"'<>&$]+"
 
 
 class CannotRenameError(Exception):
-    """A name cannot be given another; the message says why."""
+    """A thing cannot be renamed; the message gives the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +38,9 @@ class Occurrence:
 
 
 def uses_of(symbol: Symbol, files: Iterable[Analysis]) -> Iterator[Occurrence]:
-    """Yield every mention of a symbol in some files, its declaration among them."""
+    """Yield every mention of a symbol in some files, including its declaration."""
     for analysis in files:
-        if symbol.name in analysis.draft.text:
+        if _may_name(analysis.draft.text, symbol.name):
             seen = set()
             for mention in analysis.mentions:
                 if mention.symbol == symbol and (mention.start, mention.end) not in seen:
@@ -48,11 +48,16 @@ def uses_of(symbol: Symbol, files: Iterable[Analysis]) -> Iterator[Occurrence]:
                     yield Occurrence(analysis, mention)
 
 
+def _may_name(text: str, name: str) -> bool:
+    """Return whether a name can be in a text: as it is, with other white space, or with character references."""
+    return name in text or name.split() != [name] or "&" in text
+
+
 def renaming(symbol: Symbol, name: str, files: Iterable[Analysis]) -> list[Occurrence]:
-    """Return the mentions of a symbol that a new name takes the place of.
+    """Return the mentions of a symbol that a new name replaces.
 
     Raises:
-        CannotRenameError: It is declared in none of the files, the new name is not legal, or it is taken.
+        CannotRenameError: It is declared in none of the files, or the new name is not legal or is already used.
     """
     files = list(files)
     home = next((one for one in files if os.path.realpath(one.path) == symbol.file), None)
@@ -76,7 +81,7 @@ def _wanted(kind: str) -> str:
 
 
 def _is_taken(symbol: Symbol, name: str, home: Analysis) -> bool:
-    """Return whether another of the same kind has a name where a symbol is known."""
+    """Return whether another thing of the same kind already has a name where a symbol is known."""
     offset = home.draft.offset_at(symbol.line - 1, symbol.column - 1)
     around: Tag | None = home.draft.root if symbol.kind in IN_A_FILE else home.part_of(home.draft.innermost(offset))
     kinds = ("entity", "part", "traffic") if symbol.kind in ("entity", "part", "traffic") else (symbol.kind,)

@@ -15,14 +15,14 @@ class Entry:
     """An element with a name.
 
     Attributes:
-        kind: What its name names: scenario, template, parameter, entity, ...
+        kind: Kind of its name: scenario, template, parameter, entity, ...
         name: Its name.
-        detail: What it is in a few words.
+        detail: A description in a few words.
         start: Offset of the element.
-        end: Offset behind it.
+        end: Offset after it.
         name_start: Offset of the name.
-        name_end: Offset behind it.
-        children: What has a name in it.
+        name_end: Offset after it.
+        children: Named elements inside it.
     """
 
     kind: str
@@ -36,7 +36,7 @@ class Entry:
 
 
 def outline(analysis: Analysis) -> tuple[Entry, ...]:
-    """Return what a file holds that has a name, in the order of the file."""
+    """Return the named elements of a file, in the order of the file."""
     root = analysis.draft.root
     return () if root is None else tuple(_entries(analysis, root, 0))
 
@@ -55,7 +55,7 @@ def _entries(analysis: Analysis, tag: Tag, depth: int) -> Iterator[Entry]:
 
 
 def _named(analysis: Analysis, tag: Tag) -> tuple[str, Attribute] | None:
-    """Return what an element gives a name to, or which template it uses, and the attribute that says so."""
+    """Return the kind and the attribute of an element's name; for a use without an id, those of its template's name."""
     meaning = analysis.meanings.get(tag.start)
     for name, rule in {} if meaning is None else meaning.attributes.items():
         attribute = tag.attribute(name)

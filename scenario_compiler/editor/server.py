@@ -1,7 +1,7 @@
-"""The language server: translates the protocol's requests and answers to functions over texts.
+"""The language server: translates the protocol's requests and answers to functions of texts.
 
-Texts come whole with each change. They are checked a moment after the last change, in a thread of their own, so that
-answers do not wait for that. Offsets are characters; the protocol counts as client and server have agreed.
+A text is sent as a whole with each change. It is checked a moment after the last change, in a separate thread, so that
+answers do not wait for the check. Offsets are characters; the protocol counts as client and server have agreed.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from scenario_compiler.editor.workspace import Workspace
 NAME = "scenario-compiler"
 
 PREVIEW = f"{NAME}.preview"
-"""The command behind the lens over a scenario: its arguments are the file's URI and the scenario's name."""
+"""The command of the lens over a scenario; its arguments are the file's URI and the scenario's name."""
 
 AFTER_CHANGE = 0.15
 """Time after the last change at which a text is checked, s."""
@@ -66,11 +66,11 @@ SYMBOL_KINDS = {
     "vehicle": lsp.SymbolKind.Struct,
     "driver": lsp.SymbolKind.Struct,
 }
-"""Symbols of what has a name; everything else is an object."""
+"""The protocol's symbol kinds for kinds of names; all others are objects."""
 
 
 class Positioned(Protocol):
-    """What a request is about that speaks of a place in a text."""
+    """The parameters of a request about a place in a text."""
 
     @property
     def text_document(self) -> lsp.TextDocumentIdentifier:
@@ -87,7 +87,7 @@ class ScenarioServer(LanguageServer):
     """The server of one editor."""
 
     def __init__(self, maps: Sequence[Path] = ()) -> None:
-        """Begin with nothing open; `maps` are folders that maps are looked for in first."""
+        """Begin with no open texts; `maps` are folders in which maps are looked for first."""
         super().__init__(NAME, version(NAME), text_document_sync_kind=lsp.TextDocumentSyncKind.Full)
         self.open = Workspace(maps=maps)
         self.checker = ThreadPoolExecutor(1, "check")
@@ -97,30 +97,30 @@ class ScenarioServer(LanguageServer):
 
     @property
     def codec(self) -> PositionCodec:
-        """How the protocol's positions are counted."""
+        """The encoding in which the protocol counts positions."""
         return self.workspace.position_codec
 
     def hold(self, uri: str, text: str) -> None:
-        """Take in a text that was opened or changed."""
+        """Store a text that was opened or changed."""
         self.named[os.path.realpath(path_of(uri))] = uri
         self.open.hold(path_of(uri), text)
 
     def uri(self, path: str) -> str:
-        """Return the URI of a file: the editor's own for an open one."""
+        """Return the URI of a file; for an open file it is the one that the editor uses."""
         return self.named.get(os.path.realpath(path)) or uris.from_fs_path(str(Path(path).absolute())) or path
 
     def position(self, draft: Draft, offset: int) -> lsp.Position:
-        """Return an offset as the protocol counts it."""
+        """Return the protocol's position of an offset."""
         line = draft.line_of(offset)
         before = draft.text[draft.line_starts[line] : offset]
         return lsp.Position(line, self.codec.client_num_units(before))
 
     def range(self, draft: Draft, start: int, end: int) -> lsp.Range:
-        """Return a stretch of a text as the protocol counts it."""
+        """Return the protocol's range of a part of a text."""
         return lsp.Range(self.position(draft, start), self.position(draft, end))
 
     def offset(self, draft: Draft, position: lsp.Position) -> int:
-        """Return the offset of one of the protocol's positions."""
+        """Return the offset of a protocol's position."""
         text, units = draft.line_text(position.line), 0
         for column, character in enumerate(text):
             if units >= position.character:
@@ -129,7 +129,7 @@ class ScenarioServer(LanguageServer):
         return draft.offset_at(position.line, len(text))
 
     def at(self, params: Positioned) -> tuple[Analysis, int] | None:
-        """Return the text and the offset that a request is about; None for one that is not written word by word."""
+        """Return the text and the offset of a request; None if the text's language is not edited word by word."""
         analysis = self.open.words(path_of(params.text_document.uri))
         return None if analysis is None else (analysis, self.offset(analysis.draft, params.position))
 
@@ -153,11 +153,11 @@ class ScenarioServer(LanguageServer):
             self.publish(uri, [self.diagnostic(analysis.draft, one) for one in found])
 
     def publish(self, uri: str, found: list[lsp.Diagnostic]) -> None:
-        """Tell the editor what is wrong with a text."""
+        """Send a text's findings to the editor."""
         self.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(uri, found))
 
     def diagnostic(self, draft: Draft, one: Finding) -> lsp.Diagnostic:
-        """Return a finding as the protocol has it."""
+        """Return a finding as a diagnostic of the protocol."""
         return lsp.Diagnostic(
             range=self.range(draft, one.start, one.end),
             message=one.message,
@@ -168,12 +168,12 @@ class ScenarioServer(LanguageServer):
         )
 
     def related(self, note: Note) -> lsp.DiagnosticRelatedInformation:
-        """Return another place of a finding as the protocol has it."""
+        """Return another place of a finding in the protocol's form."""
         start, end = lsp.Position(note.line, note.column), lsp.Position(note.line, note.column + note.length)
         return lsp.DiagnosticRelatedInformation(lsp.Location(self.uri(note.file), lsp.Range(start, end)), note.message)
 
     def location(self, symbol: Symbol) -> lsp.Location:
-        """Return where a symbol is declared."""
+        """Return the place of a symbol's declaration."""
         analysis = self.open.analysis(symbol.file)
         if analysis is None:
             start = lsp.Position(max(symbol.line - 1, 0), max(symbol.column - 1, 0))
@@ -183,13 +183,13 @@ class ScenarioServer(LanguageServer):
         return lsp.Location(self.uri(symbol.file), self.range(analysis.draft, begin, begin + len(symbol.name)))
 
     def symbol_at(self, params: Positioned) -> Symbol | None:
-        """Return what is named where a request is about."""
+        """Return the symbol at the place of a request."""
         there = self.at(params)
         mention = None if there is None else there[0].mention_at(there[1])
         return None if mention is None else mention.symbol
 
     def picture(self, name: str) -> Path:
-        """Return the file that a preview of a scenario is drawn into; it lasts as long as the server."""
+        """Return the file for a scenario's preview; it exists as long as the server."""
         if self.pictures is None:
             self.pictures = tempfile.TemporaryDirectory(prefix=f"{NAME}-")
         return Path(self.pictures.name, f"{name}.png")
@@ -273,7 +273,7 @@ def _add_answers(server: ScenarioServer) -> None:
 
 
 def _items(server: ScenarioServer, draft: Draft, found: Sequence[Offer]) -> list[lsp.CompletionItem]:
-    """Return completions as the protocol has them; to a client without snippets, without places to fill in."""
+    """Return completions in the protocol's form; without places to fill in for a client without snippets."""
     capabilities = server.client_capabilities.text_document
     snippets = getattr(
         getattr(getattr(capabilities, "completion", None), "completion_item", None), "snippet_support", 0
@@ -384,5 +384,5 @@ def _lens(server: ScenarioServer, draft: Draft, uri: str, name: str, tag: Tag) -
 
 
 def path_of(uri: str) -> str:
-    """Return the path of a file's URI; of a text that is no file yet, what it is called."""
+    """Return the path of a file's URI; for a text that is not yet a file, its name."""
     return uris.to_fs_path(uri) or uri.rpartition(":")[2]

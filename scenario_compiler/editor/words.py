@@ -1,4 +1,4 @@
-"""Finds the word that an element of a draft spells, by the declarations of the words around it."""
+"""Finds the word that corresponds to an element of a draft, by the declarations of the words around it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, gramm
 from scenario_compiler.vocabulary.word import Word
 
 ROOTS: Mapping[str, type[Word]] = {word.tag(): word for word in (LibraryElement, CatalogElement, *STUDIES)}
-"""The first elements of the files that are edited word by word; of others the findings alone are shown."""
+"""The first elements of files that are edited word by word; for other files only findings are shown."""
 
 
 AISA = "config"
@@ -23,9 +23,9 @@ AISA = "config"
 
 
 def is_scenario_file(draft: Draft) -> bool:
-    """Return whether an XML file is in one of the languages of scenarios, by its first element.
+    """Return whether an XML file is in one of the scenario languages, by its first element.
 
-    An editor has XML files of all kinds open: of others, and of files without an element, nothing is to be said.
+    An editor also has other XML files open; nothing is shown for those and for files without an element.
     """
     root = draft.root
     if root is None:
@@ -38,18 +38,18 @@ def is_scenario_file(draft: Draft) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """What an element is: a word, or the wrapper of a choice of words.
+    """The meaning of an element: a word, or the wrapper of a choice of words.
 
     Attributes:
         word: The word; None for a wrapper.
-        rule: The rule of the parent that has a place for it; None for a first element.
+        rule: The parent's rule for it; None for a first element.
     """
 
     word: type[Word] | None
     rule: ChildRule | None = None
 
     def child(self, name: str) -> Meaning | None:
-        """Return what a child of a name is; None where there is no place for it."""
+        """Return the meaning of a child with a name; None if none is allowed."""
         if self.word is None:
             inner = None if self.rule is None else self.rule.words.get(name)
             return None if inner is None else Meaning(inner, self.rule)

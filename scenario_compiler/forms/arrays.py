@@ -12,7 +12,10 @@ from scenario_compiler.forms.declaration import Columns, Container, column_types
 
 
 def as_arrays(container: Container) -> Container:
-    """Return a container of the same type whose columns are arrays of float64 and int64: copies, or those it keeps."""
+    """Return a container of the same type whose columns are arrays of float64 and int64.
+
+    The arrays are copies, except for `BothForms`, which keeps its own.
+    """
     return container.in_arrays() if isinstance(container, BothForms) else _copied(container)
 
 
@@ -24,7 +27,7 @@ def _copied(container: Container) -> Container:
 
 
 def with_columns(arrays: Container, columns: Mapping[str, Sequence[float]]) -> Container:
-    """Return a container of arrays in which some columns are replaced; it shares the others."""
+    """Return a container of arrays in which some columns are replaced; it shares the other columns."""
     made = copy(arrays)
     for name, values in columns.items():
         setattr(made, name, array(type_code(type(arrays), name), values))
@@ -32,7 +35,7 @@ def with_columns(arrays: Container, columns: Mapping[str, Sequence[float]]) -> C
 
 
 def type_code(container: type[Any], column: str) -> str:
-    """Return the type of a column's numbers as `array` spells it: "d" for float64, "q" for int64."""
+    """Return the type code of a column for `array`: "d" for float64, "q" for int64."""
     return "d" if column_types(container)[column] else "q"
 
 
@@ -40,22 +43,22 @@ Both = TypeVar("Both", bound="BothForms")
 
 
 class BothForms(Columns):
-    """A container that is kept in both forms: one of lists keeps the one of arrays with the same columns.
+    """A container of lists that also keeps the container of arrays with the same columns, once it is asked for.
 
-    It must not change once the arrays have been asked for.
+    It must not change after that.
     """
 
     __slots__ = ("_arrays",)
     _arrays: Any
 
     def __init__(self, **columns: Any) -> None:
-        """Take the columns, and begin without arrays."""
+        """Set the columns by name, as in `Columns`; the arrays are made later."""
         super().__init__(**columns)
         self._arrays = None
 
     @classmethod
     def of_arrays(cls: type[Both], arrays: Both) -> Both:
-        """Return the container of lists with the columns of one of arrays."""
+        """Return the container of lists with the columns of a container of arrays, which it keeps."""
         made = object.__new__(cls)
         made._arrays = arrays
         for name in column_types(cls):
@@ -63,7 +66,7 @@ class BothForms(Columns):
         return made
 
     def in_arrays(self: Both) -> Both:
-        """Return the container of arrays with the same columns: itself, or the one made when it is first asked for."""
+        """Return the container of arrays with the same columns; it is made at the first call."""
         if isinstance(getattr(self, next(iter(column_types(type(self))))), array):
             return self
         if self._arrays is None:
@@ -73,16 +76,16 @@ class BothForms(Columns):
 
 
 def address_table(container: Any) -> array[int]:
-    """Return a container of arrays as the compiled form takes it: its columns' addresses, then their lengths."""
+    """Return the addresses of the columns of a container of arrays, then their lengths: the container's struct in C."""
     columns: list[array[float]] = [getattr(container, name) for name in column_types(type(container))]
     return array("q", [column.buffer_info()[0] for column in columns] + [len(column) for column in columns])
 
 
 def address_and_size(values: Any) -> tuple[int, int]:
-    """Return where an array's numbers lie, and how many there are.
+    """Return the address of an array's data and the number of its elements.
 
     Raises:
-        TypeError: The values are not float64 or int64, are not in one piece, or cannot be written.
+        TypeError: The values are not float64 or int64, not contiguous, or read-only.
     """
     if isinstance(values, array) and values.itemsize == 8:
         return values.buffer_info()

@@ -11,40 +11,40 @@ from scenario_compiler.forms.failure import KINDS, EngineError
 from scenario_compiler.forms.machine_code import SCALARS, MachineCode
 
 Failure = ctypes.c_int64 * 3
-"""What an entry that fails leaves: kind, line and the address of the file's name, as in engine.h."""
+"""What a failed entry writes: kind, line and the address of the file's name, as in engine.h."""
 
 
 class Compiled:
-    """Containers of arrays, and the machine code that is called with them.
+    """The containers of arrays and the machine code that is called with them.
 
     Attributes:
-        name: What the form is called.
-        containers: The containers, by the arguments that take them.
+        name: The name of the form.
+        containers: The containers by argument name.
     """
 
     name = "compiled"
 
     def __init__(self, made: MachineCode, **containers: Any) -> None:
-        """Take containers whose columns are arrays (see `as_arrays`); entries that take others cannot be called."""
+        """Set the containers, whose columns are arrays (see `as_arrays`)."""
         self.containers = containers
         self._made = made
         self._addresses = {argument: address_table(container) for argument, container in containers.items()}
         self._functions: dict[str, tuple[Any, list[int], Any]] = {}
 
     def _bound(self, entry: str) -> tuple[Any, list[int], Any]:
-        """Return an entry's function, the addresses of the containers that it takes, and the type of its result."""
+        """Return an entry's function, the addresses of its containers, and the ctypes type of its result."""
         *kinds, result = self._made.entries[entry]
         addresses = [self._addresses[kind].buffer_info()[0] for kind in kinds if kind in self._addresses]
         bound = self._functions[entry] = (self._made.function(entry), addresses, SCALARS.get(result))
         return bound
 
     def enter(self, entry: str, *arguments: Any) -> Any:
-        """Call an entry; return its result.
+        """Call an entry and return its result.
 
         Args:
             entry: Its name.
-            *arguments: What it takes beside the containers: numbers, and for arrays whatever has a writable buffer of
-                float64 or int64 in one piece.
+            *arguments: Its arguments after the containers: numbers, and for arrays contiguous writable buffers of
+                float64 or int64.
 
         Raises:
             EngineError: The entry's arithmetic had no result.

@@ -7,8 +7,8 @@ A container is a class with slots, which are columns: lists of float or of int.
         speed: list[float] = column(ENTITY)
         "Speed of the entity, m/s."
 
-From the line of a column follow its size in a state, its value at t = 0, its place in the compiled form, and the check
-of what a program holds. Marked functions take the container as the argument `st`.
+A column's declaration gives its size in a state, its value at t = 0, its place in the compiled form, and the check of
+its values in a program. Marked functions take this container as the argument `st`.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from types import MappingProxyType
 from typing import Any, TypeVar
 
 Container = TypeVar("Container")
-"""A class, or an object, whose slots are columns: lists of float or of int, or arrays of them."""
+"""A class or an object whose slots are columns: lists of float or of int, or arrays of them."""
 
 
 @dataclass(frozen=True)
 class ContainerDeclaration:
-    """What marked functions take as an argument of one name.
+    """The declaration of a container.
 
     Attributes:
         columns: The class of the container.
-        place: Where it stands among the arguments that are containers.
-        written: Whether marked functions may write all its columns; else those alone that are declared as written.
+        place: Its position among a function's arguments that are containers.
+        written: Whether marked functions may write all its columns; otherwise they may write those with their own flag.
     """
 
     columns: type[Any]
@@ -42,18 +42,24 @@ class ContainerDeclaration:
 
 
 CONTAINERS: dict[str, ContainerDeclaration] = {}
-"""The containers that are declared in what has been imported, by the name of the argument that takes them."""
+"""The containers declared in the modules imported so far, by argument name."""
 
 _COLUMNS: dict[type[Any], Mapping[str, ColumnDeclaration]] = {}
 _TYPES: dict[type[Any], Mapping[str, bool]] = {}
-"""What `column_types` has found: the interpreted form asks it for every column of every run."""
+"""Cache of `column_types`, which the interpreted form calls for every column of every run."""
 
 _OF_NO_SLOTS = ("__dict__", "__weakref__")
-"""What a class has by itself where its instances have no slots."""
+"""Attributes of every class whose instances have no slots."""
 
 
 def container(argument: str, place: int, *, written: bool = False) -> Callable[[type[Container]], type[Container]]:
-    """Declare a subclass of `Columns` as what marked functions take as `argument`; see `ContainerDeclaration`."""
+    """Declare a subclass of `Columns` as the container that marked functions take as `argument`.
+
+    Args:
+        argument: The argument's name.
+        place: Its position among a function's arguments that are containers.
+        written: Whether marked functions may write all its columns.
+    """
 
     def declare(declared: type[Container]) -> type[Container]:
         names = tuple(declared.__annotations__)
@@ -67,18 +73,18 @@ def container(argument: str, place: int, *, written: bool = False) -> Callable[[
 
 
 def containers_in_order() -> list[str]:
-    """Return the arguments of the declared containers in the order in which functions take them."""
+    """Return the argument names of the declared containers in the order in which functions take them."""
     return sorted(CONTAINERS, key=lambda argument: CONTAINERS[argument].place)
 
 
 @dataclass(frozen=True)
 class Of:
-    """What a column has an element for.
+    """The kind of thing for which a column has one element each.
 
     Attributes:
-        name: Its name, in the singular.
-        count: How many there are in a program.
-        fixed: How many there are in every program; 0 where that depends on the program.
+        name: Its name, singular.
+        count: Returns how many of them a program has.
+        fixed: How many of them every program has; 0 if the number depends on the program.
     """
 
     name: str
@@ -87,18 +93,18 @@ class Of:
 
 
 def fixed(name: str, count: int) -> Of:
-    """Return what there is the same number of in every program."""
+    """Return a kind of thing of which every program has the same number."""
     return Of(name, lambda _: count, count)
 
 
 @dataclass(frozen=True)
 class Allowed:
-    """What the whole numbers of a column may be.
+    """The allowed values of a column of whole numbers.
 
     Attributes:
-        of: What they count, from 0 on; None for numbers.
-        least: The least of them.
-        limit: What they stay below, where they count nothing.
+        of: The things to which the values are indices; None for other numbers.
+        least: The least allowed value.
+        limit: The value below which all values are; only used if `of` is None.
     """
 
     of: Of | None = None
@@ -106,34 +112,34 @@ class Allowed:
     limit: int = 1 << 62
 
     def limit_in(self, program: object) -> int:
-        """Return what they stay below in a program."""
+        """Return the value below which all values are in a program."""
         return self.limit if self.of is None else self.of.count(program)
 
 
 ANY = Allowed(least=-(1 << 62))
-"""Whole numbers without limits."""
+"""All whole numbers."""
 
 FLAG = Allowed(limit=2)
 """1 for yes, 0 for no."""
 
 
 def codes(count: int, *, least: int = 0) -> Allowed:
-    """Return the values of a column of codes, of which there are `count`."""
+    """Return the allowed values of a column of codes, of which there are `count` from 0 on."""
     return Allowed(least=least, limit=count)
 
 
 def whole(least: int, limit: int = 1 << 30) -> Allowed:
-    """Return the values of a column of whole numbers from `least` to below `limit`."""
+    """Return the allowed values of a column of whole numbers from `least` to below `limit`."""
     return Allowed(least=least, limit=limit)
 
 
 def index(of: Of) -> Allowed:
-    """Return the values of a column that refers to elements."""
+    """Return the allowed values of a column of indices."""
     return Allowed(of)
 
 
 def index_or_none(of: Of, *, least: int = -1) -> Allowed:
-    """Return the values of a column that refers to elements, or to none, which is -1."""
+    """Return the allowed values of a column of indices in which -1 means none."""
     return Allowed(of, least)
 
 
@@ -142,12 +148,12 @@ class ColumnDeclaration:
     """The declaration of a column.
 
     Attributes:
-        of: What it has an element for.
-        start: What each element is at t = 0, and in an empty program.
-        values: What its whole numbers may be.
-        starts: What it gives the row starts of: the members of k are from element k to below element k + 1.
-        kept: Whether it keeps its values when a run begins: what is put in before.
-        written: Whether marked functions may write it where they may not write the whole container.
+        of: The things for which it has one element each.
+        start: The value of each element at t = 0.
+        values: The allowed values of a column of whole numbers.
+        starts: For a column of row starts, the members: those of owner k are from element k to below element k + 1.
+        kept: Whether its values stay when a run begins, because they are input.
+        written: Whether marked functions may write it even if they may not write the whole container.
     """
 
     of: Of
@@ -158,34 +164,34 @@ class ColumnDeclaration:
     written: bool = False
 
     def empty(self) -> list[float]:
-        """Return the column as it is in a program that has nothing."""
+        """Return the column of an empty program."""
         return [self.start] * (1 if self.starts is not None else self.of.fixed)
 
 
 RUN = fixed("run", 1)
-"""What columns of a single element are of."""
+"""The run itself, for columns with a single element."""
 
 
 def column(of: Of, start: float = 0, values: Allowed = ANY, *, kept: bool = False, written: bool = False) -> Any:
-    """Declare a column."""
+    """Declare a column; see `ColumnDeclaration`."""
     return ColumnDeclaration(of, start, values, kept=kept, written=written)
 
 
 def row_starts(of: Of, members: Of, *, written: bool = False) -> Any:
-    """Declare a column of row starts: one more element than there are owners."""
+    """Declare a column of row starts, which has one element more than there are owners."""
     return ColumnDeclaration(of, values=Allowed(least=0), starts=members, written=written)
 
 
 class Columns:
-    """What every container is: columns that are made from arguments of their names, or as they are declared.
+    """The base class of containers.
 
-    The methods of a dataclass with hundreds of fields would take longer to make than most programs run.
+    The generated methods of a dataclass with hundreds of fields would take longer to create than most programs run.
     """
 
     __slots__ = ()
 
     def __init__(self, **columns: Any) -> None:
-        """Take the columns by name; one that is left out is as long as it is in every program, else empty."""
+        """Set the columns by name; a column that is left out is as in an empty program."""
         for name, declared in columns_of(type(self)).items():
             setattr(self, name, columns.pop(name) if name in columns else declared.empty())
         if columns:
@@ -198,7 +204,7 @@ def columns_of(container: type[Any]) -> Mapping[str, ColumnDeclaration]:
 
 
 def column_types(container: type[Any]) -> Mapping[str, bool]:
-    """Return for each column, in the order of the slots, whether it holds floats."""
+    """Return for each column by name, in the order of the slots, whether its values are floats."""
     if container not in _TYPES:
         _TYPES[container] = MappingProxyType(
             {name: "float" in str(container.__annotations__[name]) for name in columns_of(container)}
@@ -207,21 +213,21 @@ def column_types(container: type[Any]) -> Mapping[str, bool]:
 
 
 def start_of(container: type[Any], name: str) -> float | int:
-    """Return what each element of a column is at t = 0, of the column's type."""
+    """Return the value of each element of a column at t = 0, as an int or a float as the column's."""
     start = columns_of(container)[name].start
     return float(start) if column_types(container)[name] else int(start)
 
 
 def at_start(container: type[Container], program: object) -> Container:
-    """Return a container of the right sizes for a program, every column at its declared start."""
+    """Return a container with the sizes for a program and every column at its declared start."""
     sizes = {name: declared.of.count(program) for name, declared in columns_of(container).items()}
     return container(**{name: [start_of(container, name)] * size for name, size in sizes.items()})
 
 
 def put_to_start(container: Any) -> None:
-    """Put every column of a container to its declared start, but those that are kept.
+    """Set every column of a container to its declared start, except those with `kept`.
 
-    Marked functions may call it with a container of which they may write all columns.
+    Marked functions may call it with a container all of whose columns they may write.
     """
     for name, declared in columns_of(type(container)).items():
         if not declared.kept:
@@ -230,9 +236,9 @@ def put_to_start(container: Any) -> None:
 
 
 def write_first(container: Any, names: tuple[str, ...], out: list[float], base: int) -> None:
-    """Write the first elements of some columns of a container into `out`, from `base` on.
+    """Write the first element of each named column of a container to `out`, from index `base` on.
 
-    Marked functions may call it with names that stand in a tuple of their module.
+    Marked functions may call it with names in a tuple of their module.
     """
     for place, name in enumerate(names):
         out[base + place] = float(getattr(container, name)[0])
@@ -242,7 +248,7 @@ def check_columns(program: Any) -> None:
     """Check every size, index, code and row start of a program against its declaration.
 
     Raises:
-        ValueError: A column refers outside another one; a fault of the code that filled it.
+        ValueError: A column has another type or size, or a value that is not allowed; the code that filled it is wrong.
     """
     types = column_types(type(program))
     for name, declared in columns_of(type(program)).items():
@@ -260,7 +266,7 @@ def check_columns(program: Any) -> None:
 
 
 def check_values(name: str, values: list[int], allowed: Allowed, program: object) -> None:
-    """Check the values of a column, or some of them; ValueError where one is not allowed."""
+    """Check that the values, all or some of a column's, are allowed; ValueError if one is not."""
     least, limit = allowed.least, allowed.limit_in(program)
     for value in values:
         if not least <= value < limit:

@@ -1,7 +1,7 @@
-"""Translates expressions of marked functions to C, with the kinds of their values.
+"""Translates expressions of marked functions to C and determines the kinds of their values.
 
-Python evaluates operands from left to right, C in any order. So an operand may change the state only where the others
-cannot see it: beside it stand numbers and local variables alone.
+Python evaluates operands from left to right, C in any order. For that reason an operand may change the state only if
+the other operands are numbers, local variables and calculations with them.
 """
 
 from __future__ import annotations
@@ -49,22 +49,25 @@ COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "
 
 
 class Broken(Exception):
-    """An expression or statement has no translation; `finding` says why, unless an earlier finding does."""
+    """An expression or statement has no translation.
+
+    `finding` gives the reason; it is None if an earlier finding already gives it.
+    """
 
     def __init__(self, finding: Finding | None) -> None:
-        """Keep the finding."""
+        """Set the finding."""
         super().__init__(str(finding))
         self.finding = finding
 
 
 @dataclass(frozen=True)
 class CText:
-    """C for an expression.
+    """The C text of an expression.
 
     Attributes:
-        text: The C.
+        text: The text.
         kind: The kind of its value.
-        atomic: Whether it binds more tightly than any operator.
+        atomic: Whether it needs no parentheses as an operand.
     """
 
     text: str
@@ -73,17 +76,17 @@ class CText:
 
     @property
     def inner(self) -> str:
-        """The text as an operand."""
+        """The text as an operand, in parentheses if it needs them."""
         return self.text if self.atomic else f"({self.text})"
 
 
 @dataclass(frozen=True)
 class OtherFunctions:
-    """What the functions know of one another.
+    """All marked functions, as far as the translation of one of them needs to know them.
 
     Attributes:
-        signatures: The kinds of every marked function, by its name in C.
-        impure: Those that write a column or an array.
+        signatures: The kinds of arguments and result of every marked function by its name in C.
+        impure: The names in C of those that write a column or an array.
     """
 
     signatures: dict[str, Signature]
@@ -96,13 +99,13 @@ class Expressions:
     Attributes:
         source: The function.
         around: The other functions.
-        variables: Kinds of the local variables so far, arguments included.
-        lost: Local variables whose kind is not known, because their assignment has no translation.
-        tables: Tuples of numbers or functions that it has used, by their names in C.
+        variables: Kinds of the arguments and of the local variables found so far.
+        lost: Local variables whose kind is unknown because their assignment has no translation.
+        tables: Tuples of numbers or functions that are used, by their names in C.
     """
 
     def __init__(self, source: FunctionSource, around: OtherFunctions, tables: dict[str, tuple[object, ...]]) -> None:
-        """Begin a function."""
+        """Begin the translation of a function; tables that it uses are added to `tables`."""
         self.source = source
         self.around = around
         self.variables: dict[str, Kind] = dict(source.signature.arguments)
@@ -110,7 +113,7 @@ class Expressions:
         self.tables = tables
 
     def broken(self, node: ast.AST, rule: str) -> Broken:
-        """Return the exception for a node without a translation."""
+        """Return the exception for a node without a translation; `rule` is the predicate of the function."""
         return Broken(self.source.finding(node, rule))
 
     def value(self, node: ast.expr) -> CText:
@@ -121,21 +124,21 @@ class Expressions:
         raise self.broken(node, f"has {ast.unparse(node)!r}, which the engine's language lacks")
 
     def of_kind(self, node: ast.expr, kind: Kind) -> CText:
-        """Return the C of an expression whose value must be of a kind."""
+        """Return the C of an expression, whose value must have the given kind."""
         code = self.value(node)
         if code.kind != kind:
             raise self.broken(node, f"has {ast.unparse(node)!r}, which is {code.kind}, where {kind} belongs")
         return code
 
     def number(self, node: ast.expr) -> CText:
-        """Return the C of an expression whose value must be an int or a real."""
+        """Return the C of an expression, whose value must be an int or a real."""
         code = self.value(node)
         if code.kind not in (INT, REAL):
             raise self.broken(node, f"calculates with {ast.unparse(node)!r}, which is {code.kind}")
         return code
 
     def test(self, node: ast.expr) -> CText:
-        """Return the C of what decides a branch: a comparison, or an int that may be 0."""
+        """Return the C of a branch's condition, which must be a comparison or an int; an int is false if it is 0."""
         code = self.value(node)
         if code.kind not in (BOOL, INT):
             raise self.broken(node, f"decides by {ast.unparse(node)!r}, which is {code.kind}")
@@ -152,7 +155,7 @@ class Expressions:
         return {c_name(meaning)} if callable(meaning) else set()
 
     def unordered(self, node: ast.AST, operands: Sequence[ast.expr]) -> None:
-        """Refuse operands of which one changes what another may see, as C evaluates them in any order."""
+        """Raise Broken if one operand changes what another may read, because C evaluates operands in any order."""
         changing = [one for one in operands if self.changes(one)]
         others = [one for one in operands if one not in changing]
         if len(changing) > 1 or (changing and not all(self._still(one) for one in others)):
@@ -160,7 +163,7 @@ class Expressions:
             raise self.broken(node, f"changes the state in {text!r} beside what may see it: give it a line of its own")
 
     def _still(self, node: ast.expr) -> bool:
-        """Return whether no call can change the value of an expression: numbers, local variables, whole containers."""
+        """Return whether no call can change an expression's value: no call and no element of an array is in it."""
         seen = (ast.Subscript, ast.Call)
         return not any(isinstance(one, seen) for one in ast.walk(node))
 
@@ -191,7 +194,7 @@ class Expressions:
         return literal(number, ast.unparse(node))
 
     def column(self, node: ast.Attribute) -> tuple[str, str, str]:
-        """Return the container, the name and the kind of the column that an attribute names."""
+        """Return the container's argument name, the name and the kind of the column that an attribute names."""
         owner = node.value.id if isinstance(node.value, ast.Name) else ""
         columns = container_columns(owner) if owner in CONTAINERS and owner in self.variables else {}
         if node.attr not in columns:
@@ -199,7 +202,7 @@ class Expressions:
         return owner, node.attr, columns[node.attr]
 
     def place(self, node: ast.Subscript) -> CText:
-        """Return the C of an element of a column, of an array or of a table of numbers."""
+        """Return the C of an element of a column, an array or a table of numbers."""
         if isinstance(node.value, ast.Attribute):
             owner, column, number = self.column(node.value)
             return CText(f"AT({owner}, {local_name(column)}, {self.of_kind(node.slice, INT).text})", number)
@@ -217,7 +220,7 @@ class Expressions:
         return CText(f"ITEM({self.table(node.value, table)}, {index})", INT if kinds == {int} else REAL)
 
     def table(self, node: ast.expr, table: tuple[object, ...]) -> str:
-        """Return the name in C of a tuple that a name stands for, and note that it is used."""
+        """Return the name in C of the tuple that a name refers to, and add the tuple to `tables`."""
         assert isinstance(node, ast.Name)
         return table_name(self.tables, node.id, table)
 
@@ -243,7 +246,7 @@ class Expressions:
         return self.calculation(node, node.op, self.number(node.left), self.number(node.right), node.right)
 
     def calculation(self, node: ast.AST, operator: ast.operator, a: CText, b: CText, divisor: ast.expr) -> CText:
-        """Return the C of an operator between two numbers."""
+        """Return the C of a binary operator between two numbers; `divisor` is the second operand's expression."""
         real = REAL in (a.kind, b.kind)
         if isinstance(operator, ast.Div):
             a, b = as_real(a), as_real(b)
@@ -330,14 +333,14 @@ class Expressions:
         raise self.broken(node, f"calls {node.func.id}, which is neither marked nor known to both forms")
 
     def _clearing(self, node: ast.Call) -> CText:
-        """Return the call of the function that puts a container's columns to their start."""
+        """Return the call of the C function for `put_to_start`."""
         name = self._container(node)
         if not CONTAINERS[name].written:
             raise self.broken(node, f"puts {name} to its start, which it may not write")
         return CText(f"{clearing_name(name)}({name})", NOTHING)
 
     def _writing(self, node: ast.Call) -> CText:
-        """Return the assignments by which the first elements of some columns are written into an array."""
+        """Return the assignments for `write_first`."""
         name = self._container(node)
         names = table_named(self.source, node.args[1]) or ()
         columns = container_columns(name)
@@ -351,14 +354,14 @@ class Expressions:
         return CText(f"({', '.join(written)})", NOTHING)
 
     def _container(self, node: ast.Call) -> str:
-        """Return the container that a call takes first."""
+        """Return the argument name of the container that is a call's first argument."""
         name = ast.unparse(node.args[0]) if node.args else "nothing"
         if name not in self.variables or name not in CONTAINERS:
             raise self.broken(node, f"calls {ast.unparse(node.func)} with {name}, which is not a container")
         return name
 
     def _call_of_table(self, node: ast.Call, func: ast.Subscript) -> CText:
-        """Return the call of one of a table's functions, which all take and give the same."""
+        """Return the call of an element of a table of functions, which must all have the same kinds."""
         table = table_named(self.source, func.value)
         names = [c_name(one) for one in table or () if callable(one)]
         if table is None or len(names) < len(table) or any(name not in self.around.signatures for name in names):
@@ -429,19 +432,19 @@ class Expressions:
 
 
 def literal(value: float, name: str = "") -> CText:
-    """Return a number in C, beside the name that it was written with."""
+    """Return the C of a number, with the name under which it was written as a comment."""
     text = f"INT64_C({value})" if isinstance(value, int) and abs(value) >= 1 << 31 else repr(value)
     noted = f"{text} /* {name} */" if name else text
     return CText(f"({noted})" if value < 0 else noted, INT if isinstance(value, int) else REAL)
 
 
 def clearing_name(argument: str) -> str:
-    """Return the name in C of the function that puts a container's columns to their start."""
+    """Return the name of the C function that sets a container's columns to their start."""
     return f"clear_{argument}"
 
 
 def as_real(code: CText) -> CText:
-    """Return a number as a real."""
+    """Return the C of a number, converted to a real."""
     return code if code.kind == REAL else CText(f"(double){code.inner}", REAL, atomic=False)
 
 
@@ -451,7 +454,7 @@ def local_name(name: str) -> str:
 
 
 def table_name(tables: dict[str, tuple[object, ...]], name: str, table: tuple[object, ...]) -> str:
-    """Return the name in C of a table, the same wherever it is used; two tables of one name get different ones."""
+    """Return the name in C of a table; a table has one name everywhere, and different tables have different names."""
     for known, other in tables.items():
         if other is table:
             return known

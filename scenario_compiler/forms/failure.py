@@ -6,26 +6,26 @@ import traceback
 from pathlib import Path
 
 KINDS = ("division by zero", "no real result", "a number too large", "an index outside its column")
-"""What can fail, in the order of the FAIL_... numbers of engine.h, from 1 on."""
+"""The kinds of failures, in the order of engine.h's FAIL_... numbers from 1 on."""
 
 
 class EngineError(Exception):
-    """The engine broke off: its arithmetic had no result.
+    """The engine stopped because its arithmetic had no result.
 
     Attributes:
         kind: One of KINDS.
-        file: File of the marked function, its name without folders.
-        line: Line in it.
+        file: Name of the marked function's file, without folders.
+        line: Line in that file.
     """
 
     def __init__(self, kind: str, file: str, line: int) -> None:
-        """Keep what failed and where."""
+        """Set what failed and where."""
         super().__init__(f"the engine broke off at {file}:{line}: {kind}")
         self.kind, self.file, self.line = kind, file, line
 
 
 def of_exception(error: ArithmeticError | ValueError | IndexError) -> EngineError:
-    """Return what an exception inside a marked function means, as the compiled form says it."""
+    """Return the error for an exception from a marked function, with the compiled form's kind."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     if isinstance(error, ZeroDivisionError):
         kind = KINDS[0]

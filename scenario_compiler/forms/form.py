@@ -11,32 +11,32 @@ from scenario_compiler.forms.machine_code import MachineCode, library
 
 
 class Form(Protocol):
-    """Containers, and the entries that are called with them.
+    """The containers, and the entries that are called with them.
 
     Attributes:
-        name: What the form is called.
-        containers: The containers as the form has them, with lists or with arrays, by the arguments that take them.
+        name: The name of the form.
+        containers: The containers by argument name, of lists or of arrays as the form needs them.
     """
 
     name: str
     containers: dict[str, Any]
 
     def enter(self, entry: str, *arguments: Any) -> Any:
-        """Call an entry with the containers that it takes and further arguments; EngineError where it breaks off."""
+        """Call an entry with its containers and further arguments, and return its result; EngineError if it fails."""
         ...
 
 
 def form_of(
     entries: str, *, interpreted: bool = False, machine_code: MachineCode | None = None, **containers: Any
 ) -> Form:
-    """Return the compiled form, or the interpreted one where that is asked for or there is no machine code.
+    """Return the compiled form; the interpreted one if it is requested or there is no machine code.
 
     Args:
-        entries: The module that lists the functions which are called; the interpreted form alone imports it.
-        interpreted: Whether the interpreted form is asked for.
-        machine_code: The library to use in place of the package's own.
-        **containers: The containers, of lists, by the arguments that take them. The compiled form copies them into
-            arrays, unless they keep their columns in both forms.
+        entries: Name of the module whose ENTRIES are the functions to call; only the interpreted form imports it.
+        interpreted: Whether the interpreted form is requested.
+        machine_code: The library to use instead of the package's own.
+        **containers: The containers of lists by argument name. The compiled form copies them to arrays, except for
+            `BothForms`, which keep their arrays.
     """
     made = None if interpreted else machine_code or library()
     if made is not None:

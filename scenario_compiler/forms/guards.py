@@ -1,7 +1,7 @@
-"""Guards: a division, and a call of a function that is not defined everywhere, needs a test that speaks of its operand.
+"""Guards: a division, or a call of a function with a limited domain, needs a test of its operand in the same function.
 
-The interpreted form would raise there, the compiled form would break off, and either ends a run. So the test is asked
-for where the function is written; the arithmetic of both forms still notices what a test lets through.
+Without one the interpreted form may raise and the compiled form may stop, and either ends the run. Both forms still
+detect at run time what a test does not exclude.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ GUARDS = ("max", "min", "clip", "safe_sqrt", "abs", "floor", "ceil")
 
 
 def unguarded(source: FunctionSource) -> Iterator[Finding]:
-    """Yield the divisions and calls whose operand no test in the function speaks of."""
+    """Yield the divisions and calls whose operand is not tested in the function."""
     tested = _tested(source.tree)
     for node in ast.walk(source.tree):
         if isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.Div | ast.FloorDiv | ast.Mod):
@@ -30,7 +30,7 @@ def unguarded(source: FunctionSource) -> Iterator[Finding]:
 
 
 def _tested(tree: ast.FunctionDef) -> set[str]:
-    """Return the texts of what the function compares, and of names that a guard bounds."""
+    """Return the texts of all compared expressions, and of the names that are assigned a guard's result."""
     tested: set[str] = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Compare):
@@ -52,9 +52,9 @@ def _safe_divisor(source: FunctionSource, node: ast.expr, tested: set[str]) -> b
         return all(_safe_divisor(source, side, tested) for side in (node.left, node.right))
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
         constant = _constant(source, node.left)
-        return constant is not None and constant > 0  # one plus something that cannot be negative
+        return constant is not None and constant > 0  # the other term is assumed not to be negative
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Sub):
-        return all(_inner(side) in tested for side in (node.left, node.right))  # one compared with the other
+        return all(_inner(side) in tested for side in (node.left, node.right))  # both are compared
     if isinstance(node, ast.Call) and ast.unparse(node.func) == "sqrt":
         argument = node.args[0]
         return _is_sum_of_squares(argument) and _safe_divisor(source, argument, tested)
@@ -68,7 +68,7 @@ def _safe_argument(source: FunctionSource, node: ast.expr, tested: set[str]) -> 
 
 
 def _inner(node: ast.expr) -> str:
-    """Return the text of an expression without abs() and signs, which guard alike."""
+    """Return the text of an expression without abs() and signs, because a test of either guards both."""
     while True:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "abs":
             node = node.args[0]

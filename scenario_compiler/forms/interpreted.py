@@ -11,17 +11,17 @@ from scenario_compiler.forms.language import Marked
 
 
 class Interpreted:
-    """Containers of lists, and the functions that are called with them: the reference, which a debugger steps through.
+    """The containers of lists and the Python functions that are called with them; it is the reference.
 
     Attributes:
-        name: What the form is called.
-        containers: The containers, by the arguments that take them.
+        name: The name of the form.
+        containers: The containers by argument name.
     """
 
     name = "interpreted"
 
     def __init__(self, entries: Sequence[Marked], **containers: Any) -> None:
-        """Take the functions that may be called, and containers whose columns are lists; they are written to."""
+        """Set the functions that may be called and the containers, whose columns are lists and are written to."""
         self.containers = containers
         self._functions = {function.__name__: self._bound(function) for function in entries}
 
@@ -30,12 +30,12 @@ class Interpreted:
         return function, tuple(self.containers[name] for name in names if name in self.containers)
 
     def enter(self, entry: str, *arguments: Any) -> Any:
-        """Call an entry; return its result.
+        """Call an entry and return its result.
 
         Args:
             entry: Its name.
-            *arguments: What it takes beside the containers: numbers, and for arrays whatever has a writable buffer of
-                numbers in one piece.
+            *arguments: Its arguments after the containers: numbers, and for arrays contiguous writable buffers of
+                numbers.
 
         Raises:
             EngineError: The entry's arithmetic had no result.

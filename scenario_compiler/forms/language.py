@@ -1,8 +1,8 @@
-"""The language of marked functions: their syntax trees, the kinds of their values, the meanings of names.
+"""The language of marked functions: their syntax trees, the kinds of their values, and the meanings of their names.
 
-A marked function is Python of a narrow kind (ARCHITECTURE.md, "One engine, two forms"): whole numbers and floats, the
-columns of the declared containers, calls of other marked functions by their names. Everything here is read from the
-functions' files and their modules; no function is executed.
+Marked functions use a subset of Python (ARCHITECTURE.md, "One engine, two forms"): whole numbers and floats, the
+columns of the declared containers, and calls of other marked functions by name. All of this is read from the functions'
+files and modules; no function is executed.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ PACKAGE = Path(__file__).resolve().parents[1]
 
 INT, REAL, BOOL, NOTHING = "int", "real", "bool", "nothing"
 INTS, REALS = "ints", "reals"
-"""Kinds of values: numbers, results of comparisons, no value, and arrays of numbers as arguments."""
+"""Kinds of values: numbers, results of comparisons, no value, and arguments that are arrays of numbers."""
 
 Kind = str | tuple[str, ...]
-"""One of these names, a container's argument name, or a tuple of them for a function with several results."""
+"""One of these names, a container's argument name, or a tuple of INT and REAL for a function with several results."""
 
 MATH: dict[str, str] = {
     **dict.fromkeys(("acos", "asin", "atan", "cos", "cosh", "exp", "log", "sin", "sinh", "sqrt", "tan", "tanh"), REAL),
@@ -38,22 +38,22 @@ MATH: dict[str, str] = {
     **dict.fromkeys(("ceil", "floor"), INT),
     **dict.fromkeys(("isfinite", "isnan"), BOOL),
 }
-"""Functions of `math` that are the same in both forms, and the kind of their result."""
+"""Functions of `math` that give the same results in both forms, and the kind of the result."""
 
 BUILTINS = frozenset({"abs", "float", "int", "len", "max", "min", "range"})
-"""Built-in functions that are the same in both forms."""
+"""Built-in functions that give the same results in both forms."""
 
 Marked = Callable[..., Any]
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something in a marked function that the language of the engine lacks.
+    """Something in a marked function that the engine's language does not have.
 
     Attributes:
-        file: The file, relative to the package's parent.
-        line: Its line.
-        rule: What is wrong, as a predicate of the function.
+        file: Path relative to the package's parent folder.
+        line: Line in the file.
+        rule: The fault, as a sentence whose subject is the function.
     """
 
     file: str
@@ -61,22 +61,22 @@ class Finding:
     rule: str
 
     def __str__(self) -> str:
-        """Return file, line and sentence, as compilers print them."""
+        """Return file, line and sentence in the format of compilers."""
         return f"{self.file}:{self.line}: {self.rule}"
 
 
 class NotTranslatableError(Exception):
-    """Marked functions use what the language of the engine lacks; `findings` says where."""
+    """Marked functions use what the engine's language does not have; `findings` lists where."""
 
     def __init__(self, findings: Sequence[Finding]) -> None:
-        """Keep the findings."""
+        """Set the findings."""
         super().__init__("\n".join(str(one) for one in findings))
         self.findings = tuple(findings)
 
 
 @dataclass(frozen=True)
 class Signature:
-    """The kinds of a function's arguments, by their names in order, and of its result."""
+    """The kinds of a function's arguments by name, in order, and of its result."""
 
     arguments: Mapping[str, Kind]
     result: Kind
@@ -84,13 +84,13 @@ class Signature:
 
 @dataclass(frozen=True)
 class FunctionSource:
-    """A marked function as it is written.
+    """The source of a marked function.
 
     Attributes:
         function: The function.
-        tree: Its syntax tree, with the lines of its file.
-        file: Its file, relative to the package's parent.
-        name: Its name among all marked functions: that of its module and its own.
+        tree: Its syntax tree, with the line numbers of its file.
+        file: Path of the file, relative to the package's parent folder.
+        name: Its name in C, which is unique among all marked functions.
     """
 
     function: Marked
@@ -100,7 +100,7 @@ class FunctionSource:
 
     @classmethod
     def of(cls, function: Marked) -> FunctionSource:
-        """Read a function from its file; TypeError for what is not written with `def`."""
+        """Read a function from its file; TypeError if it is not defined with `def`."""
         lines, first = inspect.getsourcelines(function)
         tree = ast.parse(textwrap.dedent("".join(lines)))
         ast.increment_lineno(tree, first - 1)
@@ -117,7 +117,7 @@ class FunctionSource:
         """The kinds of its arguments and its result.
 
         Raises:
-            NotTranslatableError: An annotation is missing or means no kind.
+            NotTranslatableError: An annotation is missing or is not a kind, or the arguments are not allowed.
         """
         arguments = self.tree.args
         if arguments.defaults or arguments.kwonlyargs or arguments.vararg or arguments.kwarg or arguments.posonlyargs:
@@ -156,12 +156,12 @@ class FunctionSource:
         return Finding(self.file, getattr(node, "lineno", self.tree.lineno), f"{self.tree.name} {rule}")
 
     def meaning(self, name: str) -> Any:
-        """Return what a global name of the function stands for; None where it stands for nothing."""
+        """Return the value of a global name of the function; None if it has none."""
         return self.function.__globals__.get(name)
 
 
 def kind_of(annotation: ast.expr) -> Kind | None:
-    """Return the kind that an annotation means; None where it means none."""
+    """Return the kind for an annotation; None if there is none."""
     text = ast.unparse(annotation)
     known: dict[str, Kind] = {
         "int": INT,
@@ -181,18 +181,18 @@ def kind_of(annotation: ast.expr) -> Kind | None:
 
 
 def c_name(function: Marked) -> str:
-    """Return the name of a function in C: its module's path below the package, two underscores, and its own name."""
+    """Return a function's name in C: its module's path below the package or engine, two underscores, and its name."""
     path = function.__module__.removeprefix("scenario_compiler.").removeprefix("engine.")
     return f"{path.replace('.', '_')}__{function.__name__}"
 
 
 def container_columns(argument: str) -> dict[str, str]:
-    """Return the columns of the container that an argument takes, in order, and the kind of their values."""
+    """Return the kind of each column, by name and in order, of the container with this argument name."""
     return {name: REAL if floats else INT for name, floats in column_types(CONTAINERS[argument].columns).items()}
 
 
 def number_named(source: FunctionSource, node: ast.expr) -> float | int | None:
-    """Return the number that a name, or the attribute of a module, stands for; None where it stands for none."""
+    """Return the number to which a name, or an attribute of a module, refers; None if it is not a finite number."""
     value: object = None
     if isinstance(node, ast.Name):
         value = source.meaning(node.id)
@@ -205,7 +205,7 @@ def number_named(source: FunctionSource, node: ast.expr) -> float | int | None:
 
 
 def table_named(source: FunctionSource, node: ast.expr) -> tuple[Any, ...] | None:
-    """Return the tuple of numbers or of marked functions that a name stands for; None where it stands for none."""
+    """Return the tuple to which a name refers, of numbers or of marked functions; None if there is none."""
     value = source.meaning(node.id) if isinstance(node, ast.Name) else None
     return value if isinstance(value, tuple) and value else None
 
@@ -219,7 +219,7 @@ def modules_with_marks() -> Iterator[str]:
 
 
 def marked_functions() -> list[Marked]:
-    """Return the marked functions of the package, in an order that does not depend on who imported what first."""
+    """Return the marked functions of the package, in an order that does not depend on the order of imports."""
     for name in modules_with_marks():
         importlib.import_module(name)
     ours = (function for function in REGISTRY if function.__module__.startswith("scenario_compiler."))
@@ -227,7 +227,7 @@ def marked_functions() -> list[Marked]:
 
 
 def entries() -> list[Marked]:
-    """Return the functions that are called from outside: what the package's modules called `entries` list."""
+    """Return the functions that are called from outside: the ENTRIES of all the package's modules called `entries`."""
     found: list[Marked] = []
     for path in sorted(PACKAGE.rglob("entries.py")):
         parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
@@ -236,7 +236,7 @@ def entries() -> list[Marked]:
 
 
 def impure(sources: Iterable[FunctionSource]) -> set[str]:
-    """Return the names of the functions that write a column or an array, themselves or through what they call."""
+    """Return the names in C of the functions that write a column or an array, directly or through a call."""
     calls: dict[str, set[str]] = {}
     writing = {c_name(put_to_start), c_name(write_first)}
     for source in sources:

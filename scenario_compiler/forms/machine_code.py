@@ -11,24 +11,24 @@ from typing import Any
 from scenario_compiler.forms.note import LIBRARY, Note
 
 SCALARS = {"int": ctypes.c_int64, "real": ctypes.c_double}
-"""The types of numbers by their kinds."""
+"""The ctypes types of numbers by kind."""
 
 
 class MachineCode:
-    """A built library, loaded.
+    """A loaded library.
 
     Attributes:
-        made_by: The compiler that made it, and its version.
-        entries: The kinds of the arguments of each entry, and last that of its result.
+        made_by: Name and version of the compiler that made it.
+        entries: The kinds of each entry's arguments, followed by that of its result.
     """
 
     def __init__(self, path: Path, entries: Mapping[str, list[str]], made_by: str) -> None:
-        """Load it.
+        """Load the library.
 
         Args:
             path: The library.
-            entries: The kinds of the arguments of each entry, and last that of its result.
-            made_by: The compiler that made it.
+            entries: The kinds of each entry's arguments, followed by that of its result.
+            made_by: Name and version of the compiler that made it.
 
         Raises:
             OSError: It cannot be loaded.
@@ -38,7 +38,7 @@ class MachineCode:
         self._library = ctypes.CDLL(str(path))
 
     def function(self, entry: str) -> Any:
-        """Return the function of an entry, typed."""
+        """Return the function of an entry, with its argument types set."""
         *arguments, result = self.entries[entry]
         types: list[Any] = [ctypes.c_void_p]
         for kind in arguments:
@@ -54,7 +54,7 @@ class MachineCode:
 
 @lru_cache(maxsize=1)
 def library() -> MachineCode | None:
-    """Return the package's library; None where there is none, it cannot be loaded, or it is older than its sources."""
+    """Return the package's library; None if there is none, it cannot be loaded, or it is older than its sources."""
     note = Note.read()
     if note is None or not note.is_fresh:
         return None
@@ -65,7 +65,7 @@ def library() -> MachineCode | None:
 
 
 def why_interpreted() -> str:
-    """Return why there is no compiled form, and what to do about it; empty where there is one."""
+    """Return why there is no compiled form and what to do about it; empty if there is one."""
     if library() is not None:
         return ""
     note = Note.read()

@@ -1,8 +1,8 @@
-"""Makes the machine code: writes one C file and builds it with the machine's compiler.
+"""Makes the machine code: writes one C file and compiles it with the machine's compiler.
 
-The code is made with the package: by the build hook for a wheel, by `make setup` in a checkout, and by
-`python -m scenario_compiler.forms.making` at any time. Beside the library lies a note of what it was made of,
-so that code which is older than its sources is noticed.
+This is done by the build hook for a wheel, by `make setup` in a checkout, and by `python -m
+scenario_compiler.forms.making` at any time. A note beside the library lists its sources, so that a library that is
+older than they are is detected.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ FLAGS = (
     *("-std=gnu11", "-O3", "-fwrapv", "-ffp-contract=off", "-fno-math-errno"),
     *("-fvisibility=hidden", "-shared", "-fPIC"),
 )
-"""Flags with which C gives the same results as Python: no contraction, no fast arithmetic, and integers that wrap, as
-those in Python are masked. A missing result is detected from its value, so mathematical functions need not set `errno`.
+"""Flags for which C gives Python's results: no contraction, no fast arithmetic, and wrapping integers, because those in
+Python are masked. A missing result is detected from its value, so mathematical functions need not set `errno`.
 """
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")
@@ -32,19 +32,19 @@ class NoCompilerError(Exception):
     """There is no C compiler on this machine."""
 
     def __init__(self) -> None:
-        """Say what to do."""
+        """Set the message, which tells the user what to install."""
         super().__init__("there is no C compiler: install gcc or clang, or `pip install ziglang`")
 
 
 class BuildError(Exception):
-    """A C compiler rejected the translated engine; the text is its output."""
+    """The C compiler rejected the translated engine; the message has its output."""
 
 
 def compiler() -> list[str]:
-    """Return the command of a C compiler: $CC, gcc, clang, or that of the Python package ziglang.
+    """Return the command of the first of these C compilers that is found: $CC, gcc, clang, the Python package ziglang.
 
     Raises:
-        NoCompilerError: There is none.
+        NoCompilerError: None is found.
     """
     for name in (os.environ.get("CC", ""), "gcc", "clang"):
         if name and shutil.which(name):
@@ -59,7 +59,7 @@ def build(text: str, library: Path, *more: str) -> str:
 
     Args:
         text: The C.
-        library: The file to write; it is there as a whole or not at all.
+        library: The file to write; it is replaced in one step, and only if the compiler succeeds.
         *more: Further arguments of the compiler.
 
     Raises:
@@ -83,10 +83,10 @@ def make(*, noting_sources: bool = True) -> Note:
     """Translate the marked functions, build the library and write its note.
 
     Args:
-        noting_sources: Whether the library is held to the sources that it was made of, as in a checkout.
+        noting_sources: Whether the note lists the sources, so that changes of them are detected, as in a checkout.
 
     Raises:
-        NotTranslatableError: A marked function uses what the language of the engine lacks.
+        NotTranslatableError: A marked function uses what the engine's language does not have.
         NoCompilerError: There is no compiler.
         BuildError: The compiler failed.
     """
@@ -109,7 +109,7 @@ def make(*, noting_sources: bool = True) -> Note:
 
 
 def main() -> int:
-    """Make the library unless it is fresh, and say which form of the engine there is."""
+    """Make the library unless it is up to date, and write to stderr which form of the engine there is."""
     note = Note.read()
     try:
         if note is None or not note.is_fresh:

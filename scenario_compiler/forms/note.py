@@ -1,4 +1,4 @@
-"""The note on the built library: how it was made and of which sources, so that code older than its sources is noticed.
+"""The note on the built library: its compiler and its sources, so that a library older than its sources is detected.
 
 Every run reads it. Building is in `making.py`, which needs a compiler and the modules that call one.
 """
@@ -16,10 +16,10 @@ FORMS = Path(__file__).resolve().parent
 PACKAGE = FORMS.parent
 
 LIBRARY = FORMS / "engine.library"
-"""The engine's machine code: a shared library without Python; its suffix is not that of a Python module."""
+"""The engine's machine code: a shared library that does not use Python; its suffix is not that of a Python module."""
 
 NOTE = FORMS / "engine.json"
-"""Notes on the library: how it was made, from which sources, and its entries."""
+"""The note on the library: its compiler, its sources and its entries."""
 
 SOURCE_FOLDERS = ("forms", "roads", "engine")
 SOURCE_MODULES = ("marker.py", "randomness.py")
@@ -28,12 +28,13 @@ SOURCE_MODULES = ("marker.py", "randomness.py")
 
 @dataclass(frozen=True)
 class Note:
-    """What is known of a built library.
+    """The note on a built library.
 
     Attributes:
-        made_by: The compiler and its version.
-        entries: The kinds of the arguments of each entry by its name, and last that of its result.
-        sources: Size, time of change (ns) and SHA-256 of each source; empty for a library that is part of a wheel.
+        made_by: Name and version of the compiler.
+        entries: The kinds of each entry's arguments, followed by that of its result.
+        sources: Size, time of modification (ns) and SHA-256 of each source; empty for a library that is part of a
+            wheel.
     """
 
     made_by: str
@@ -42,7 +43,7 @@ class Note:
 
     @classmethod
     def read(cls) -> Note | None:
-        """Return the note beside the library; None where there is no library."""
+        """Return the note beside the library; None if there is no library."""
         if not LIBRARY.is_file() or not NOTE.is_file():
             return None
         known: dict[str, Any] = json.loads(NOTE.read_text(encoding="utf-8"))
@@ -50,12 +51,12 @@ class Note:
         return cls(known["made_by"], known["entries"], sources)
 
     def write(self, path: Path = NOTE) -> None:
-        """Keep the note."""
+        """Write the note."""
         path.write_text(json.dumps(vars(self), indent=1) + "\n", encoding="utf-8")
 
     @property
     def is_fresh(self) -> bool:
-        """Whether the sources are those that the library was made of."""
+        """Whether the sources are still those of which the library was made; always true in a wheel."""
         if not self.sources:
             return True
         now = {path.relative_to(PACKAGE).as_posix(): path for path in source_files()}
@@ -77,7 +78,7 @@ def digest_of(path: Path) -> str:
 
 
 def source_files() -> Iterator[Path]:
-    """Yield the files that the library is made of."""
+    """Yield the files of which the library is made."""
     yield from (PACKAGE / name for name in SOURCE_MODULES)
     for folder in SOURCE_FOLDERS:
         yield from sorted((PACKAGE / folder).rglob("*.py"))

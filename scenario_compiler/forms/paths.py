@@ -1,6 +1,6 @@
-"""Paths through a marked function: every variable is assigned before it is read, every path ends with the result.
+"""Control flow of a marked function: variables must be assigned before they are read, and every path must return.
 
-Python would raise on such a path, C would go on with whatever lies there.
+Otherwise Python would raise, but C would continue with an arbitrary value.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from scenario_compiler.forms.language import NOTHING, Finding, FunctionSource
 
 
 def unassigned(source: FunctionSource) -> Iterator[Finding]:
-    """Yield the local variables that are read where some path has not assigned them, and paths without a result."""
+    """Yield the reads of local variables that some path has not assigned, and paths without a result."""
     tree, body = source.tree, source.body
     local = {n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     found: list[tuple[int, str]] = []
@@ -26,7 +26,7 @@ def unassigned(source: FunctionSource) -> Iterator[Finding]:
 def _flow(
     statements: list[ast.stmt], known: set[str], local: set[str], found: list[tuple[int, str]]
 ) -> set[str] | None:
-    """Return the names assigned after the statements, None where control never gets there."""
+    """Return the names that are assigned after the statements; None if control does not get there."""
     for statement in statements:
         after = _flow_one(statement, known, local, found)
         if after is None:

@@ -1,6 +1,6 @@
 """Translates statements of marked functions, and whole functions, to C.
 
-A local variable has one kind everywhere, that of what is assigned to it first; it is declared at the function's head.
+A local variable has one kind in the whole function, that of its first assignment; it is declared at the beginning.
 """
 
 from __future__ import annotations
@@ -37,29 +37,29 @@ C_TYPES: dict[Kind, str] = {
 
 
 def c_type(kind: Kind) -> str:
-    """Return the type of a kind in C."""
+    """Return the C type for a kind."""
     if isinstance(kind, tuple):
         return "Several_" + "".join(part[0] for part in kind)
     return C_TYPES[kind] if kind in C_TYPES else f"{CONTAINERS[kind].columns.__name__} *"
 
 
 def declared(kind: Kind, name: str) -> str:
-    """Return the declaration of a variable."""
+    """Return the C declaration of a variable."""
     text = c_type(kind)
     return f"{text}{'' if text.endswith('*') else ' '}{name}"
 
 
 def head(source: FunctionSource) -> str:
-    """Return the head of a function in C."""
+    """Return the C declarator of a function, without its body."""
     arguments = [declared(kind, local_name(name)) for name, kind in source.signature.arguments.items()]
     return f"static {declared(source.signature.result, source.name)}({', '.join(arguments) or 'void'})"
 
 
 class Statements:
-    """Translates one function; what has no translation is in `findings`."""
+    """Translates one function; `findings` lists what has no translation."""
 
     def __init__(self, source: FunctionSource, around: OtherFunctions, tables: dict[str, tuple[object, ...]]) -> None:
-        """Begin a function."""
+        """Begin the translation of a function."""
         self.source = source
         self.expressions = Expressions(source, around, tables)
         self.findings: list[Finding] = [*unguarded(source), *unassigned(source)]
@@ -118,7 +118,7 @@ class Statements:
         self._write(f"{self.expressions.value(statement.value).text};")
 
     def _delete(self, statement: ast.stmt) -> None:
-        """Take `del n`, by which a function says that it does not need an argument."""
+        """Accept `del n`, by which a function declares that it does not use an argument."""
         assert isinstance(statement, ast.Delete)
         names = {one.id if isinstance(one, ast.Name) else "" for one in statement.targets}
         if not names <= set(self.source.signature.arguments):

@@ -26,18 +26,18 @@ from scenario_compiler.forms.language import (
 from scenario_compiler.forms.statements import Statements, c_type, declared, head
 
 HEADER = Path(__file__).with_name("engine.h")
-"""Python's arithmetic in C, and failures."""
+"""C code for Python's arithmetic and for failures."""
 
 
 def translated(functions: Iterable[Marked], entries: Sequence[Marked]) -> str:
-    """Return the functions as C.
+    """Return the functions as the text of one C file.
 
     Args:
         functions: All marked functions, in the order of the file.
         entries: Those that are called from outside; each becomes a symbol of the library (see `entry_name`).
 
     Raises:
-        NotTranslatableError: Functions use what the language of the engine lacks; all findings at once.
+        NotTranslatableError: Functions use what the engine's language does not have; it has all findings.
     """
     sources = [FunctionSource.of(function) for function in functions]
     signatures: dict[str, Signature] = {}
@@ -79,7 +79,7 @@ def entry_name(function: Marked) -> str:
 
 
 def _container(argument: str) -> str:
-    """Return the declaration of a container: the addresses of its columns, then their lengths."""
+    """Return the C struct of a container: the addresses of its columns, then their lengths."""
     columns = container_columns(argument)
     lines = [f"    {c_type(kind)} *{local_name(name)};" for name, kind in columns.items()]
     lines += [f"    int64_t {local_name(name)}_size;" for name in columns]
@@ -87,7 +87,7 @@ def _container(argument: str) -> str:
 
 
 def _clearing(argument: str) -> str:
-    """Return the function that puts a container's columns to their start, made from their declarations."""
+    """Return the C function that sets a container's columns to their declared start."""
     columns = CONTAINERS[argument].columns
     lines = [f"static void {clearing_name(argument)}({declared(argument, argument)})", "{"]
     for name, column in columns_of(columns).items():
@@ -99,7 +99,7 @@ def _clearing(argument: str) -> str:
 
 
 def _several(signatures: Iterable[Signature]) -> list[str]:
-    """Return the declarations of the results that consist of several numbers."""
+    """Return the C structs of results that consist of several numbers."""
     results = sorted({one.result for one in signatures if isinstance(one.result, tuple)})
     return [
         "typedef struct {\n"
@@ -110,7 +110,7 @@ def _several(signatures: Iterable[Signature]) -> list[str]:
 
 
 def _table(name: str, table: tuple[object, ...], signatures: dict[str, Signature]) -> str:
-    """Return a table of numbers as an array, one of functions as a function that calls the one with a number."""
+    """Return the C of a table: an array for numbers, for functions a function that calls the one with a given index."""
     if not callable(table[0]):
         kind = REAL if isinstance(table[0], float) else INT
         values = ", ".join(repr(value) for value in table)
@@ -133,7 +133,7 @@ def _table(name: str, table: tuple[object, ...], signatures: dict[str, Signature
 
 
 def _entry(function: Marked, signature: Signature) -> str:
-    """Return the C function that calls an entry: it takes addresses and numbers, and returns whether it failed."""
+    """Return the C function of an entry, which takes addresses and numbers and returns 1 if it failed, otherwise 0."""
     taken = ["Failure *failure"]
     given = []
     for name, kind in signature.arguments.items():

@@ -1,8 +1,8 @@
-"""One driver's place: the page that drives, the pages that watch, and the run in progress.
+"""One driver's place: the page that drives, the pages that watch, and the current run.
 
-A page gets pictures and what belongs to them over a WebSocket, each as one binary message: the length of the JSON text
-(four bytes, big-endian), the text, the length of the view ahead, that JPEG file, and the mirror's. It tells what the
-person does as JSON.
+A page receives pictures with data over a WebSocket. Each is one binary message: the length of a JSON text (four bytes,
+big-endian), the text, the length of the view ahead, its JPEG file, and the JPEG file of the mirror. The page sends the
+person's inputs as JSON.
 """
 
 from __future__ import annotations
@@ -26,33 +26,35 @@ from scenario_compiler.report.replay import MARGIN, roadmap
 from scenario_compiler.report.surroundings import Window
 
 REACH = 1500.0
-"""How far around the start the map of the page reaches, m."""
+"""Distance around the start that the map of the page covers, m."""
 
 
 GONE_AFTER = 10.0
-"""Time without a message after which a page counts as gone, s: one that lives tells something each second.
+"""Time without a message after which a page counts as gone, s; a live one sends something every second.
 
-A page that is frozen, or whose network is gone, keeps its connection open, and takes none of the pictures that wait.
+A page that is frozen, or whose network is down, keeps its connection open and takes no pictures.
 """
 
 MOST_UNSHOWN = 2
-"""Pictures on their way to a page at most, with those that wait in a browser: a slow one gets fewer, not later ones."""
+"""Greatest number of pictures on their way to a page, including those that wait in the browser, so that a slow page
+gets fewer pictures instead of later ones.
+"""
 
 NO_MESSAGE = (ValueError, ValidationError, KeyError, TypeError, RecursionError)
-"""Exceptions of reading a message from a page; its socket is then closed."""
+"""Exceptions from reading a message of a page, after which its socket is closed."""
 
 
 @dataclass(eq=False)
 class Viewer:
-    """A page that is open.
+    """An open page.
 
     Attributes:
         socket: Its connection.
-        waiting: The next picture for it; a later one takes the place of one that has not been sent.
-        fresh: Set when there is one.
-        sent: Number of messages with pictures that have been sent.
-        shown: Number of those that the page has dealt with; 0 too for a page that does not say so.
-        room: Set when another picture may be sent.
+        waiting: The next picture for it; a later one replaces one that has not been sent.
+        fresh: Set if there is one.
+        sent: Number of sent messages with pictures.
+        shown: Number of those that the page has processed; always 0 for a page that does not report it.
+        room: Set if another picture may be sent.
     """
 
     socket: WebSocket
@@ -63,7 +65,7 @@ class Viewer:
     room: asyncio.Event = field(default_factory=asyncio.Event)
 
     def count(self, *, sent: int = 0, shown: int = 0) -> None:
-        """Count messages that have been sent, or that the page has dealt with."""
+        """Count messages that have been sent, or that the page has processed."""
         self.sent += sent
         self.shown += shown
         if self.shown and self.sent - self.shown >= MOST_UNSHOWN:
@@ -76,12 +78,12 @@ class Begin(Protocol):
     """Makes the next run, which has not started; None if there are no more runs."""
 
     def __call__(self, show: Callable[[Picture], bool]) -> Session | None:
-        """Return a run that shows its pictures by a function."""
+        """Return a run that shows its pictures with a function."""
         ...
 
 
 class Cockpit:
-    """Joins pages and runs: the first page drives, later ones watch.
+    """Connects pages and runs: the first page drives, later ones watch.
 
     Attributes:
         session: The present run, or the last one; None before the first.
@@ -102,9 +104,9 @@ class Cockpit:
             begin: Makes the next run.
             watched: Whether nobody drives, and the run begins with the first page.
             may_stop: Whether the page that drives may end the run.
-            ended: Called when a run has ended and the pages know.
-            heard: takes what a page says beyond driving, by its kind, and returns the answer, if there is one;
-                ValueError where that is no message.
+            ended: Called when a run has ended and the pages have been informed.
+            heard: Receives messages of a page other than those on driving, by their kind, and returns the answer, if
+                there is one; ValueError for an invalid message.
         """
         self.session: Session | None = None
         self._begins, self._watched, self._may_stop, self._ended, self._heard = begin, watched, may_stop, ended, heard
@@ -160,7 +162,7 @@ class Cockpit:
             await connection.close(code=1003)
 
     async def _hear(self, viewer: Viewer, text: str) -> None:
-        """Do what a page says; ValueError where it is no message of ours."""
+        """Process a message of a page; ValueError for an invalid one."""
         message = json.loads(text)
         if not isinstance(message, dict):
             raise ValueError("a message is an object")
@@ -228,7 +230,7 @@ class Cockpit:
 
 
 def described(drive: Drive, *, watched: bool = False) -> dict[str, Any]:
-    """Return what a page needs once of what is driven: who is in the run, and the roads around the start."""
+    """Return the data that a page needs only once: the entities of the run, and the roads around the start."""
     plan = drive.plan
     starts = list(plan.derived.values())
     origin = (round(starts[0].x), round(starts[0].y)) if starts else (0, 0)

@@ -43,8 +43,8 @@ class LiveServer:
             drive: The runs; their folders are put into `folder`.
             door: Controls access.
             watched: Whether nobody drives, and the run begins with the first page.
-            kept: Takes each run when it has ended; the server keeps none of them.
-            done: Called when a watched run has ended and its page knows.
+            kept: Receives each run when it has ended; the server keeps none of them.
+            done: Called when a watched run has ended and its page has been informed.
         """
         self.drive, self.door = drive, door
         self._runs = 0
@@ -71,7 +71,7 @@ class LiveServer:
 
     @property
     def ended(self) -> str:
-        """How the last run ended, in words; empty where there was none."""
+        """Description of how the last run ended; empty if there was none."""
         return "" if self.cockpit.session is None else self.cockpit.session.ended
 
     def _next(self, show: Callable[[Picture], bool]) -> Session:
@@ -110,7 +110,7 @@ class LiveServer:
 
 
 def drive_page(language: Language, base: str = "") -> str:
-    """Return the page at the wheel in a language; `base` is what the paths of its data and its socket begin with."""
+    """Return the driving page in a language; the paths of its data and its socket begin with `base`."""
     template = page_environment(LIVE).get_template("drive.html.jinja")
     return template.render(base=base, language=language, words=WORDS[language])
 
@@ -127,15 +127,15 @@ def serve(
     """Serve a scenario until the program is interrupted, or until a watched run has ended.
 
     Returns:
-        How the last run ended, in words; empty where there was none.
+        Description of how the last run ended; empty if there was none.
 
     Args:
-        drive: What is driven.
-        host: Address to serve; on another than this machine's own, pages need a token.
-        port: Its port; 0 takes a free one.
+        drive: The runs.
+        host: Address to serve; on an address other than this machine's own, pages need a token.
+        port: Its port; 0 for a free one.
         watched: Whether nobody drives.
-        kept: Takes each run when it has ended.
-        told: Is given the address of the page once it can be opened.
+        kept: Receives each run when it has ended.
+        told: Called with the address of the page once it can be opened.
 
     Raises:
         OSError: The address cannot be served.

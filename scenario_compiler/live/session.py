@@ -40,35 +40,35 @@ from scenario_compiler.vocabulary.word import number_value
 from scenario_compiler.worlds import WorldError, WorldFinding
 
 FRAME_TIME = 0.04
-"""Time from one picture to the next at least, s: 25 a second."""
+"""Least time between two pictures, s: 25 per second."""
 
 MIRROR_EVERY = 2
-"""Pictures of the view ahead for one of the mirror."""
+"""Number of pictures of the view ahead for each picture of the mirror."""
 
 BEHIND = 0.1
-"""Delay from which the page says that the machine does not keep up, s."""
+"""Delay from which the page reports that the machine is too slow, s."""
 
 SLOWEST = 0.2
-"""Time from one picture to the next at most, s: a run that is behind leaves out pictures before it loses time."""
+"""Greatest time between two pictures, s; a run that is behind skips pictures before it slows down."""
 
 GIVEN_UP = 0.5
-"""Delay that is not caught up any more: the clock of the run is set back by it, s."""
+"""Delay that is no longer made up for, s: the clock of the run is set back by it."""
 
 HELD_EVERY = 0.1
-"""Time after which a run that stands still looks whether it may go on, and tells the page again, s."""
+"""Time between two checks whether a stopped run may continue, each of which informs the page, s."""
 
 ASKING = get_args(Told)
-"""States that are announced where the policy has no messages of its own."""
+"""States that are announced if the policy has no messages of its own."""
 
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """What the page shows of one row.
+    """The contents of the page for one row.
 
     Attributes:
         about: The row, as JSON for the page.
         ahead: The view ahead, a JPEG file.
-        mirror: The mirror, a JPEG file; empty when it has not been drawn again.
+        mirror: The mirror, a JPEG file; empty if it has not been drawn again.
     """
 
     about: dict[str, Any]
@@ -78,20 +78,20 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """What is driven.
+    """The settings of runs.
 
     Attributes:
         plan: The plan.
         network: Its map.
         world: Name of the world.
         options: Options of the world.
-        seed: Seed of all that is drawn.
-        trust: Code of the user's own that the plan may name.
-        folder: Folder of the run; None writes nothing. A server of several runs makes one for each below it.
+        seed: Seed of all random numbers.
+        trust: The user's own code that the plan may use.
+        folder: Folder of the run; None to write nothing. A server of several runs makes a subfolder for each.
         size: Width and height of the view ahead, pixels.
-        plain: Whether the view shows the road alone, and not what the automation sees and plans.
-        found: Takes what the world has done otherwise than the plan says, when a run has ended.
-        otherwise: Language of the page where no message to the driver has words.
+        plain: Whether the view shows only the road, without the automation's detections and plans.
+        found: Receives the world's deviations from the plan when a run has ended.
+        otherwise: Language of the page if no message to the driver has words.
     """
 
     plan: Plan
@@ -108,13 +108,13 @@ class Drive:
 
     @property
     def language(self) -> Language:
-        """The language of the page: that of the first message to the driver that is read or heard as words."""
+        """The language of the page: that of the first message to the driver with written or spoken words."""
         messages = self.plan.takeover.messages
         return next((one.language for one in messages if {"text", "speech"} & {*one.modality}), self.otherwise)
 
 
 class Given(BaseModel):
-    """How the page gave the driver a message."""
+    """How the page presented a message to the driver."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -128,11 +128,11 @@ class Session(threading.Thread):
     Attributes:
         wheel: The person at the wheel; None for a run that is only watched.
         folder: Folder of this run.
-        ended: How it ended, in words; empty while it goes on.
+        ended: Description of how it ended; empty while it goes on.
         now: Time of the run, s.
         state: State of the takeover.
         held: Why the run stands still, `paused` or `probe`; empty while it goes on.
-        marks: What was not as planned: `person_left`, `requested`, `aborted`.
+        marks: Deviations from the procedure: `person_left`, `requested`, `aborted`.
     """
 
     def __init__(
@@ -148,13 +148,13 @@ class Session(threading.Thread):
         """Prepare a run.
 
         Args:
-            drive: What is driven.
-            show: Takes a picture, in this thread; False if the page was too slow to take it.
-            number: Number of the run, which the page tells runs apart by.
-            probe_at: Time at which the run stands still, s, until `go_on` is called; None for never.
-            kept: Called in this thread with the run when it has ended and its files are written, before the page hears
-                of it; the session itself keeps no run.
-            happened: Called in this thread with each event of the run, within the step in which it comes.
+            drive: The settings.
+            show: Receives a picture, in this thread; returns False if the page was too slow to take it.
+            number: Number of the run, by which the page distinguishes runs.
+            probe_at: Time at which the run stops until `go_on` is called, s; None for never.
+            kept: Called in this thread with the run when it has ended and its files are written, before the page is
+                informed; the session itself keeps no run.
+            happened: Called in this thread with each event of the run, in the step in which it occurs.
         """
         super().__init__(name=f"run {number}", daemon=True)
         self.drive, self.number, self._show = drive, number, show
@@ -184,47 +184,47 @@ class Session(threading.Thread):
         self._stopping.set()
 
     def abort(self) -> None:
-        """End the run, which is marked."""
+        """End the run, and mark it."""
         self.marks.add("aborted")
         self.stop()
 
     def request(self) -> None:
-        """Let the automation request a takeover now; the run is marked."""
+        """Let the automation request a takeover now, and mark the run."""
         if self.wheel is not None:
             self.marks.add("requested")
             self.wheel.request()
 
     def pause(self) -> None:
-        """Let the run stand still until it is resumed."""
+        """Stop the run until it is resumed."""
         self._paused.set()
 
     def resume(self) -> None:
-        """Let a paused run go on."""
+        """Continue a paused run."""
         self._paused.clear()
 
     def go_on(self) -> None:
-        """Let a run go on that stands still for its probe."""
+        """Continue a run that has stopped for its probe."""
         self._probed.set()
 
     def leave(self) -> None:
-        """Note that the page of the person is gone."""
+        """Record that the page of the person is gone."""
         if self.wheel is not None:
             self.wheel.leave()
             self.marks.add("person_left")
             self._happened.append(("person_left", "", ""))
 
     def come_back(self) -> None:
-        """Note that the person has a page again."""
+        """Record that the person has a page again."""
         if self.wheel is not None:
             self.wheel.come_back()
             self._happened.append(("person_back", "", ""))
 
     def give(self, given: Given) -> None:
-        """Note how the page gave the driver a message."""
+        """Record how the page presented a message to the driver."""
         self._happened.append(("message_given", given.modality, given.by))
 
     def run(self) -> None:
-        """Go through the run, write its folder, and say how it ended."""
+        """Execute the run, write its folder, and set how it ended."""
         drive, text, kept = self.drive, "", False
         automated = drive.plan.controller is not None
         try:
@@ -255,7 +255,7 @@ class Session(threading.Thread):
             self._show(Picture({"end": text, "run": self.number, "kept": kept}, b"", b""))
 
     def figures(self) -> dict[str, Any]:
-        """Return what was measured of the page and the clock; times in milliseconds."""
+        """Return the timing of the page and the clock; times in milliseconds."""
         latency = sorted(self.latencies)
         late = [1e3 * one for one in self._late]
         return {
@@ -298,13 +298,13 @@ class Session(threading.Thread):
                     self._lost += 1
 
     def _take_down(self, execution: Execution) -> None:
-        """Put what has happened at the page into the recording."""
+        """Add the events of the page to the recording."""
         while self._happened:
             kind, cause, message = self._happened.popleft()
             execution.note(kind, cause=cause, message=message)
 
     def _pass_on(self, execution: Execution, count: int) -> int:
-        """Pass on the events of a run after the first `count`; return how many there are."""
+        """Pass on the events of a run after the first `count`; return their number."""
         news = execution.builder.events_since(count)
         if self._happens is not None:
             for event in news:
@@ -312,9 +312,9 @@ class Session(threading.Thread):
         return count + len(news)
 
     def _hold(self) -> float:
-        """Stand still as long as there is a reason to; return for how long, s.
+        """Stop while there is a reason to; return for how long, s.
 
-        The page gets no picture meanwhile, so that nothing of the situation is left to see.
+        The page gets no picture meanwhile, so that nothing of the situation stays visible.
         """
         begin, stood = time.perf_counter(), False
         while not self._stopping.is_set():
@@ -340,7 +340,7 @@ class Session(threading.Thread):
             self._lost += 1
 
     def _about(self, execution: Execution, late: float) -> dict[str, Any]:
-        """Return what the page shows beside the pictures."""
+        """Return the data that the page shows in addition to the pictures."""
         st, plan = execution.state, self.drive.plan
         state = TAKEOVER_STATES[st.takeover_state[0]]
         entities = [
@@ -365,7 +365,7 @@ class Session(threading.Thread):
         }
 
     def _told(self, execution: Execution, state: StateName, cause: str) -> list[tuple[str, str, str, list[str]]]:
-        """Return (modality, text, language, recorded files) of the messages now; a text where the policy has none."""
+        """Return (modality, text, language, recorded files) of the present messages; a text if the policy has none."""
         if self.drive.plan.takeover.messages:
             shown = execution.messenger.shown
             return [(one.modality, one.text, one.language, files_of(one, state)) for one in shown]
@@ -374,9 +374,9 @@ class Session(threading.Thread):
         return [("text", text, language, [])] if text else []
 
     def _time_left(self, execution: Execution, state: str) -> float | None:
-        """Return the time until the minimum-risk manoeuvre begins at the latest, s; None where nobody was asked.
+        """Return the time until the minimum-risk manoeuvre begins at the latest, s; None without a request.
 
-        None too where the policy has no such manoeuvre.
+        It is also None if the policy has no such manoeuvre.
         """
         st, plan = execution.state, self.drive.plan
         none = not plan.takeover.minimum_risk or plan.takeover.automation.after == "let_go"

@@ -1,4 +1,4 @@
-"""The pictures of a run in progress as JPEG: the view ahead with the automation's detections, and the mirror."""
+"""The pictures of a current run as JPEG: the view ahead with the automation's detections, and the mirror."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ AHEAD = replace(DRIVER, width=1280, height=720, fov=math.radians(75.0))
 """The driver's view."""
 
 MIRROR = Camera(width=360, height=100, fov=math.radians(50.0), x=-0.4, z=1.25, yaw=math.pi, pitch=0.0, windscreen=False)
-"""What the inside mirror shows, before it is mirrored."""
+"""The view of the inside mirror, before it is mirrored."""
 
 
 HALF_LANE = 1.7
-"""Half of the width of the bar where the path is blocked, m."""
+"""Half the width of the bar where the path is blocked, m."""
 
 
 class Sight:
-    """Draws what the person sees of a run; every picture shows a state that is recorded."""
+    """Draws the person's view of a run; every picture shows a state that is recorded."""
 
     def __init__(
         self, execution: Execution, size: tuple[int, int] = (AHEAD.width, AHEAD.height), *, plain: bool = False
@@ -38,7 +38,7 @@ class Sight:
         Args:
             execution: The run.
             size: Width and height of the view ahead, pixels.
-            plain: Whether what the automation sees and plans is left out.
+            plain: Whether to leave out the automation's detections and plans.
         """
         self._plain = plain
         self._execution = execution
@@ -51,11 +51,11 @@ class Sight:
         self._built_in = execution.world.name == "kinematic"
 
     def view(self, snapshot: Snapshot, *, marked: bool = False) -> bytes:
-        """Return the view ahead: that of the world, with the detected lane and the path that is followed.
+        """Return the view ahead: the world's, with the detected lane and the followed path.
 
         Args:
-            snapshot: The state that is shown.
-            marked: Whether it is marked on the road where the path is blocked: the message of the modality `overlay`.
+            snapshot: The state to show.
+            marked: Whether to mark on the road where the path is blocked (the message modality `overlay`).
         """
         image = self._draw(snapshot, self.ahead) if self._built_in else self._execution.world.picture(snapshot)
         camera = self.ahead if self._built_in else DRIVER
@@ -66,7 +66,7 @@ class Sight:
         return encode_jpeg(image)
 
     def _draw_plans(self, image: Image, camera: Camera) -> None:
-        """Draw the detected lane and the path that is followed; without a detector, the planned way."""
+        """Draw the detected lane and the followed path; without a detector, the planned route."""
         control, seen = self._execution.control, self._execution.seen
         center = self._execution.plan.entities[0].vehicle.center
         if control is not None and seen is not None:
@@ -78,7 +78,7 @@ class Sight:
             draw_seen(image, camera, None, [(x - center - camera.x, y) for x, y in way] or None)
 
     def _mark_block(self, image: Image, camera: Camera) -> None:
-        """Lay a bar over the road where the path is blocked, as far as the planned way is known."""
+        """Draw a bar on the road where the path is blocked, as far as the planned route is known."""
         execution = self._execution
         vehicle = execution.plan.entities[0].vehicle
         ahead = execution.state.blocked_distance[0] + vehicle.center + 0.5 * vehicle.length
@@ -88,7 +88,7 @@ class Sight:
             draw_on_ground(image, camera, [(x, y + HALF_LANE), (x, y - HALF_LANE)], RED)
 
     def mirror(self, snapshot: Snapshot) -> bytes:
-        """Return what the inside mirror shows."""
+        """Return the view of the inside mirror."""
         return encode_jpeg(np.ascontiguousarray(self._draw(snapshot, MIRROR)[:, ::-1]))
 
     def _draw(self, snapshot: Snapshot, camera: Camera) -> Image:

@@ -1,6 +1,6 @@
 """The sounds of messages: the recorded files, and those of them that a run can need.
 
-`tools/make_sounds.py` makes them; `pages/sounds/sounds.json` says what each holds and by what right it is there.
+`tools/make_sounds.py` makes them; `pages/sounds/sounds.json` lists their contents and licences.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from scenario_compiler.vocabulary.takeover import RequestCause, Told
 SOUNDS = Path(__file__).parent / "pages" / "sounds"
 
 TONES = ("tones/warning.opus", "tones/request.opus")
-"""The tone of a warning, and that of all that follows it."""
+"""The tone of a warning, and the tone of everything after it."""
 
 
 def files_of(message: Shown, state: StateName) -> list[str]:
-    """Return the names of the files that a message is played from, in their order.
+    """Return the names of the files for a message, in the order in which they are played.
 
     There are none for an author's own words, nor for silent messages. The tone depends on the state.
     """
@@ -32,12 +32,12 @@ def files_of(message: Shown, state: StateName) -> list[str]:
 
 
 def sound_files() -> tuple[str, ...]:
-    """Return the names of all files, as they stand in `SOUNDS`."""
+    """Return the names of all files, relative to `SOUNDS`."""
     return tuple(json.loads((SOUNDS / "sounds.json").read_text(encoding="utf-8"))["files"])
 
 
 def sounds_of(plan: Plan) -> list[str]:
-    """Return the names of the files that a run of a plan can need, so that a page has them before they are due."""
+    """Return the names of the files that a run of a plan can need, so that a page can load them early."""
     return [name for name in sound_files() if name in set(_needed(plan))]
 
 

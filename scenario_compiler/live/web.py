@@ -1,4 +1,4 @@
-"""Who is served: this machine, or who knows the printed token; pages of this server alone; no file but named ones."""
+"""Access to the pages: from this machine or with the printed token, only to this server's pages and listed files."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from scenario_compiler.report.embedding import FOLDER as PAGES
 LIVE = Path(__file__).parent / "pages"
 
 SHARED = ("data.js", "map.js")
-"""Modules of the reports' player that pages use too."""
+"""Modules of the reports' player that pages also use."""
 
 OWN = ("drive.js", "wheel.js", "sounds.js", "search.js", "drive.css")
 
 TYPES = {".js": "text/javascript", ".css": "text/css", ".opus": "audio/ogg"}
 
 LARGEST = 16_384
-"""Bytes of a message of a page at most."""
+"""Greatest size of a message from a page, bytes."""
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
@@ -42,13 +42,13 @@ HEADERS = {
 
 @dataclass(frozen=True)
 class Door:
-    """Decides who comes in.
+    """Controls access.
 
     Attributes:
-        host: Address that is served.
+        host: Served address.
         port: Its port.
-        token: What a page must know; empty on this machine alone.
-        cookie: Name of the cookie that keeps the token.
+        token: The token that a page needs; empty if only this machine has access.
+        cookie: Name of the cookie with the token.
     """
 
     host: str
@@ -57,10 +57,10 @@ class Door:
     cookie: str = "token"
 
     def refusal(self, connection: HTTPConnection) -> str:
-        """Return why a request is refused; empty where it is not.
+        """Return why a request is refused; empty if it is accepted.
 
-        A page of another site can send requests here, but neither under our name nor with the token. What changes
-        something (a socket, a form) must come from a page, and so say from which.
+        A page of another site can send requests here, but neither with this server's host name nor with the token. A
+        request that changes something (a socket, a form) must come from a page, and therefore name its origin.
         """
         name = connection.headers.get("host", "")
         allowed = {f"{bracketed(one)}:{self.port}" for one in (*LOOPBACK, self.host)}
@@ -79,14 +79,14 @@ class Door:
         return ""
 
     def answer(self, request: Request, make: Callable[[], Response]) -> Response:
-        """Return the answer that a function makes to who may come in, and to others why not."""
+        """Return the response of a function if access is allowed, otherwise the reason for the refusal."""
         refusal = self.refusal(request)
         response = PlainTextResponse(refusal, status_code=403) if refusal else make()
         response.headers.update(HEADERS)
         return response
 
     def entered(self, request: Request, make: Callable[[], Response]) -> Response:
-        """Return a first page: whose address has the token is sent on to the one without, and keeps it as a cookie."""
+        """Return a first page. If the address has the token, redirect to one without it and set the token's cookie."""
 
         def page() -> Response:
             if self.token and "token" in request.query_params:
@@ -98,7 +98,7 @@ class Door:
         return self.answer(request, page)
 
     def file(self, request: Request, folder: Path, names: tuple[str, ...]) -> Response:
-        """Return a file that is among the names."""
+        """Return one of the listed files."""
         name = request.path_params["name"]
 
         def content() -> Response:
@@ -132,30 +132,30 @@ def address_of(door: Door, path: str = "/") -> str:
 
 
 def bracketed(host: str) -> str:
-    """Return a host as addresses write it."""
+    """Return a host in the notation of URLs."""
     return f"[{host}]" if ":" in host else host
 
 
 class Server(uvicorn.Server):
-    """A server that says when it serves."""
+    """A server that reports when it is ready."""
 
     def __init__(self, config: uvicorn.Config, serves: Callable[[], None]) -> None:
-        """Take what uvicorn takes, and what is called when pages can be opened."""
+        """Store uvicorn's configuration, and the function to call when pages can be opened."""
         super().__init__(config)
         self._serves = serves
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Begin to serve, and say so."""
+        """Start to serve, and report it."""
         await super().startup(sockets=sockets)
         self._serves()
 
     def end(self) -> None:
-        """Serve no longer."""
+        """Stop serving."""
         self.should_exit = True
 
 
 def listening_at(host: str, port: int) -> socket.socket:
-    """Return a socket that listens at an address; port 0 takes a free one.
+    """Return a socket that listens at an address; port 0 for a free one.
 
     Raises:
         OSError: The address cannot be served.

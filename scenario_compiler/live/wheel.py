@@ -17,7 +17,7 @@ from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import number_value
 
 KEPT_EVERY = 0.5
-"""Time of the run after which inputs are put on the disk, s."""
+"""Time of the run after which inputs are written to the disk, s."""
 
 DRIVEN_BY_HAND = ("manual", "hand_back")
 
@@ -36,10 +36,10 @@ class Told(BaseModel):
 
 
 class InputFile:
-    """Lines that are on the disk soon after they are written; the writer does not wait for a disk that is busy."""
+    """A file whose lines are on the disk soon after they are written; the writer does not wait for a busy disk."""
 
     def __init__(self, path: Path) -> None:
-        """Begin an empty file."""
+        """Create an empty file."""
         self._file = path.open("wb")
         self._due = threading.Event()
         self._fault: OSError | None = None
@@ -49,14 +49,14 @@ class InputFile:
         """Write a line.
 
         Raises:
-            OSError: The disk has not taken what was written before.
+            OSError: Earlier lines could not be written to the disk.
         """
         if self._fault is not None:
             raise self._fault
         self._file.write(line + b"\n")
 
     def keep(self) -> None:
-        """Let what has been written be put on the disk."""
+        """Have the written lines stored on the disk."""
         self._file.flush()
         if self._syncing is None:
             self._syncing = threading.Thread(target=self._sync, name="inputs", daemon=True)
@@ -64,7 +64,7 @@ class InputFile:
         self._due.set()
 
     def close(self) -> None:
-        """Put the rest on the disk and close the file; closing it again does nothing."""
+        """Store the rest on the disk and close the file; closing it again has no effect."""
         if self._file.closed:
             return
         syncing, self._syncing = self._syncing, None
@@ -86,17 +86,17 @@ class InputFile:
 
 
 class Wheel:
-    """Joins the page, which tells when it likes, and the run, which asks once a step.
+    """Connects the page, which reports at any time, and the run, which asks once in each step.
 
-    What the run was given is written to a file as it happens, one JSON object a step.
+    The inputs of the run are written to a file at the same time, as one JSON object for each step.
     """
 
     def __init__(self, plan: Plan, kept: Path | None = None) -> None:
         """Wait for a person.
 
         Args:
-            plan: The plan, which says what of a pedal or the wheel counts as an input, and so takes over.
-            kept: File that the inputs are written to; None keeps them in the recording alone.
+            plan: The plan, which defines when a pedal or the wheel counts as an input that takes over.
+            kept: File for the inputs; None to keep them only in the recording.
         """
         self.applied = 0
         values, inputs = parameter_values(plan.parameters), plan.takeover.inputs
@@ -113,7 +113,7 @@ class Wheel:
         self._kept_until = 0.0
 
     def tell(self, told: Told) -> None:
-        """Take what the page says; buttons count until the run has heeded them."""
+        """Store the page's report; buttons are kept until the run has processed them."""
         with self._lock:
             self._told = told
             if told.take_over:
@@ -122,23 +122,23 @@ class Wheel:
                 self._asked = "hand_back"
 
     def request(self) -> None:
-        """Let the automation request a takeover, where it drives."""
+        """Let the automation request a takeover if it drives."""
         with self._lock:
             self._requested = True
 
     def leave(self) -> None:
-        """Note that the page is gone: a vehicle that is driven by hand stops, however soon a page is there again."""
+        """Record that the page is gone: a vehicle that is driven manually stops, even if a page returns soon."""
         with self._lock:
             self._away = self._left = True
             self._told, self._asked = Told(seq=self._told.seq), ""
 
     def come_back(self) -> None:
-        """Note that a page is there again; its numbers begin again."""
+        """Record that a page has returned; its message numbers start again."""
         with self._lock:
             self._away, self._told = False, Told(seq=0)
 
     def act(self, t: float, state: str) -> PersonInput:
-        """Return what the person does in the step that begins at t, s."""
+        """Return the person's inputs for the step that begins at t, s."""
         with self._lock:
             by_hand = state in DRIVEN_BY_HAND
             self._left = self._left and by_hand
@@ -160,7 +160,7 @@ class Wheel:
         return done
 
     def close(self) -> None:
-        """Put what is left of the inputs on the disk."""
+        """Store the remaining inputs on the disk."""
         if self._file is not None:
             self._file.close()
 

@@ -74,7 +74,7 @@ WORDS: dict[Language, dict[str, str]] = {
     "de": {
         "ahead": "Der Blick nach vorn",
         "mirror": "Der Innenspiegel",
-        "map": "Die Karte, das Fahrzeug blickt nach oben",
+        "map": "Die Karte, das Fahrzeug zeigt nach oben",
         "confidence": "Erkennung des Fahrstreifens",
         "left": "links",
         "right": "rechts",
@@ -95,11 +95,11 @@ WORDS: dict[Language, dict[str, str]] = {
         "axis_or_button": "Achse oder Taste",
         "axis": "Achse",
         "button": "Taste",
-        "rest": "In Ruhe",
-        "full": "Ganz",
+        "rest": "Ruhelage",
+        "full": "Voll",
         "now": "Jetzt",
-        "how": "Wählen Sie die Zeile einer Eingabe, bewegen Sie diese ganz und lassen Sie los. Das Profil bleibt in "
-        "diesem Browser unter dem Namen des Geräts.",
+        "how": "Wählen Sie die Zeile einer Eingabe, bewegen Sie die Eingabe bis zum Anschlag und lassen Sie los. Das "
+        "Profil bleibt in diesem Browser unter dem Namen des Geräts.",
         "done": "Fertig",
         "usual": "Übliches Profil",
         "watched": "Niemand fährt: Die Fahrt wird gezeigt, wie sie geschieht.",
@@ -252,7 +252,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "off_road": "stannade utanför vägen",
     },
 }
-"""Text by key, by language; `{}` is where a key's name or a number stands."""
+"""Text by key, by language; `{}` is replaced by a key's name or a number."""
 
 
 def ended_text(outcome: Outcome, language: Language, *, automated: bool) -> str:

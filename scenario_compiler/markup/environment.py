@@ -21,17 +21,17 @@ Binding: TypeAlias = Expression | Value
 
 
 class UnknownNameError(ExpressionError):
-    """An expression uses a name that means nothing here."""
+    """An expression uses a name that is not defined."""
 
     def __init__(self, name: str, offset: int, known: Mapping[str, Binding]) -> None:
-        """Keep the name, its offset and a hint."""
+        """Set the name, its offset and a hint."""
         super().__init__(f"there is no parameter '{name}' here", offset)
         self.name = name
         self.hint = did_you_mean(name, known) or "declare it with <parameter name=... type=... default=.../>"
 
 
 class UndeterminedError(Exception):
-    """The value depends on a parameter that has none, which is no fault: a template is read without a use."""
+    """The value depends on a parameter without a value; this is not a fault, as in a template without a use."""
 
 
 @dataclass
@@ -39,12 +39,12 @@ class Environment:
     """The parameters that a part of a file may use.
 
     Attributes:
-        bindings: What each name stands for: a value, or an expression over the scenario's open parameters.
+        bindings: The meaning of each name: a value, or an expression over the scenario's open parameters.
         values: Values of the scenario's open parameters, in XML units.
-        undetermined: Names without a value: in a template that is read on its own, or where a declaration is at fault.
-        lenient: A declaration could not be read, so that a name that is not known is no fault of its own.
-        structural: Open parameters that something other than a number turned out to depend on; filled while reading.
-        limits: What numbers that depend on open parameters must keep, each once, in the order of reading.
+        undetermined: Names without a value: in a template that is read without a use, or with a faulty declaration.
+        lenient: Whether a declaration could not be read, so that unknown names are not reported.
+        structural: Open parameters on which something other than a number depends; filled while reading.
+        limits: Limits of numbers that depend on open parameters, each once, in the order of reading.
     """
 
     bindings: Mapping[str, Binding] = field(default_factory=dict)
@@ -55,15 +55,15 @@ class Environment:
     limits: dict[tuple[str, str, AttributeSpelling], Expression] = field(default_factory=dict)
 
     def with_value(self, name: str, value: Value) -> Environment:
-        """Return the environment in which one more name has a value; it hides another of the same name."""
+        """Return the environment with the value of one more name, which hides another of the same name."""
         return replace(self, bindings={**self.bindings, name: value}, undetermined=self.undetermined - {name})
 
     def undecided(self, more: Iterable[str] = ()) -> Environment:
-        """Return the environment in which the same names, and `more`, are known and none has a value."""
+        """Return the environment in which the same names and `more` are known but have no values."""
         return Environment(undetermined=frozenset({*self.bindings, *self.undetermined, *more}), lenient=self.lenient)
 
     def symbolic(self, text: str) -> Expression | None:
-        """Return what `$name` or `${expression}` stands for, over the scenario's open parameters; None for a literal.
+        """Return the expression for `$name` or `${expression}` over the scenario's open parameters; None for a literal.
 
         Raises:
             ExpressionError: The expression is malformed or uses an unknown name; the offset is into `text`.
@@ -87,19 +87,19 @@ class Environment:
         return meant
 
     def keep_within(self, holder: str, expression: Expression, limits: AttributeSpelling) -> None:
-        """Remember the limits of a number that stays open, by the name of the attribute or parameter that holds it."""
+        """Store the limits of a number that stays open, by the name of the attribute or parameter that has it."""
         if expression.names:
             self.limits.setdefault((holder, expression.text, limits), expression)
 
     def settled(self, expression: Expression) -> Value:
-        """Return the present value of an expression that decides structure, and remember what it depends on."""
+        """Return the present value of an expression that determines structure, and store its parameters."""
         self.structural.update(expression.names)
         return expression.evaluate(self.values)
 
 
 @dataclass(frozen=True)
 class ReadingContext:
-    """What a word is read with: its document, what names mean, where faults go, and the use that brought it in."""
+    """The context in which a word is read: its document, the environment, the sink, and the use that inserted it."""
 
     document: Document
     sink: Diagnostics

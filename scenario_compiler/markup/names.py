@@ -141,14 +141,14 @@ TOO_MANY_WAYS = Code(
 
 
 def first_at(place: Place | None) -> tuple[Related, ...]:
-    """Return where the first of two things of one name stands, for a finding at the second."""
+    """Return the place of the first of two things with the same name, for a diagnostic at the second."""
     return () if place is None else (Related("the first one is here", place),)
 
 
 LEAVING_WHOLE = frozenset(
     (UNKNOWN_ARGUMENT, DUPLICATE_NAME, UNKNOWN_DRIVER, UNKNOWN_WEATHER, UNKNOWN_ENTITY, UNKNOWN_EVENT)
 )
-"""Errors that leave every position, number and event of a scenario as it was written."""
+"""Errors that do not change any position, number or event of a scenario."""
 
 UNUSED_TEMPLATE = Code(
     "SC226",

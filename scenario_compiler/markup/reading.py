@@ -1,6 +1,6 @@
-"""Reads an XML element as a word, driven by the word's declaration; every language uses this reader.
+"""Reads an XML element as a word, from the word's declaration; all languages use this reader.
 
-Every fault of an element and of all below it is reported in one pass, each at its attribute or tag.
+All faults of an element and everything below it are reported in one pass, each at its attribute or tag.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ _SCHEMA_HINTS = (
 
 
 MOST_LISTED = 40
-"""Greatest number of children that a hint lists."""
+"""Greatest number of children listed in a hint."""
 
 STANDARD_SUFFIXES = ("condition", "action", "position")
-"""What ASAM OpenSCENARIO appends to a term to name its elements, as in `SimulationTimeCondition`."""
+"""Suffixes that ASAM OpenSCENARIO appends to a term to name its elements, as in `SimulationTimeCondition`."""
 
 
 def read_word(element: etree._Element, word: type[AnyWord], reading: ReadingContext) -> AnyWord | None:
-    """Return the word that the element spells; None when something that it cannot do without is missing or wrong.
+    """Return the word for an element; None if something required is missing or wrong.
 
-    A part that it can do without and that is at fault is reported and left out, so that later stages can still look
-    for more. What has been read is not validated again: the validators of the storyboard's words are large, and a
-    command that checks a file builds none of them.
+    An optional part with a fault is reported and left out, so that later stages can find more faults. The values are
+    not validated again: the validators of the storyboard's words are large, and a command that checks a file builds
+    none of them.
     """
     values = read_attributes(element, word, reading)
     complete = values is not None
@@ -57,7 +57,7 @@ def read_word(element: etree._Element, word: type[AnyWord], reading: ReadingCont
 
 
 def _add_default(fields: dict[str, Any], word: type[Word], rule: ChildRule, origin: Place) -> None:
-    """Let a word that stands in for a missing child carry the place of the parent."""
+    """Set the default word for a missing child, with the parent's place."""
     factory: Any = word.model_fields[rule.field].default_factory
     if factory is not None:
         fields[rule.field] = factory().written_at(origin)
@@ -138,8 +138,8 @@ def place_children(
 
 
 def misspelt(parent: etree._Element, tags: Iterable[str]) -> bool:
-    """Return whether a child's tag is almost, but not quite, one of some: the fault is its spelling alone."""
-    import difflib  # only a mistake needs it
+    """Return whether a child's tag is similar but not equal to one of `tags`, so that only its spelling is wrong."""
+    import difflib  # only needed for mistakes
 
     meant = tuple(tags)
     found = {str(child.tag) for child in parent.iterchildren(etree.Element)}.difference(meant)
@@ -155,7 +155,7 @@ def _repeated(parent: etree._Element, first: etree._Element, second: etree._Elem
 def _unwrapped(
     parent: etree._Element, rule: ChildRule, elements: list[etree._Element], reading: ReadingContext
 ) -> list[etree._Element]:
-    """Return the elements that spell words, out of their wrapper; report what is missing or too much."""
+    """Return the elements of words inside their wrapper; report missing and surplus ones."""
     if not elements:
         if rule.required and not misspelt(parent, rule.tags) and not _meant_by_a_child(parent, rule):
             _report_missing(parent, rule.tags, rule.description, reading)
@@ -224,7 +224,7 @@ def _term(name: str) -> str:
 
 
 def _standard_terms(words: Mapping[str, type[Word]]) -> Iterator[tuple[str, str]]:
-    """Yield the terms of ASAM OpenSCENARIO for some words, with and without their suffix, and the words' tags."""
+    """Yield ASAM OpenSCENARIO's terms for words, with and without their suffix, and the words' tags."""
     for tag, word in words.items():
         term = word.__name__.lower()
         yield term, tag
@@ -234,7 +234,7 @@ def _standard_terms(words: Mapping[str, type[Word]]) -> Iterator[tuple[str, str]
 
 
 def _meant_by_a_child(parent: etree._Element, rule: ChildRule) -> bool:
-    """Return whether a child that is not known was meant for `rule`: it is reported as such, and nothing is missing."""
+    """Return whether an unknown child was meant for `rule`; the child is reported, so that nothing is missing."""
     meant = rule.words if rule.wrapper else dict(_standard_terms(rule.words))
     names = (_short_name(str(child.tag)) for child in parent.iterchildren(etree.Element))
     return any((name if rule.wrapper else _term(name)) in meant for name in names)

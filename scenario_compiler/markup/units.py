@@ -29,7 +29,7 @@ FACTORS: dict[str, dict[str, float]] = {
 
 
 def in_unit(text: str, quantity: str) -> str:
-    """Return a number that has a unit behind it in the unit of a quantity, to four digits; empty where it has none."""
+    """Return a number followed by a unit in the unit of a quantity, to four digits; empty if it has no unit."""
     match = _WITH_UNIT.fullmatch(text)
     factor = None if match is None else FACTORS.get(quantity, {}).get(match["unit"].replace(" ", "").lower())
     if match is None or factor is None:

@@ -20,10 +20,10 @@ Structural: TypeAlias = int | bool | float | str
 FieldValue: TypeAlias = Structural | Expression | tuple[Structural, ...]
 
 COMMAND_LINE = FilePlace("--set")
-"""The place of an argument that is at fault."""
+"""The place of diagnostics about arguments."""
 
 SPACE = " \t\r\n"
-"""What XML takes for white space."""
+"""White space in XML."""
 
 _SPACES = re.compile(f"[{SPACE}]+")
 _NUMBER = re.compile(rf"(?:{NUMBER})\Z")
@@ -31,11 +31,11 @@ _INTEGER = re.compile(rf"(?:{INTEGER})\Z")
 
 
 class UnreadError(Exception):
-    """An attribute has no value: the fault has been reported, or the value is not determined."""
+    """An attribute has no value; either its fault has been reported or the value is not determined."""
 
 
 def read_attribute(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> FieldValue:
-    """Return the value of an attribute's text, in SI units; report and raise UnreadError when it has none."""
+    """Return the value of an attribute's text in SI units; report a fault and raise UnreadError if it has none."""
     try:
         expression = reading.environment.symbolic(text)
         if rule.kind == "number":
@@ -154,7 +154,7 @@ def _check_limits(number: float, rule: AttributeRule, reading: ReadingContext, o
 
 
 def report_expression(error: ExpressionError, text: str, sink: Diagnostics, origin: Place) -> None:
-    """Report an expression that cannot be read or has no value, at the character where it goes wrong."""
+    """Report an expression that cannot be read or has no value, at the faulty character."""
     place: Place = origin
     if origin.length == len(text) and "\n" not in text and error.offset:
         place = FilePlace(origin.file, origin.line, origin.column + error.offset, 1, origin.source_line, origin.within)
@@ -168,7 +168,7 @@ def report_expression(error: ExpressionError, text: str, sink: Diagnostics, orig
 
 
 def bound_value(text: str, reading: ReadingContext, origin: Place) -> Expression | Value | None:
-    """Return what a text of any type stands for: an expression's value or form, or the text itself; None if faulty."""
+    """Return the value or expression for a text of any type, or the text itself; None if it has a fault."""
     try:
         expression = reading.environment.symbolic(text)
         if expression is None:

@@ -13,7 +13,7 @@ from scenario_compiler.vocabulary.word import QUANTITIES, Word
 
 
 def write_word(word: Word) -> etree._Element:
-    """Return the element of a word, with what differs from the defaults."""
+    """Return the element of a word, with the attributes and children that differ from their defaults."""
     element = etree.Element(word.tag())
     grammar = grammar_of(type(word))
     for rule in grammar.attributes.values():
@@ -45,7 +45,7 @@ def _write_children(element: etree._Element, word: Word, rule: ChildRule) -> Non
 
 
 def written_value(value: Any, rule: AttributeRule) -> str:
-    """Return the text of an attribute's value, numbers in the unit that XML uses."""
+    """Return the text of an attribute's value, with numbers in XML's unit."""
     if isinstance(value, tuple):
         return " ".join(written_value(one, rule) for one in value)
     if isinstance(value, bool):
@@ -61,7 +61,7 @@ def written_value(value: Any, rule: AttributeRule) -> str:
 
 
 def written_number(value: float, factor: float = 1.0) -> str:
-    """Return the shortest text of a number that is read back as it was, in the unit whose factor is given."""
+    """Return the shortest text of a number that is read back as the same number, in the unit with the given factor."""
     for digits in range(6, 18):
         text = f"{value / factor:.{digits}g}"
         if float(text) * factor == value:

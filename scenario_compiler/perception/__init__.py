@@ -1,19 +1,18 @@
-"""What a camera on the car sees of the road, and what a lane detector makes of it.
+"""What a camera on the car sees of the road, and what a lane detector finds in its images.
 
-In: a `roads.network.Network` (as the quads of `roads.mesh`), the pose of the vehicle, boxes for everybody else,
-weather, and sigma of the sensor noise. Out: BGR images (`road_camera.RoadCamera`), lane boundaries with a probability
-each (`lane_detector.LaneDetector`) and the picture that a report shows (`overlay.compose`). `__init__.pyi` lists what
-programs import from here.
+In: a `roads.network.Network` (as the quads of `roads.mesh`), the pose of the vehicle, boxes for all others, weather,
+and sigma of the sensor noise. Out: BGR images (`road_camera.RoadCamera`), lane boundaries, each with a probability
+(`lane_detector.LaneDetector`), and the picture in reports (`overlay.compose`). `__init__.pyi` lists the public names.
 
-May import `roads`, the hall, numpy and OpenCV; knows no plan, no engine, no controller. Nothing here keeps state
-between frames: an image depends on the scene, the pose, the weather, the seed and the frame index alone.
+May import `roads`, the hall, numpy and OpenCV, but no plan, engine or controller. Nothing here keeps state between
+frames: an image depends only on the scene, the pose, the weather, the seed and the frame index.
 """
 
 from __future__ import annotations
 
 
 def __getattr__(name: str) -> object:
-    """Return a public name, imported from its home on first use."""
+    """Return a public name, imported from its module on first use."""
     from scenario_compiler.public import public_object
 
     return public_object(__name__, name)

@@ -1,4 +1,4 @@
-"""The ground seen from above, and what in it is brighter than both its sides: there lines are looked for."""
+"""The ground seen from above, and the ridges in it (brighter than both sides), where lines are searched."""
 
 from __future__ import annotations
 
@@ -14,20 +14,21 @@ Map = NDArray[np.float32]
 
 X_FROM, X_TO, X_STEP = 5.0, 30.0, 0.25
 Y_FROM, Y_TO, Y_STEP = 8.0, -8.0, 0.05
-"""Extent of the map: rows ahead of the camera, columns from left to right, m. 30 m is where a mark of 0.12 m
-is two pixels wide in an image of 512 columns."""
+"""Extent of the map, m: rows ahead of the camera, columns from left to right. At 30 m, a mark of 0.12 m is two pixels
+wide in an image of 512 columns.
+"""
 
 SIDE = 0.22
-"""Distance, m, at which the ground on both sides of a mark is compared with it; widest marks are 0.3 m."""
+"""Distance on both sides at which a mark is compared with the ground, m; the widest marks are 0.3 m."""
 
 PITCH_STEP = 0.002
-"""Lookups are prepared for whole steps of the pitch, rad: half a step moves a boundary 18 m ahead by 0.03 m."""
+"""Lookups are prepared for multiples of this pitch, rad: half a step shifts a boundary 18 m ahead by 0.03 m."""
 
 STRONGEST = 8.0
-"""Response at which a ridge counts no more, in units of the row's own deviation."""
+"""Response at which a ridge is clipped, in units of the row's own deviation."""
 
 _GREENNESS = np.array([[-0.5, 1.0, -0.5, 64.0]], np.float32)
-"""Green less the mean of blue and red, plus 64 so that noise is not cut at 0."""
+"""Green minus the mean of blue and red, plus 64 so that noise is not clipped at 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +36,11 @@ class Ridges:
     """Ridges of one image.
 
     Attributes:
-        strength: (rows, columns) contrast of the brighter-than-both-sides kind, in units of the row's
-            deviation, 0-8.
+        strength: (rows, columns) by how much a cell is brighter than both its sides, in units of the row's deviation,
+            0-8.
         contrast: (rows, columns) the same in grey levels (twice the smaller step).
         scale: (rows,) the row's deviation, grey levels.
-        green: (rows, columns) how green the greener side is, grey levels: green less the mean of red and
-            blue.
+        green: (rows, columns) greenness of the greener side, grey levels: green minus the mean of red and blue.
         ground: (rows, columns) brightness, grey levels.
     """
 
@@ -53,13 +53,13 @@ class Ridges:
 
 @dataclass(frozen=True, eq=False)
 class Lookup:
-    """Where the map's cells lie in the image, for one pitch.
+    """The places of the map's cells in the image, for one pitch.
 
     Attributes:
         column: (rows, columns) u, pixels; -1 behind the camera.
         row: (rows, columns) v, pixels; -1 behind the camera.
         seen: (rows, columns) 1 if a cell and its sides lie in the image, else 0.
-        count: (rows,) number of the cells that are seen, and 1.
+        count: (rows,) number of visible cells, plus 1.
     """
 
     column: Map
@@ -69,10 +69,10 @@ class Lookup:
 
 
 class BirdsEye:
-    """Looks at the ground from above through one camera (inverse perspective mapping of a plane)."""
+    """The view of the ground from above through one camera (inverse perspective mapping of a plane)."""
 
     def __init__(self, camera: Camera) -> None:
-        """Lay out the map; see `X_FROM` and `Y_FROM` for its extent."""
+        """Prepare the map; see `X_FROM` and `Y_FROM` for its extent."""
         self.camera = camera
         rows, columns = round((X_TO - X_FROM) / X_STEP), round((Y_FROM - Y_TO) / Y_STEP)
         self.x = (X_FROM + (np.arange(rows) + 0.5) * X_STEP).astype(np.float32)
@@ -82,7 +82,7 @@ class BirdsEye:
         self.seen = self.lookup(0.0).seen
 
     def lookup(self, pitch: float) -> Lookup:
-        """Return the lookup for a camera tilted up by `pitch`, rad, beyond its mounting, to the nearest step."""
+        """Return the lookup for a camera tilted up by `pitch`, rad, against its mounting, to the nearest step."""
         step = round(pitch / PITCH_STEP)
         if step not in self._lookups:
             self._lookups[step] = self._tilted(step * PITCH_STEP)
@@ -98,7 +98,7 @@ class BirdsEye:
         return Lookup(column, row, seen, seen.sum(axis=1) + np.float32(1.0))
 
     def ridges(self, image: NDArray[np.uint8], pitch: float = 0.0) -> Ridges:
-        """Return the ridges of a BGR image; white and yellow both show in the larger of green and red."""
+        """Return the ridges of a BGR image, in the maximum of green and red, which shows white and yellow lines."""
         lookup = self.lookup(pitch)
         bright = cv2.max(image[:, :, 1], image[:, :, 2])
         if self.camera.width > 700:
@@ -120,7 +120,7 @@ class BirdsEye:
 
     @staticmethod
     def _deviation(response: Map, count: Map) -> Map:
-        """Return each row's mean response without its outliers (the marks), smoothed along the road, at least 2."""
+        """Return each row's mean response without outliers (the marks), smoothed along the road, at least 2."""
         mean = response.sum(axis=1) / count
         trimmed = np.minimum(response, 2.5 * mean[:, None]).sum(axis=1) / count
         smooth = cv2.blur(trimmed[:, None].astype(np.float32), (1, 9))

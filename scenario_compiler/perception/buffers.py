@@ -1,4 +1,4 @@
-"""Arrays that are used again for each picture: fetching fresh memory costs more than most of what is computed in it."""
+"""Arrays that are reused for each picture, because allocating memory takes longer than most computations in it."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ Number = TypeVar("Number", bound=np.generic)
 
 
 class Buffers:
-    """Arrays by their name. What is in one is undefined until it is written; one name is one array."""
+    """Arrays by name. Their contents are undefined until they are written; equal names are the same array."""
 
     def __init__(self) -> None:
-        """Begin with none."""
+        """Start without arrays."""
         self._arrays: dict[str, NDArray[Any]] = {}
 
     def get(self, name: str, shape: tuple[int, ...], kind: type[Number]) -> NDArray[Number]:
-        """Return the array of a name; it is made when it is first asked for, and again for another shape."""
+        """Return the array with a name; it is created at first use, and again for another shape."""
         array = self._arrays.get(name)
         if array is None or array.shape != shape:
             array = self._arrays[name] = np.empty(shape, kind)

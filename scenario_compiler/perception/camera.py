@@ -1,6 +1,7 @@
-"""A pinhole camera mounted on a vehicle: where points of the world and of the ground lie in its image.
+"""A pinhole camera mounted on a vehicle, which maps points of the world and of the ground to pixels.
 
 Frames used here:
+
     world    OpenDRIVE's axes: x east, y north, z up, metres.
     vehicle  x ahead, y left, z up; origin at the reference point (middle of the rear axle, on the ground). Heading,
              pitch and roll turn about z, y and x in this order, right-handed (ISO 8855): a positive pitch lowers the
@@ -8,8 +9,8 @@ Frames used here:
     ground   x ahead, y left along the vehicle, on the plane that its wheels stand on; origin on that plane below the
              camera.
     camera   x right, y down, z ahead along the optical axis, metres. A point's z is its depth.
-    image    u right, v down, pixels; whole numbers are the middles of pixels, and the principal point is at
-             (width / 2, height / 2), as CARLA's intrinsics have it.
+    image    u right, v down, pixels; integers are the centres of pixels, and the principal point is at
+             (width / 2, height / 2), as in CARLA's intrinsics.
 """
 
 from __future__ import annotations
@@ -27,10 +28,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera and where it is mounted; by default the AISA toolkit's at half its resolution.
+    """A pinhole camera and its mounting; by default the AISA toolkit's at half its resolution.
 
-    The mounting is turned by yaw, then pitch, then roll. CARLA's rotations have the same order and the same signs but
-    for yaw, which is clockwise there, as y is to the right.
+    The mounting is turned by yaw, then pitch, then roll. CARLA's rotations have the same order and the same signs,
+    except that yaw is clockwise there, because y is to the right.
 
     Attributes:
         width: Columns of the image, pixels.
@@ -68,7 +69,7 @@ class Camera:
 
     @property
     def rotation(self) -> Floats:
-        """(3, 3) matrix that takes directions from the vehicle's axes to the camera's."""
+        """(3, 3) matrix that transforms directions from the vehicle's axes to the camera's."""
         cy, sy = math.cos(self.yaw), math.sin(self.yaw)
         cp, sp = math.cos(self.pitch), math.sin(self.pitch)
         cr, sr = math.cos(self.roll), math.sin(self.roll)
@@ -89,13 +90,12 @@ class Camera:
         return View(self, pose, foot, foot + axes[:, 2] * self.z, self.rotation @ axes.T)
 
     def project_ground(self, x: ArrayLike, y: ArrayLike, pitch: float = 0.0) -> tuple[Floats, Floats]:
-        """Return the pixels (u, v) of points on the ground; NaN for points that are not ahead of the lens.
+        """Return the pixels (u, v) of points on the ground; NaN for points that are not in front of the lens.
 
         Args:
             x: Ground coordinate ahead, m, any shape.
             y: Ground coordinate left, m, of the same shape.
-            pitch: Upward tilt of the camera, rad, beyond its mounting: positive where the ground ahead falls
-                away.
+            pitch: Upward tilt of the camera relative to its mounting, rad: positive where the ground ahead falls away.
         """
         ahead, left = np.asarray(x, np.float64), np.asarray(y, np.float64)
         cos, sin = math.cos(pitch), math.sin(pitch)
@@ -145,7 +145,7 @@ class View:
         return points
 
     def world_to_ground(self, points: ArrayLike) -> Floats:
-        """Return ground coordinates (..., 2) of world points (..., 3), seen square to the vehicle's ground plane."""
+        """Return ground coordinates (..., 2) of world points (..., 3), projected square to the ground plane."""
         axes = vehicle_axes(self.pose)
         return (np.asarray(points, np.float64) - self.foot) @ axes[:, :2]
 

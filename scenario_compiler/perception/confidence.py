@@ -1,13 +1,14 @@
-"""How far a detected boundary can be trusted: calibrated probabilities, and apart from them the sensor's health.
+"""The confidence in a detected boundary: calibrated probabilities, and separately the sensor's health.
 
 The probabilities are those that the geometry is right, that paint is there, and of both (see `lane_detector.Boundary`).
-They are functions of `features`, by a network with one hidden layer that `calibration.fit` fits on rendered clips of
-maps and on made-up roads. `scenario-compiler calibrate` measures what they are worth and writes docs/perception.md.
+They are functions of `features`, computed by a network with one hidden layer that `calibration.fit` fits to rendered
+clips of maps and of artificial roads. `scenario-compiler calibrate` measures their reliability and writes
+docs/perception.md.
 
-The health falls with the noise that is measured in the image, as `engine.camera_health` says: policy, not measurement,
-for the geometry stays right under far more noise. What else can be wrong with a camera is seen by `sensor_health`.
-sigma_hat is Immerkaer's estimate (Computer Vision and Image Understanding 64, 1996) with a median in place of the
-mean, so that edges, paint and rain do not count.
+The health falls with the noise that is measured in the image, as defined in `engine.camera_health`. This is policy, not
+measurement, because the geometry stays right under far more noise. Other faults of a camera are detected by
+`sensor_health`. sigma_hat is Immerkaer's estimate (Computer Vision and Image Understanding 64, 1996) with a median
+instead of the mean, so that edges, paint and rain do not count.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from scenario_compiler.perception.road_plane import Tilt
 Floats = NDArray[np.float64]
 
 FARTHEST = 4.0
-"""Standard deviations from its mean beyond which a feature counts no more."""
+"""Number of standard deviations from its mean at which a feature is clipped."""
 
 FEATURES = (
     *("prominence", "painted", "residual", "contrast", "support", "row_scale", "width_off", "along", "stretch"),
@@ -43,7 +44,7 @@ FEATURES = (
     *("prominence_lately", "painted_lately", "along_lately", "stretch_lately", "contrast_along_lately"),
     *("near_lately", "far_lately", "weber_lately"),
 )
-"""Names of the features, in their order."""
+"""Names of the features, in order."""
 
 _HALVES = slice(round(1.0 / X_STEP), round(7.0 / X_STEP)), slice(round(7.0 / X_STEP), round(13.0 / X_STEP))
 """Rows from 6 to 12 m and from 12 to 18 m ahead of the camera."""
@@ -72,7 +73,8 @@ _SECOND = np.array([1, -2, 1], np.float32)
 """The second difference. Taken along and across, it is the difference of two Laplacians that Immerkaer uses."""
 
 _LARGEST, _STRIP = 8 * 255, 64
-"""Greatest response to it, and rows that are looked at together: little memory is quick memory."""
+"""Greatest response to it, and the number of rows that are processed together, which keeps the memory small and fast.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +82,7 @@ class Confidence:
     """Three probabilities as functions of the features: a network with one layer of H hidden units.
 
     Attributes:
-        middle: (F,) mean of each feature where it was fitted.
+        middle: (F,) mean of each feature in the fit.
         scale: (F,) its standard deviation.
         hidden: (H, F + 1) weights of the hidden units (tanh), the last of each its bias.
         out: (3, H + F + 1) weights of the three outputs (logistic): of the hidden units, the features, the bias.
@@ -106,7 +108,7 @@ class Confidence:
 
 @lru_cache(maxsize=4)
 def load_confidence(file: str, names: tuple[str, ...]) -> Confidence:
-    """Return a confidence that ships with the package, from its file; it must be for the features of these names."""
+    """Return a packaged confidence from its file, which must have the features with these names."""
     data = json.loads(resources.files("scenario_compiler.perception").joinpath(file).read_text("utf-8"))
     if tuple(data["features"]) != names:
         raise RuntimeError(f"{file} was made for other features; run `scenario-compiler calibrate --fit`")
@@ -114,23 +116,23 @@ def load_confidence(file: str, names: tuple[str, ...]) -> Confidence:
 
 
 def confidence_text(confidence: Confidence, names: tuple[str, ...]) -> str:
-    """Return the text of the file that a confidence over the features of these names is kept in."""
+    """Return the text of the file for a confidence over the features with these names."""
     numbers = {one.name: np.round(getattr(confidence, one.name), 4).tolist() for one in fields(Confidence)}
     return json.dumps({"features": names, **numbers}, indent=None, separators=(",", ":")).replace("],", "],\n") + "\n"
 
 
 @dataclass(frozen=True)
 class Circumstances:
-    """What is known beside an image's ridges and arcs.
+    """What is known in addition to an image's ridges and arcs.
 
     Attributes:
         width: Expected width of the lane, m.
-        tilt: The tilt found, against which the ridges were looked at.
-        seen: The tilt that this image alone shows.
-        unsettled: By how much the last of the looks would still have changed the tilt, rad.
+        tilt: The detected tilt, for which the ridges were looked up.
+        seen: The tilt according to this image alone.
+        unsettled: Change of the tilt that the last look would still have made, rad.
         height: Height of the camera above the ground, m.
         noise: Noise of the image, grey levels.
-        way: Whether the planned way was given.
+        way: Whether the planned route was given.
     """
 
     width: float
@@ -294,7 +296,7 @@ def _in_decimetres(deviation: float) -> float:
 
 
 def _along(fit: Fit) -> float:
-    """Return the mean strength of the four best metres nearer than 20 m."""
+    """Return the mean strength of the four best metres within 20 m."""
     run = np.convolve(np.minimum(fit.on_curve, 5.0)[: round(15.0 / X_STEP)], np.ones(4) / 4.0, mode="valid")
     return float(np.sort(run)[-16:].mean())
 

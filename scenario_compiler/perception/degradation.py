@@ -1,15 +1,15 @@
-"""What goes wrong in the camera, done to a clean image at the sensor's own resolution.
+"""Faults of the camera, applied to a clean image at the sensor's own resolution.
 
-In the order of the light's way: what moves while the sensor is exposed (`smear`), dirt on the lens, blur, darkness or
-too much light, noise, impulses, rows that are dead, coarse grey levels; then, at the readout, images that are missing,
-repeated or late: until the first late one is there, the last one stays. A camera that is turned on its mount sees
+They are applied in the order of the light's path: motion during the exposure (`smear`), dirt on the lens, blur,
+darkness or overexposure, noise, impulses, dead rows, coarse grey levels; then, at the readout, images that are missing,
+repeated or late (until the first late one arrives, the last one stays). A camera that is turned on its mount sees
 another view, which `RoadCamera` draws. Overexposure adds to the value of hue, saturation and value, as ImageNet-C's
-brightness does; impulses strike all channels of a pixel.
+brightness does; impulses affect all channels of a pixel.
 
 Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel, clipped to
-0-255. It is drawn with Philox, a counter-based generator keyed by (seed, frame index), so a frame's noise depends on
-these two numbers alone and frames can be made in any order; so are impulses. Sigma has a meaning only at one
-resolution: halving an image by area averaging halves it. Dirt and dead rows are drawn from the seed alone: they stay.
+0-255. It is drawn with Philox, a counter-based generator with the key (seed, frame index), so a frame's noise depends
+only on these two numbers and frames can be made in any order; the same holds for impulses. Sigma has a meaning only at
+one resolution: halving an image by area averaging halves it. Dirt and dead rows depend only on the seed: they stay.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Image = NDArray[np.uint8]
 
 
 SENSOR_NOISE, RAIN, DIRT, DROPS, IMPULSES, ROWS = 0, 1, 2, 3, 4, 5
-"""Streams of random numbers within one frame; dirt and drops on the windscreen are the same in all."""
+"""Streams of random numbers within one frame; dirt and drops on the windscreen are the same in all frames."""
 
 DIRT_SIZE = 0.03
 """Size of the blotches of dirt, as a share of the image's width."""
@@ -39,16 +39,16 @@ DIRT_COLOUR = (20, 27, 32)
 """Colour of dirt on the lens, BGR: dark, because it is lit from behind."""
 
 DIRT_RIM = 0.12
-"""Width of the soft rim of the blotches, in standard deviations of the field that they are cut from."""
+"""Width of the soft rim of the blotches, in standard deviations of the random field from which they are made."""
 
 
 AT_ONCE = 1e-6
-"""What two times may differ by and still be the same, s."""
+"""Difference up to which two times count as equal, s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Degradation(CameraFaults):
-    """All that changes one image: the camera's faults, its noise, and how the vehicle moves during the exposure.
+    """Everything that changes one image: the camera's faults, its noise, and the vehicle's motion during the exposure.
 
     Attributes:
         sigma: Standard deviation of the noise, grey levels.
@@ -61,7 +61,7 @@ class Degradation(CameraFaults):
     yaw_rate: float = 0.0
 
     def camera(self, mounted: Camera) -> Camera:
-        """Return the camera as it is turned now; the same object where it is as it was mounted."""
+        """Return the camera with its present misalignment; the same object if there is none."""
         if self.turned == (0.0, 0.0, 0.0):
             return mounted
         yaw, pitch, roll = self.turned
@@ -69,15 +69,15 @@ class Degradation(CameraFaults):
 
 
 class Sensor:
-    """One camera's sensor: degrades images one after the other, and remembers the last for when it freezes."""
+    """One camera's sensor, which degrades images one after the other and remembers the last one for when it freezes."""
 
     def __init__(self, seed: int, camera: Camera | None = None, lever: float = 0.0) -> None:
-        """Begin with no image.
+        """Start without an image.
 
         Args:
             seed: Seed of the run.
-            camera: The camera, the default camera when None.
-            lever: Distance from the vehicle's reference point ahead to what the camera's `x` counts from, m.
+            camera: The camera, the default camera if None.
+            lever: Distance ahead from the vehicle's reference point to the origin of the camera's `x`, m.
         """
         self.seed = seed
         self.camera = camera if camera is not None else Camera()
@@ -86,13 +86,13 @@ class Sensor:
         self._on_the_way: deque[tuple[float, Image]] = deque()
 
     def deliver(self, image: Image, state: Degradation, frame_index: int, t: float = 0.0) -> Image:
-        """Return what arrives of an image.
+        """Return the image that is delivered for an image.
 
         Args:
             image: (height, width, 3) uint8, BGR, as the optics of a clean camera would see it.
-            state: What is wrong.
+            state: The faults.
             frame_index: Number of the frame within the run.
-            t: When it was taken, s.
+            t: Time at which it was taken, s.
         """
         if state.missing:
             return np.zeros_like(image)
@@ -109,7 +109,7 @@ class Sensor:
 
 
 def degraded(image: Image, state: Degradation, seed: int, frame_index: int) -> Image:
-    """Return the image through everything between its exposure and its readout."""
+    """Return the image after all effects between exposure and readout."""
     if state.dirt > 0.0:
         image = add_dirt(image, state.dirt, seed)
     if state.blur > 0.0:
@@ -127,7 +127,7 @@ def degraded(image: Image, state: Degradation, seed: int, frame_index: int) -> I
 
 
 def overexposed(image: Image, more: float) -> Image:
-    """Return the image with `more` of white added to the value of each pixel; hue and saturation stay."""
+    """Return the image with `more` of white added to the value of each pixel, with unchanged hue and saturation."""
     value = image.max(axis=2, keepdims=True).astype(np.float32)
     wanted = np.minimum(value + np.float32(255.0 * more), np.float32(255.0))
     scaled = np.where(value > 0.0, image * (wanted / np.maximum(value, 1.0)), wanted)
@@ -135,7 +135,7 @@ def overexposed(image: Image, more: float) -> Image:
 
 
 def add_impulses(image: Image, share: float, seed: int, frame_index: int) -> Image:
-    """Return the image with a share of its pixels struck: half of those are black, half white."""
+    """Return the image with a share of its pixels replaced, half of them by black, half by white."""
     drawn = generator(seed, frame_index, IMPULSES).random(image.shape[:2], dtype=np.float32)
     struck = image.copy()
     struck[drawn < 0.5 * share] = 0
@@ -144,7 +144,7 @@ def add_impulses(image: Image, share: float, seed: int, frame_index: int) -> Ima
 
 
 def without_rows(image: Image, share: float, seed: int) -> Image:
-    """Return the image with a share of its rows black; more of them are dead where some were."""
+    """Return the image with a share of its rows black; a greater share includes the rows of a smaller one."""
     dead = generator(seed, 0, ROWS).random(image.shape[0]) < share
     left = image.copy()
     left[dead] = 0
@@ -152,14 +152,14 @@ def without_rows(image: Image, share: float, seed: int) -> Image:
 
 
 def quantised(image: Image, coarse: float) -> Image:
-    """Return the image in fewer grey levels, evenly from black to white: 2 to the power of 8 - 7 `coarse`, rounded."""
+    """Return the image with 2 to the power of 8 - 7 `coarse` grey levels (rounded), evenly from black to white."""
     steps = round(2.0 ** (8.0 - 7.0 * min(coarse, 1.0))) - 1
     levels = np.rint(np.rint(np.arange(256) * steps / 255.0) * 255.0 / steps)
     return np.asarray(cv2.LUT(image, levels.astype(np.uint8)), np.uint8)
 
 
 def add_dirt(image: Image, share: float, seed: int) -> Image:
-    """Return the image behind dirt that covers `share` of it; more dirt grows from where there was some."""
+    """Return the image behind dirt that covers `share` of it; a greater share includes the dirt of a smaller one."""
     field, ordered = _dirt_field(image.shape[1], image.shape[0], seed)
     if share >= 1.0:
         return np.full_like(image, DIRT_COLOUR)
@@ -179,7 +179,7 @@ def _dirt_field(width: int, height: int, seed: int) -> tuple[NDArray[np.float32]
 
 
 def generator(seed: int, frame_index: int, stream: int) -> np.random.Generator:
-    """Return one stream of one frame's random numbers; equal for equal arguments, whatever was drawn before."""
+    """Return one stream of one frame's random numbers; equal arguments give equal numbers."""
     mask = 0xFFFFFFFFFFFFFFFF
     key = np.array([seed & mask, frame_index & mask], np.uint64)
     counter = np.array([0, 0, 0, stream], np.uint64)
@@ -187,7 +187,7 @@ def generator(seed: int, frame_index: int, stream: int) -> np.random.Generator:
 
 
 def add_noise(image: Image, sigma: float, seed: int, frame_index: int) -> Image:
-    """Return `image` with Gaussian noise of `sigma` grey levels; the image itself when sigma is not positive.
+    """Return `image` with Gaussian noise of `sigma` grey levels; the image itself if sigma is not positive.
 
     Args:
         image: (height, width, 3) uint8.

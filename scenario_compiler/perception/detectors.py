@@ -1,4 +1,4 @@
-"""The table of lane detectors by name; a module is imported when its detector is made."""
+"""The table of lane detectors by name; a detector's module is imported when the detector is created."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ DETECTORS: dict[DetectorName, str] = {
     "classical": "scenario_compiler.perception.lane_detector:ClassicalLaneDetector",
     "learned": "scenario_compiler.perception.learned_detector:LearnedLaneDetector",
 }
-"""Name of a detector to its class."""
+"""Class of each detector, by name."""
 
 
 def create_detector(name: DetectorName, camera: Camera | None = None) -> CalibratedDetector:
-    """Return a detector for a camera, the default camera when None."""
+    """Return a detector for a camera, the default camera if None."""
     module, _, attribute = DETECTORS[name].partition(":")
     detector: CalibratedDetector = getattr(importlib.import_module(module), attribute)(camera)
     return detector

@@ -1,4 +1,4 @@
-"""What can be wrong with a camera at one instant: what a world tells its camera, beside the noise."""
+"""The faults of a camera at one instant, which a world gives to its camera in addition to the noise."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class CameraFaults:
-    """What is wrong with the camera beside its noise.
+    """The faults of the camera other than its noise.
 
     Attributes:
         dark: Share of the light that is lost, 0-1.
         blur: Radius of the blur, 1/512 of the image's width.
         dirt: Share of the image that dirt covers, 0-1.
-        missing: The image does not arrive: what is delivered is black.
-        frozen: The image before is delivered again.
+        missing: Whether the image does not arrive; a black one is delivered.
+        frozen: Whether the previous image is delivered again.
         impulses: Share of the pixels that are black or white, 0-1.
-        brighter: What is added to the brightness, a share of white.
+        brighter: Amount that is added to the brightness, a share of white.
         dead_rows: Share of the rows that are black, 0-1.
-        coarse: How coarse the grey levels are: 0 for 8 bits, 1 for one.
-        late: How late an image arrives, s.
-        exposure: How long the sensor is exposed, s: what moves in that time is smeared.
-        turned: Yaw, pitch and roll by which the camera is turned beyond its mounting, rad; positive yaw to the left,
-            pitch up, roll with the right side down, as a `Camera`'s own.
+        coarse: Coarseness of the grey levels: 0 for 8 bits, 1 for one.
+        late: Delay of an image, s.
+        exposure: Exposure time, s, during which motion smears the image.
+        turned: Yaw, pitch and roll by which the camera is turned relative to its mounting, rad; positive yaw to the
+            left, pitch up, roll with the right side down, as a `Camera`'s own.
     """
 
     dark: float = 0.0
@@ -40,4 +40,4 @@ class CameraFaults:
 
 
 FAULTLESS = CameraFaults()
-"""A camera with nothing wrong."""
+"""A camera without faults."""

@@ -19,10 +19,10 @@ STEP = 8
 """Glare is computed for every eighth pixel."""
 
 LOWEST, HIGHEST = -2.0, 25.0
-"""Altitudes of the sun between which it dazzles, degrees."""
+"""Range of the sun's altitudes at which it dazzles, degrees."""
 
 WIDEST = 60.0
-"""Angle between the sun and the middle of the image up to which it dazzles, degrees."""
+"""Angle between the sun and the centre of the image up to which it dazzles, degrees."""
 
 WARM = np.array([0.62, 0.82, 1.0, 0.0], np.float32)
 """Colour of the low sun (blue, green, red, -)."""

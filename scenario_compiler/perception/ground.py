@@ -32,35 +32,37 @@ Spot = tuple[Polygon, float]
 """A polygon of the image, and the share of the light that a shadow leaves in it, or the light that a lamp adds."""
 
 LAYER_LIFT = 0.25
-"""Height by which a surface is taken to lie above one of the next layer below, m, so that of two surfaces at one place
-the right one is drawn last although their heights differ by some centimetres."""
+"""Height of a surface relative to one of the next layer below, m, that is assumed for the drawing order, so that of two
+surfaces at one place the right one is drawn last although their heights differ by some centimetres.
+"""
 
 SKY, BARE, FIRST = 0, 1, 2
-"""Numbers in the picture of surfaces: nothing drawn, the plane that the vehicle stands on, the first surface drawn."""
+"""Numbers in the picture of surfaces: nothing drawn, the plane that the vehicle stands on, the first drawn surface."""
 
 DECK = len(Material)
 """Material of the underside of a road."""
 
 FINE = 700
-"""Width beyond which the ground's texture is looked up for every second pixel only: the texels are larger there."""
+"""Width above which the ground's texture is looked up for every second pixel only, because the texels are larger there.
+"""
 
 HARD = 3
-"""Channel of an image of the ground that is 255 where it is hard and 0 on a meadow, until it is lit."""
+"""Channel of an image of the ground that is 255 on hard ground and 0 on a meadow, until it is lit."""
 
 SOFTEST = 64
 """Widest border of the light of a lamp on the ground, pixels."""
 
 LEAST_WATER = 0.05
-"""Water on the road from which it mirrors."""
+"""Least amount of water on the road that reflects."""
 
 LEAST_MIRRORED = 0.02
-"""Share of light from which it is seen that the ground mirrors it."""
+"""Least share of reflected light that is visible."""
 
 HIDDEN_MARGIN, HIDDEN_SHARE = 0.3, 1.03
-"""What counts as in front of a thing: nearer by 0.3 m and 3 %."""
+"""A surface counts as in front of a thing if it is nearer by 0.3 m and 3 %."""
 
 PAINT_SEEN = 0.15
-"""Share of the paint that must be left for it to count as a line in the labels."""
+"""Least share of the paint that must be left for a line in the labels."""
 
 _MATERIALS: dict[int, tuple[tuple[int, int, int], bool, Tag]] = {
     Material.VERGE: ((58, 98, 82), True, Tag.TERRAIN),
@@ -71,7 +73,7 @@ _MATERIALS: dict[int, tuple[tuple[int, int, int], bool, Tag]] = {
     Material.CYCLE: ((76, 82, 122), False, Tag.ROAD),
     DECK: ((50, 52, 54), False, Tag.BRIDGE),
 }
-"""Colour of each material (blue, green, red), whether it is a meadow, its tag."""
+"""Colour of each material (blue, green, red), whether it is a meadow, and its tag."""
 
 _ALBEDO = np.array([_MATERIALS[k][0] for k in range(DECK + 1)], np.float32)
 _SOFT = np.array([_MATERIALS[k][1] for k in range(DECK + 1)])
@@ -90,11 +92,11 @@ _PAINTS = {
 _PAINT = np.array([_PAINTS[paint] for paint in Paint], np.float32)
 
 _HARD_WHEN_WET, _SOFT_WHEN_WET = 0.45, 0.15
-"""How much darker water makes hard ground and meadows."""
+"""Factors by which water darkens hard ground and meadows."""
 
 
 _PUDDLES = (0.8 + 0.4 * np.clip(np.abs(2.0 * np.arange(256) - 230.0), 0, 255) / 255.0).astype(np.float32)
-"""How much more hard ground mirrors in the hollows of its patches, by the texture."""
+"""Additional reflection of hard ground in the hollows of its patches, by the texture."""
 
 _MEADOW_MIRRORS = 0.25
 
@@ -105,12 +107,12 @@ class Traced:
 
     Attributes:
         view: The camera in the world.
-        top: First row of the image in which anything but sky may be seen.
+        top: First row of the image that may show anything but sky.
         surfaces: The surfaces, each before those that cover it.
-        material: (K + FIRST,) uint8 material by id, a `Material` or DECK; that of SKY means nothing. On hilly maps
+        material: (K + FIRST,) uint8 material by id, a `Material` or DECK; that of SKY has no meaning. On hilly maps
             (2 K + FIRST,): after the surfaces come the slopes below them, which are verge.
         marks: The paint, each mark before those that cover it.
-        lens: What the camera sees of the plane that the vehicle stands on.
+        lens: The camera's view of the plane that the vehicle stands on.
     """
 
     view: View
@@ -122,9 +124,9 @@ class Traced:
 
     @cached_property
     def ids(self) -> Ids:
-        """(height, width) uint16, what is seen in each pixel: SKY, BARE, or `FIRST` and the number of a surface.
+        """(height, width) uint16, the surface in each pixel: SKY, BARE, or `FIRST` plus the number of a surface.
 
-        Numbers that go on after the surfaces are those of the slopes below them.
+        Numbers after those of the surfaces are the slopes below them.
         """
         ids = np.zeros((self.view.camera.height, self.view.camera.width), np.uint16)
         ids[self.lens.top :] = self.lens.sees_ground
@@ -136,7 +138,7 @@ class Traced:
 
 @dataclass(frozen=True, eq=False)
 class Spots:
-    """What shades the ground in some places and lights it in others."""
+    """Shadows and lights on parts of the ground."""
 
     shadows: Sequence[Spot] = ()
     beams: Sequence[Spot] = ()
@@ -146,7 +148,7 @@ class Ground:
     """Draws the ground of one scene for one camera."""
 
     def __init__(self, scene: Scene, lens: Lens, buffers: Buffers) -> None:
-        """Prepare what depends on neither pose nor weather."""
+        """Prepare everything that depends on neither pose nor weather."""
         self.scene, self.lens, self.buffers = scene, lens, buffers
         self.camera = lens.camera
         self.step = 2 if self.camera.width > FINE else 1
@@ -159,7 +161,7 @@ class Ground:
         self.wear = np.clip(1.2 - footprint / 0.35, 0, 1).astype(np.float32)
 
     def trace(self, view: View, surfaces: Seen, marks: Seen) -> Traced:
-        """Put surfaces and marks into the order in which they are drawn, and drop the marks that a hill hides."""
+        """Sort surfaces and marks in drawing order, and remove the marks that a hill hides."""
         layer, relief = self.scene.layer[surfaces.index], self.scene.relief
         if relief:
             surfaces, from_below = _from_far(view, surfaces, layer)
@@ -186,9 +188,11 @@ class Ground:
         """Draw the paint.
 
         Returns:
-            (height, width, 4) uint8 coverage, and coverage times quality, whose ratio is quality up to the rim; the
-            other channels are 0, because OpenCV smooths the edges in images of one, three or four channels only;
-            (height, width) uint8 a `Paint`, None where all is white.
+            (height, width, 4) uint8 coverage, and coverage times quality, whose ratio is the quality up to the rim; the
+            other
+            channels are 0, because OpenCV smooths the edges only in images of one, three or four channels; (height,
+            width)
+            uint8 a `Paint`, None if all is white.
         """
         table, marks = self.scene.marks, traced.marks
         coverage = 255.0 * np.minimum(marks.thickness, 1.0)
@@ -206,17 +210,18 @@ class Ground:
         return paint, None if colours is None else np.asarray(cv2.dilate(colours, np.ones((3, 3), np.uint8)), np.uint8)
 
     def shade(self, traced: Traced, weather: GroundWeather, spots: Spots, into: Image) -> Table | None:
-        """Draw the ground in its light, before what the air adds.
+        """Draw the lit ground, before the effects of the air.
 
         Args:
             traced: The ground.
             weather: The weather.
             spots: Shadows, and light from lamps.
-            into: (height, width, 4) the image; where there is sky, anything may be drawn.
+            into: (height, width, 4) the image; pixels of the sky are undefined.
 
         Returns:
-            The share of light that the ground mirrors, for rows from `lens.top` on as far as it can be seen, in steps
-            of `step` pixels; None if it is dry.
+            The share of light that the ground reflects, for rows from `lens.top` as far as it is visible, in steps of
+            `step`
+            pixels; None if it is dry.
         """
         first = self.lens.top
         palette = weather.palette(traced)
@@ -244,7 +249,7 @@ class Ground:
         return mirror
 
     def _shadow(self, spots: Sequence[Spot]) -> Image | None:
-        """Return the share of the light that shadows leave, of 255, by the texture's pixels; None without any."""
+        """Return the share of the light that shadows leave, of 255, by the texture's pixels; None if there are none."""
         if not spots:
             return None
         shift = SUBPIXEL + self.step - 1
@@ -256,7 +261,7 @@ class Ground:
         return left
 
     def _beam(self, spots: Sequence[Spot]) -> Image | None:
-        """Return the light that lamps add, 128 for that of a clear noon, by the texture's pixels; None without any."""
+        """Return the light that lamps add, 128 for that of a clear noon, by the texture's pixels; None if none do."""
         if not spots:
             return None
         light = self.buffers.get("beam", self.x.shape, np.uint8)
@@ -288,13 +293,13 @@ class Ground:
         lit_by: tuple[Image | None, Image | None],
         weather: GroundWeather,
     ) -> None:
-        """Blend paint over the ground where there is any: it wears away in patches, as the wear texture says.
+        """Blend paint over the ground; it wears away in patches, following the wear texture.
 
         Args:
             image: The ground from row `lens.top` on; it is changed.
-            traced: What is seen.
+            traced: The ground.
             texture: The ground's texture.
-            lit_by: What shadows leave of the light and what lamps add to it (see `_shadow` and `_beam`).
+            lit_by: The light that shadows leave and that lamps add (see `_shadow` and `_beam`).
             weather: The weather.
         """
         first, width = self.lens.top, self.camera.width
@@ -334,10 +339,10 @@ class Ground:
 
 
 class GroundWeather:
-    """What one weather makes of the ground of one camera."""
+    """Prepared tables for one weather and one camera."""
 
     def __init__(self, ground: Ground, light: Light) -> None:
-        """Fold the light and the air's veil into the tables of the texture."""
+        """Combine the light and the haze with the tables of the texture."""
         look = light.look
         self._luminance, self._air, self._buffers = look.luminance, Air(look), ground.buffers
         self.contrast = look.contrast
@@ -367,13 +372,13 @@ class GroundWeather:
             self._mirror = mirror[: rows[-1] + 1] if len(rows) else None
 
     def palette(self, traced: Traced) -> NDArray[np.uint8]:
-        """Return for each id its colour in full light and 255 where it is hard ground, (K + FIRST, 4)."""
+        """Return for each id its colour in full light, and 255 for hard ground, (K + FIRST, 4)."""
         return self._palette[traced.material]
 
     def hills(self, traced: Traced) -> NDArray[np.uint32]:
-        """Return the colour of each id where it rises over the plane that the vehicle stands on, light and veil done.
+        """Return the lit and hazed colour of each id where it rises above the plane that the vehicle stands on.
 
-        Such ground is far away: its texture cannot be seen, and all of a surface is seen through the same air.
+        Such ground is far away: its texture is not visible, and the haze is the same for a whole surface.
         """
         middle = traced.surfaces.middle
         away = np.sqrt((middle * middle).sum(axis=0)).astype(np.float32)
@@ -383,7 +388,7 @@ class GroundWeather:
         return _packed(lit * seen + self._air.colour * (1.0 - seen))
 
     def gain(self, texture: Image, hard: Image) -> tuple[Image, Table | None]:
-        """Return the brightness of the ground, 128 for that of its colour, and the share of light that it mirrors."""
+        """Return the brightness of the ground, 128 for that of its colour, and the share of light that it reflects."""
         shape, get = hard.shape, self._buffers.get
         road, meadow, part = (get(name, shape, np.float32) for name in ("road", "meadow", "whole"))
         channel = get("channel", shape, np.uint8)
@@ -414,7 +419,7 @@ def bare_plane(view: View) -> Floats:
 
 
 def hidden(ids: Ids, surfaces: Seen, points: Floats, view: View) -> NDArray[np.bool_]:
-    """Return which things are hidden by the ground: of half of their corners or more, a surface lies in front.
+    """Return which things the ground hides: those with a surface in front of at least half of their corners.
 
     Args:
         ids: The picture of surfaces.
@@ -437,10 +442,10 @@ def hidden(ids: Ids, surfaces: Seen, points: Floats, view: View) -> NDArray[np.b
 
 
 def _from_far(view: View, surfaces: Seen, layer: NDArray[np.uint8]) -> tuple[Seen, NDArray[np.bool_]]:
-    """Return the surfaces in the order in which they cover each other, and which of them show their underside.
+    """Return the surfaces in drawing order, and which of them show their underside.
 
-    A level surface below the eye is covered by higher ones alone, one above it by lower ones: a line of sight that
-    falls meets the higher one first. So the height apart from the eye decides.
+    A level surface below the eye is covered only by higher ones, one above it by lower ones, because a falling line of
+    sight meets the higher one first. So the height difference to the eye determines the order.
     """
     height = view.rotation[:, 2] @ surfaces.middle
     order = np.argsort(LAYER_LIFT * layer - np.abs(height), kind="stable")
@@ -449,7 +454,7 @@ def _from_far(view: View, surfaces: Seen, layer: NDArray[np.uint8]) -> tuple[See
 
 
 def _fill_below_hills(strip: Ids, material: NDArray[np.uint8]) -> None:
-    """Turn sky below a piece of ground that rises over the horizon into the slope below it; below a bridge it stays."""
+    """Replace sky below ground that rises above the horizon by the slope below it, but not below a bridge."""
     if not len(strip):
         return
     solid = (strip >= FIRST) & (material[strip] != DECK)
@@ -462,7 +467,7 @@ def _fill_below_hills(strip: Ids, material: NDArray[np.uint8]) -> None:
 
 
 def _add_beam(light: Image, polygon: Polygon, strength: float, step: int) -> None:
-    """Add the light of a lamp in a polygon, with soft borders; `light` is in steps of pixels, the polygon is not."""
+    """Add the light of a lamp in a polygon, with soft borders; `light` is in steps of pixels, the polygon in pixels."""
     shift = SUBPIXEL + step - 1
     low, high = polygon.min(axis=0) >> shift, polygon.max(axis=0) >> shift
     soft = np.minimum((high - low) // 3 + 1, SOFTEST)

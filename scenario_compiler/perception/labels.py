@@ -1,4 +1,4 @@
-"""What the pixels of a picture are labelled with, beside their colour (see `render.Drawing`)."""
+"""The labels of a picture's pixels in addition to their colour (see `render.Drawing`)."""
 
 from __future__ import annotations
 

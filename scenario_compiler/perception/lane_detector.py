@@ -1,10 +1,10 @@
 """Finds the lane's two boundaries in a camera image, each with a probability.
 
-A detector is anything with `detect`; `detectors` has the table of those in the box. `ClassicalLaneDetector` looks at
-the ground from above (`birds_eye`), votes for pairs of arcs (`lane_fit`) and says how far they can be trusted
-(`confidence`).
+A detector is any object with `detect`; `detectors` has the table of the packaged ones. `ClassicalLaneDetector` views
+the ground from above (`birds_eye`), votes for pairs of arcs (`lane_fit`) and computes their confidence (`confidence`).
 
-The tilt of the camera against the road ahead is found in the image (`road_plane`) and remembered, unless it is given.
+The tilt of the camera against the road ahead is estimated from the image (`road_plane`) and remembered, unless it is
+given.
 """
 
 from __future__ import annotations
@@ -40,26 +40,27 @@ Floats = NDArray[np.float64]
 Votes = NDArray[np.float32]
 
 USUAL_WIDTH, USUAL_SPREAD = 3.45, 0.5
-"""Width of a lane and its deviation before any was seen, m: rural and urban lanes have 3.0 to 3.75 m, some 4."""
+"""Prior width of a lane and its deviation, m: rural and urban lanes have 3.0 to 3.75 m, some 4."""
 
 TRACKED_SPREAD = 0.25
 """Deviation of the width once it is known, m."""
 
 MOST_ROUNDS = 3
-"""How often an image is looked at with a better pitch at most; in driving once is mostly enough."""
+"""Greatest number of times that an image is processed with a better pitch; usually one suffices."""
 
 STARTS, COST_OF_PITCH = (0.0, math.radians(1.5), math.radians(-1.5)), 1.5
-"""Pitches that are tried where none is known, rad, and what the square of one in usual ones costs in votes."""
+"""Pitches that are tried if none is known, rad, and the cost in votes of the square of a pitch in standard deviations.
+"""
 
 FORGOTTEN = 0.7
-"""Deviation of the tilt, in usual ones, from which it counts as not known."""
+"""Deviation of the tilt, relative to the usual one, above which it counts as unknown."""
 
 NEARBY = np.arange(5.0, 19.5, 1.0)
 TO_PARABOLA = np.linalg.pinv(np.vander(NEARBY, 3))
-"""Distances ahead of the camera, m, and what takes values there to the coefficients of the nearest parabola."""
+"""Distances ahead of the camera, m, and the matrix from values there to the coefficients of the nearest parabola."""
 
 REMEMBERED = 0.5
-"""Probability over which a boundary is looked for again where it was."""
+"""Probability above which a boundary is searched at its previous position."""
 
 
 @dataclass(frozen=True)
@@ -67,9 +68,9 @@ class Boundary:
     """One boundary of the lane: y = y0 + slope x + curvature x**2 / 2 in the camera's ground frame.
 
     Attributes:
-        y0: Offset below the camera, m, left positive.
+        y0: Offset below the camera, m, positive to the left.
         slope: dy/dx there.
-        curvature: 1/m, left turns positive.
+        curvature: 1/m, positive in left turns.
         p_geom: Probability that it lies within 0.25 m of the true boundary from 6 to 18 m ahead.
         p_paint: Probability that most of that stretch is painted, however little of it the camera sees.
         p: Confidence, the probability of both: without paint a right guess is luck.
@@ -92,18 +93,18 @@ class Boundary:
 
 @dataclass(frozen=True)
 class LaneResult:
-    """What was found in one image.
+    """The result for one image.
 
     Attributes:
         left: Left boundary.
         right: Right boundary.
-        sensor_health: 1 well, 0 broken; it multiplies both probabilities.
+        sensor_health: From 1 (healthy) to 0 (broken); it multiplies both probabilities.
         sigma_hat: Measured noise, grey levels.
         p_left: left.p * sensor_health.
         p_right: right.p * sensor_health.
         lane_width: Distance between the boundaries 10 m ahead, m.
-        tilt: How far the camera is tilted against the ground ahead, beyond its mounting.
-        evidence: What the detector remembers of each side beside the boundary, None where it has nothing.
+        tilt: Tilt of the camera against the ground ahead, relative to its mounting.
+        evidence: The detector's memory of each side in addition to the boundary; None if it has none.
     """
 
     left: Boundary
@@ -119,19 +120,18 @@ class LaneResult:
 
 @dataclass(frozen=True)
 class LaneState:
-    """What is remembered from one image for the next.
+    """The memory from one image to the next.
 
     Attributes:
-        left: Left boundary when it was trusted.
-        right: Right boundary when it was trusted.
-        width: Lane width, m, averaged over the images in which both sides were sure; None before there was
-            one.
-        way: Slope below the camera and curvature, 1/m, of the way that the car is to go, where others branch off:
-            the search begins with boundaries that go that way.
-        tilt: How far the camera was tilted against the ground ahead, beyond its mounting.
+        left: Left boundary, if it was trusted.
+        right: Right boundary, if it was trusted.
+        width: Lane width, m, averaged over the images in which both sides were sure; None before the first one.
+        way: Slope below the camera and curvature, 1/m, of the planned route where lanes branch off; the search begins
+            with boundaries along it.
+        tilt: Tilt of the camera against the ground ahead, relative to its mounting.
         last: Both boundaries of the last image, trusted or not.
-        evidence: What the detector remembers of each side beside the boundary.
-        images: Number of images that were seen.
+        evidence: The detector's memory of each side in addition to the boundary.
+        images: Number of images so far.
     """
 
     left: Boundary | None = None
@@ -169,19 +169,19 @@ class LaneDetector(Protocol):
 
         Args:
             image: (height, width, 3) uint8, BGR.
-            prior: What is remembered, None for the first image.
-            pitch: Upward tilt of the camera against the ground ahead, rad, beyond its mounting, where it is known;
-                None if it is to be found in the image.
+            prior: The memory, None for the first image.
+            pitch: Upward tilt of the camera against the ground ahead, rad, relative to its mounting, if it is known;
+                None to estimate it from the image.
         """
         ...
 
 
 class CalibratedDetector(LaneDetector, Protocol):
-    """A detector whose confidence is fitted to what it sees.
+    """A detector with a fitted confidence.
 
     Attributes:
-        features: Names of what the confidence is made from.
-        confidence_file: The file beside the package's modules that it is kept in.
+        features: Names of the confidence's features.
+        confidence_file: The file with the confidence, beside the package's modules.
     """
 
     features: ClassVar[tuple[str, ...]]
@@ -190,7 +190,7 @@ class CalibratedDetector(LaneDetector, Protocol):
     def look(
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
     ) -> tuple[LaneResult, tuple[Floats, Floats]]:
-        """Return what `detect` does, and the features of the left and the right side."""
+        """Return the result of `detect`, and the features of the left and the right side."""
         ...
 
 
@@ -204,8 +204,8 @@ class ClassicalLaneDetector:
         """Prepare for one camera.
 
         Args:
-            camera: The camera and its mounting, the default camera when None.
-            confidence: What makes probabilities of features; the shipped calibration when None.
+            camera: The camera and its mounting, the default camera if None.
+            confidence: Computes probabilities from features; the packaged one if None.
         """
         self.camera = camera if camera is not None else Camera()
         self.confidence = confidence or load_confidence(self.confidence_file, self.features)
@@ -219,7 +219,7 @@ class ClassicalLaneDetector:
     def look(
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
     ) -> tuple[LaneResult, tuple[Floats, Floats]]:
-        """Return what `detect` does, and the features that the left and the right side's confidence is made from."""
+        """Return the result of `detect`, and the features of the confidence in the left and the right side."""
         sigma_hat = noise_of(image)
         fits, rows, tilt = self.examine(image, prior, pitch, sigma_hat)
         health = noise_health(sigma_hat)
@@ -239,7 +239,7 @@ class ClassicalLaneDetector:
     def examine(
         self, image: Image, prior: LaneState | None, pitch: float | None, noise: float
     ) -> tuple[tuple[Fit, Fit], tuple[Floats, Floats], Tilt]:
-        """Return the fits of the left and the right side, the features of their confidence, and the tilt found."""
+        """Return the fits of the left and the right side, the features of their confidence, and the detected tilt."""
         state = prior if prior is not None else LaneState()
         width, spread = (USUAL_WIDTH, USUAL_SPREAD)
         if state.width is not None:
@@ -275,11 +275,11 @@ class ClassicalLaneDetector:
         return fits, features(fits, ridges, known, before), tilt
 
     def _painted(self, rows: tuple[Floats, Floats]) -> float:
-        """Return the probability that both sides are painted: only then do they tell how the road lies."""
+        """Return the probability that both sides are painted; only then can the tilt be estimated from them."""
         return math.prod(self.confidence(row)[1] for row in rows)
 
     def _first_pitch(self, image: Image, state: LaneState, width: float, spread: float) -> float:
-        """Return the pitch to begin with: what is remembered, else the one at which most paint lies on two arcs."""
+        """Return the initial pitch: the remembered one, or else the one with most paint on two arcs."""
         first = state.tilt.pitch
         if state.tilt.deviation < FORGOTTEN * USUAL_PITCH:
             return first
@@ -320,13 +320,13 @@ def _before(state: LaneState, side: int) -> Before:
 
 
 def _boundary(fit: Fit, p_geom: float, p_paint: float, p: float) -> Boundary:
-    """Return the parabola that is nearest to the fit's arc where boundaries have to be right."""
+    """Return the parabola nearest to the fit's arc at the distances where boundaries have to be right."""
     curvature, slope, y0 = (float(value) for value in TO_PARABOLA @ arc_y(fit.curve, NEARBY - X_FROM))
     return Boundary(y0, slope, 2.0 * curvature, p_geom, p_paint, p, (fit.nearest, fit.farthest))
 
 
 def _shape(way: tuple[float, float] | None) -> Floats | None:
-    """Return a way as (slope, curvature) 5 m ahead, None if it bends much more than any boundary voted for."""
+    """Return a route as (slope, curvature) 5 m ahead, None if it bends much more than any possible boundary."""
     if way is None or abs(way[1]) > 1.5 * CURVATURES[-1]:
         return None
     return np.array([way[0] + way[1] * X_FROM, way[1]])

@@ -1,7 +1,7 @@
-"""Finds the two boundaries of the lane ahead in a map of ridges: arcs are voted for, the best pair wins.
+"""Finds the two boundaries of the lane ahead in a map of ridges, by voting for arcs and choosing the best pair.
 
-The pair is chosen together, under a prior on the lane's width and on the two being parallel: chosen alone, a
-side locks onto the next lane's line where that is the stronger one.
+The pair is chosen together, with a prior on the lane's width and on the parallelism of the two. A side chosen alone
+would lock onto the next lane's line if that is stronger.
 """
 
 from __future__ import annotations
@@ -24,43 +24,49 @@ CURVATURES = np.linspace(-0.028, 0.028, 29)
 heading is that of the boundary beside the camera, where a car drives along it: slope - 5 m curvature."""
 
 ENOUGH = 3.0
-"""Strength above which a row votes no more, so that a few bright rows do not outvote many."""
+"""Strength at which the vote of a row is clipped, so that a few bright rows do not outvote many."""
 
 GRASSY = 15.0
-"""Greenness beside a ridge, grey levels, from which it counts for little: kerbs and rims of a meadow; grass has 30."""
+"""Greenness beside a ridge, grey levels, from which it counts little, as at kerbs and the edge of a meadow; grass has
+30.
+"""
 
 STANDS_OUT = 1.5
-"""Strength from which a row is taken for painted."""
+"""Strength from which a row counts as painted."""
 
 NEAR_GUESS = np.array([0.8, 5.0, 60.0])
 PARALLEL = np.array([10.0, 100.0])
-"""How firmly a fit is held: the deviation of a row, 0.05 m, by that of offset, slope and curvature from the voted
-arc, and of slope and curvature from the other side's."""
+"""Regularisation of the fit: the deviation of a row, 0.05 m, divided by that of offset, slope and curvature from the
+voted arc, and of slope and curvature from the other side's.
+"""
 
 OFF_WAY = np.array([13.0, 84.5])
-"""What slope and curvature beside those of the planned way make 18 m ahead of the camera, m."""
+"""Effect on y 18 m ahead of the camera, m, of slope and curvature relative to those of the planned route."""
 
 FREE_OFF_WAY, COST_OFF_WAY = 0.25, 20.0
-"""What of it is free, m, for a navigation is not exact, and the votes each further metre costs: solid lines have 20."""
+"""Difference without a cost, m, because navigation is not exact, and the cost in votes of each further metre; solid
+lines have 20 votes.
+"""
 
 NEIGHBOURS = np.array([0.25, 0.05, 0.005])
-"""How far apart in offset, slope and curvature neighbours are at most: two steps of the grid."""
+"""Greatest differences in offset, slope and curvature between neighbours: two steps of the grid."""
 
 MOST_STEPS = 20
-"""Most steps from an arc over better and better neighbours; the grid's whole width takes ten."""
+"""Greatest number of steps from an arc to better neighbours; the grid's whole width takes ten."""
 
 MOST_TURNED = 0.95
-"""Sine of the heading beyond which an arc goes straight on: the camera sees no farther."""
+"""Sine of the heading beyond which an arc is continued straight; the camera sees no farther."""
 
 RIVALS_AT, ELSEWHERE = 12.0, 0.4
-"""Distance ahead at which arcs are distinguished, and how far apart they are then at least, m."""
+"""Distance ahead at which arcs are compared, and the least difference there of distinct arcs, m."""
 
 ON_LINE, STRAY = 0.08, 0.25
-"""How far off an arc a ridge counts as on it, m, and the share of ridges that are not from which the slope is in doubt;
-of ridges anywhere in the window two thirds are not."""
+"""Distance from an arc within which a ridge lies on it, m, and the share of other ridges above which the slope is
+uncertain; of random ridges in the window two thirds are others.
+"""
 
 ROW_DEVIATION, ALIKE = 0.03, 4.0
-"""How far a row's ridge is off its line, m, and how many rows beside each other are off alike."""
+"""Deviation of a row's ridge from its line, m, and the number of adjacent rows with the same deviation."""
 
 USUAL_SCATTER = 0.1
 """Root mean square distance of ridges from an arc on which none lies, m."""
@@ -87,20 +93,20 @@ class Fit:
     Attributes:
         curve: (3,) offset, slope and curvature of the refined arc at d = x - 5 m = 0.
         support: Vote of the grid's arc.
-        prominence: How far the vote stands out of all votes of its side, in robust deviations.
+        prominence: How much the vote exceeds all votes of its side, in robust deviations.
         residual: Root mean square distance of the painted rows from the arc, m.
-        painted: Share of the rows nearer than 20 m that show a ridge within 0.25 m of the arc.
+        painted: Share of the rows within 20 m that have a ridge within 0.25 m of the arc.
         on_curve: (rows,) strength on the refined arc itself.
         contrast: (rows,) grey levels on the refined arc itself.
-        green: How green the greener side of the arc is where there is paint, grey levels.
-        slope_deviation: Standard deviation of the arc's slope as the painted rows tell it; infinite without.
-        rivals: Largest votes of other arcs of the side that lie nearer to the car and farther from it, m 12 m ahead.
+        green: Greenness of the greener side of the arc where there is paint, grey levels.
+        slope_deviation: Standard deviation of the arc's slope, from the painted rows; infinite if there are none.
+        rivals: Largest votes of other arcs of the side, nearer to the car and farther from it 12 m ahead.
         beside: (rows,) brightness of the ground beside the arc, grey levels.
-        step: (rows,) by how much its two sides differ, grey levels.
-        stray: Share of the ridges near the arc, by their strength, that lie off it; 1 without ridges.
-        scatter: Root mean square distance of the others from it, m.
-        deviations: Standard deviations of the arc 6 and 18 m ahead, as those others tell it, m.
-        nearest: Smallest x with paint on two rows, m; the map's last row without any.
+        step: (rows,) difference in brightness between its two sides, grey levels.
+        stray: Share of the ridges near the arc, by their strength, that do not lie on it; 1 if there are none.
+        scatter: Root mean square distance of the other ridges from the arc, m.
+        deviations: Standard deviations of the arc 6 and 18 m ahead, from those other ridges, m.
+        nearest: Smallest x with paint on two rows, m; the map's last row if there is none.
         farthest: Largest x with paint on two rows, m.
     """
 
@@ -124,9 +130,9 @@ class Fit:
 
 
 def added_up(rows: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return the sum (m,) of rows (n, m), n from 8 to 128, in the order in which numpy adds up n numbers in a row.
+    """Return the sum (m,) of rows (n, m), n from 8 to 128, with numpy's order of summation for n numbers in a row.
 
-    Eight sums are made side by side and then added to each other, and the rows that are left over at last.
+    Eight sums are computed side by side and then added, and the remaining rows last.
     """
     whole = len(rows) - len(rows) % 8
     a, b, c, d, e, f, g, h = rows[:whole].reshape(-1, 8, rows.shape[1]).sum(axis=0)
@@ -137,10 +143,10 @@ def added_up(rows: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 class LaneFitter:
-    """Votes, pairs and refines on the map of one `BirdsEye`."""
+    """Voting, pairing and refinement on the map of one `BirdsEye`."""
 
     def __init__(self, birds_eye: BirdsEye) -> None:
-        """Lay out the grid of arcs; about 8000 a side are in the field of view."""
+        """Prepare the grid of arcs; about 8000 for each side are in the field of view."""
         self.x = birds_eye.x.astype(np.float64)
         self.d = self.x - X_FROM
         self._shape = _shape_of(self.d)
@@ -176,7 +182,7 @@ class LaneFitter:
         self._middles.append(np.sign(curves[kept, 0]) * arc_y(curves[kept], np.array(RIVALS_AT - X_FROM)))
 
     def _column(self, curve: Floats, d: Floats) -> NDArray[np.int64]:
-        """Return the columns in which arcs (..., 3) lie at d."""
+        """Return the columns of arcs (..., 3) at d."""
         return np.round((Y_FROM - arc_y(curve, d)) / Y_STEP - 0.5).astype(np.int64)
 
     def votes(self, ridges: Ridges, side: int) -> NDArray[np.float32]:
@@ -200,9 +206,8 @@ class LaneFitter:
             votes: Votes of the two sides.
             width: Expected distance between the boundaries, m.
             width_sigma: Its standard deviation, m.
-            previous: The boundaries of the frame before as offset, slope and curvature at d = 0, where there
-                are any.
-            way: Slope and curvature at d = 0 of the way that the boundaries are to go, where others branch off.
+            previous: The boundaries of the previous frame as offset, slope and curvature at d = 0, if any.
+            way: Slope and curvature at d = 0 of the planned route where others branch off.
         """
         left, right = (self._best_of_bins(votes[side], side, previous[side], way) for side in (LEFT, RIGHT))
         return self._best_pair(left, right, width, width_sigma)
@@ -214,7 +219,7 @@ class LaneFitter:
         width_sigma: float,
         chosen: tuple[int, int],
     ) -> tuple[int, int]:
-        """Return the left and right arc that are better than all near them, climbing there from chosen ones."""
+        """Return the left and right arc that are better than all near them, by hill climbing from the chosen ones."""
         for _ in range(MOST_STEPS):
             left, right = (self._near(votes[side], side, chosen[side]) for side in (LEFT, RIGHT))
             better = self._best_pair(left, right, width, width_sigma)
@@ -236,7 +241,7 @@ class LaneFitter:
         width: float,
         width_sigma: float,
     ) -> tuple[int, int]:
-        """Return the best pair of arcs, given by number and score, as far apart as the lane and parallel."""
+        """Return the best pair of arcs, given by number and score, at the expected distance and nearly parallel."""
         (left, left_score), (right, right_score) = of_left, of_right
         a, b = self.curves[LEFT][left], self.curves[RIGHT][right]
         off = (a[:, None, 0] - b[None, :, 0] - width) / width_sigma
@@ -248,7 +253,7 @@ class LaneFitter:
     def _best_of_bins(
         self, votes: NDArray[np.float32], side: int, previous: Floats | None, way: Floats | None
     ) -> tuple[NDArray[np.int64], Floats]:
-        """Return the best arc of each offset, and its score; the first where several are best."""
+        """Return the best arc for each offset, and its score; of equal ones the first."""
         score = votes.astype(np.float64)
         if previous is not None:
             away = np.abs(self.curves[side] - previous) @ np.array([1.2, 6.0, 30.0])
@@ -263,7 +268,7 @@ class LaneFitter:
     def refine(
         self, ridges: Ridges, votes: tuple[NDArray[np.float32], NDArray[np.float32]], chosen: tuple[int, int]
     ) -> tuple[Fit, Fit]:
-        """Return both boundaries fitted to the ridges near the chosen arcs."""
+        """Return both boundaries, fitted to the ridges near the chosen arcs."""
         guesses = [self.curves[side][chosen[side]] for side in (LEFT, RIGHT)]
         peaks = [self._peaks(ridges, guess) for guess in guesses]
         curves = self._least_squares(guesses, peaks)
@@ -284,7 +289,7 @@ class LaneFitter:
         return y, strength[self.rows, best].astype(np.float64)
 
     def _least_squares(self, guesses: list[Floats], peaks: list[tuple[Floats, Floats]]) -> list[Floats]:
-        """Fit both arcs to the rows' ridges at once, held near the guesses and parallel to each other."""
+        """Fit both arcs to the rows' ridges at once, regularised towards the guesses and towards parallelism."""
         shape = self._shape
         blocks, values = [], []
         for side, (guess, (y, _)) in enumerate(zip(guesses, peaks, strict=True)):
@@ -300,7 +305,7 @@ class LaneFitter:
         return [solution[:3], solution[3:]]
 
     def _weight(self, peaks: tuple[Floats, Floats]) -> Floats:
-        """Return the rows' weights, none at all where too few rows show paint to tell a curve."""
+        """Return the rows' weights; all are 0 if too few rows show paint for a curve."""
         weight = np.where(peaks[1] > STANDS_OUT, np.minimum(peaks[1], 4.0), 0.0)
         return weight if np.count_nonzero(weight) >= 8 else np.zeros_like(weight)
 
@@ -313,7 +318,7 @@ class LaneFitter:
         curve: Floats,
         peaks: tuple[Floats, Floats],
     ) -> Fit:
-        """Return the boundary with everything that its confidence is made from."""
+        """Return the boundary with everything that its confidence depends on."""
         weight = self._weight(peaks)
         miss = (peaks[0] - arc_y(curve, self.d)) ** 2
         painted, near = peaks[1] > STANDS_OUT, self.x < 20.0
@@ -348,9 +353,9 @@ class LaneFitter:
         return float(inner), float(outer)
 
     def _slope_deviation(self, weight: Floats, miss: Floats) -> float:
-        """Return how well rows of some weight, off the arc by the root of `miss`, tell its slope.
+        """Return the standard deviation of an arc's slope from weighted rows with the mean squared residual `miss`.
 
-        Where nothing is painted, the strongest ridges lie anywhere in the window and tell nothing.
+        Without paint, the strongest ridges lie anywhere in the window and contain no information.
         """
         total, near = float(weight.sum()), weight * (miss < ON_LINE * ON_LINE)
         if not near.any():

@@ -1,14 +1,14 @@
-"""A lane detector that was learned: a small network tells for each row of the image where either boundary is.
+"""A learned lane detector: a small network finds both boundaries in each row of the image.
 
-The network (`lane_network.onnx`, run by cv2.dnn) sees the picture at 256 x 128. For each side and each second row it
-tells in which of 128 columns the boundary lies, or that it is not there: a distribution, whose width is the row's
-uncertainty. It also tells whether either side is painted, the tilt of the camera and the width of the lane. The two
-sides of a lane usually keep their distance, so the tilt is estimated from their rows as well, and the two estimates
-are combined (see `road_plane`). Rows are laid on the ground under the tilt, and a parabola is fitted to them by their
-certainty. The confidence is calibrated like that of the classical detector, on what the rows say.
+The network (`lane_network.onnx`, run by cv2.dnn) receives the picture at 256 x 128. For each side and each second row
+it returns a distribution over 128 columns and the case that the boundary is not there; its width is the row's
+uncertainty. It also returns whether either side is painted, the tilt of the camera and the width of the lane. The two
+sides of a lane usually are parallel, so the tilt is estimated from their rows as well, and the two estimates are
+combined (see `road_plane`). Rows are projected to the ground with the tilt, and a parabola is fitted to them, weighted
+by their certainty. The confidence is calibrated like that of the classical detector, on properties of the rows.
 
-It was trained for the default camera by `tools/train_lane_network.py`; the picture of another one is turned to how that
-camera would see it. What the tables say of it stands in docs/perception.md.
+It was trained for the default camera by `tools/train_lane_network.py`; the picture of another camera is rectified to
+that camera. docs/perception.md has its results.
 """
 
 from __future__ import annotations
@@ -33,33 +33,33 @@ Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
 
 WIDTH, HEIGHT = 256, 128
-"""Size of the picture that the network sees."""
+"""Size of the network's input picture."""
 
 ROWS, COLUMNS = 64, 128
-"""Rows and columns of what it tells; each is two pixels of its picture."""
+"""Rows and columns of its output; each is two pixels of its input."""
 
 NETWORK_FILE = "lane_network.onnx"
 
 TILT_DEVIATION = math.radians(0.3)
-"""Standard deviation of the tilt that the network tells of one image, rad."""
+"""Standard deviation of the tilt that the network returns for one image, rad."""
 
 PARALLEL = 0.8
-"""Probability, before it is compared, that the two sides belong to one lane and tell the tilt."""
+"""Prior probability that the two sides belong to one lane and their rows determine the tilt."""
 
 ALIKE_ROWS = 4.0
-"""How many rows count as one independent one: neighbouring rows are wrong together."""
+"""Number of rows that count as one independent one, because neighbouring rows have the same error."""
 
 EVEN = 0.2
-"""Least mean square of the rows' residuals in their own deviations: smaller ones are luck, not certainty."""
+"""Least mean square of the rows' residuals in their own deviations; smaller ones are chance, not certainty."""
 
 PEAK = 4
-"""Columns to either side of a row's likeliest one that are taken for the same line."""
+"""Number of columns on either side of a row's most probable one that belong to the same line."""
 
 LOOKED_AT = (5.0, 22.0)
-"""Stretch ahead of the camera of which the rows are used, m."""
+"""Stretch ahead of the camera whose rows are used, m."""
 
 LEAST_ROWS = 5
-"""Rows without which there is no boundary."""
+"""Least number of rows of a boundary."""
 
 LEARNED_FEATURES = (
     *("painted", "present", "certain", "spread", "alone", "residual", "reach", "curvature", "offset"),
@@ -67,7 +67,7 @@ LEARNED_FEATURES = (
     *("other_painted", "other_present", "other_certain", "apart_slope", "apart_curvature"),
     *("noise", "remembered", "moved"),
 )
-"""Names of what its confidence is made from."""
+"""Names of the features of its confidence."""
 
 TRAINED_FOR = Camera()
 
@@ -81,7 +81,7 @@ class LearnedLaneDetector:
     def __init__(
         self, camera: Camera | None = None, network: bytes | None = None, confidence: Confidence | None = None
     ) -> None:
-        """Prepare for one camera; the shipped network and confidence where none are given."""
+        """Prepare for one camera, by default with the packaged network and confidence."""
         self.camera = camera if camera is not None else Camera()
         data = network if network is not None else _shipped_network()
         self._net = cv2.dnn.readNetFromONNX(np.frombuffer(data, np.uint8))
@@ -97,7 +97,7 @@ class LearnedLaneDetector:
     def look(
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
     ) -> tuple[LaneResult, tuple[Floats, Floats]]:
-        """Return what `detect` does, and what the left and the right side's confidence is made from."""
+        """Return the result of `detect`, and the features of the confidence in the left and the right side."""
         state = prior if prior is not None else LaneState()
         rows, painted, seen_pitch, width = self.tell(image)
         told = Rows.of(rows[0]), Rows.of(rows[1])
@@ -121,7 +121,7 @@ class LearnedLaneDetector:
         return result, (features[0], features[1])
 
     def tell(self, image: Image) -> tuple[Floats, Floats, float, float]:
-        """Return what the network says of an image.
+        """Return the network's output for an image.
 
         Returns:
             (2, ROWS, COLUMNS + 1) probabilities that a boundary lies in a column, the last that it is not there; (2,)
@@ -144,13 +144,13 @@ class LearnedLaneDetector:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """What the rows say of one side, (ROWS,) each.
+    """The rows of one side, (ROWS,) each.
 
     Attributes:
         there: Probability that the boundary is in the row.
-        column: Where it then is, in columns: the mean about the likeliest column, so that two lines are not averaged.
+        column: Its column: the mean around the most probable column, so that two lines are not averaged.
         spread: Standard deviation of the whole distribution, columns.
-        alone: Share of the distribution that lies about the likeliest column.
+        alone: Share of the distribution around the most probable column.
     """
 
     there: Floats
@@ -160,7 +160,7 @@ class Rows:
 
     @staticmethod
     def of(rows: Floats) -> Rows:
-        """Return what (ROWS, COLUMNS + 1) probabilities say."""
+        """Return the rows for (ROWS, COLUMNS + 1) probabilities."""
         place = np.arange(COLUMNS)
         there = 1.0 - rows[:, -1]
         share = rows[:, :-1] / np.maximum(there, 1e-6)[:, None]
@@ -171,22 +171,22 @@ class Rows:
         return Rows(there, peak @ place / np.maximum(alone, 1e-9), spread, alone)
 
     def ground(self, v: Floats, pitch: float) -> tuple[Floats, Floats, Floats]:
-        """Return where the rows lie on the ground, x and y, and the deviation of y, for the height trained for, m."""
+        """Return the positions of the rows on the ground, x and y, and the deviation of y, m, at the trained height."""
         x, y = ground_of((self.column + 0.5) * TRAINED_FOR.width / COLUMNS - 0.5, v, pitch)
         return x, y, np.hypot((self.spread + 0.3) * x * TRAINED_FOR.width / COLUMNS / TRAINED_FOR.focal, 0.02)
 
 
 def tilt_between(left: Rows, right: Rows, v: Floats, pitch: float) -> Tilt:
-    """Return the tilt under which both sides keep their distance, as `road_plane.tilt_beyond` does of two fits.
+    """Return the tilt at which both sides are parallel, as `road_plane.tilt_beyond` does for two fits.
 
     Args:
         left: The left side's rows.
         right: The right side's rows.
-        v: (ROWS,) where the rows are in the image.
-        pitch: What the tilt is taken to be, rad; the answer is linear about it.
+        v: (ROWS,) positions of the rows in the image.
+        pitch: Assumed tilt, rad; the result is linear about it.
 
     Returns:
-        The tilt, rad; of infinite deviation where the sides have too few rows in common or are less than 1 m apart.
+        The tilt, rad, with an infinite deviation if the sides have too few rows in common or are less than 1 m apart.
     """
     (x, y_left, off_left), (_, y_right, off_right) = left.ground(v, pitch), right.ground(v, pitch)
     kept = (left.there > 0.5) & (right.there > 0.5) & (x > LOOKED_AT[0]) & (x < LOOKED_AT[1])
@@ -207,7 +207,7 @@ def tilt_between(left: Rows, right: Rows, v: Floats, pitch: float) -> Tilt:
 
 
 class _Side:
-    """One side's boundary as its rows tell it."""
+    """One side's boundary from its rows."""
 
     def __init__(self, rows: Rows, painted: float, v: Floats, pitch: float, scale: float) -> None:
         self.painted = painted
@@ -234,7 +234,7 @@ class _Side:
 
 
 def ground_of(u: Floats, v: Floats, pitch: float) -> tuple[Floats, Floats]:
-    """Return where pixels of the camera that the network is for see the ground, m; x is infinite over the horizon."""
+    """Return where pixels of the trained camera see the ground, m; x is infinite above the horizon."""
     camera = TRAINED_FOR
     tilted = camera.pitch + pitch
     down = (v - camera.height / 2.0) / camera.focal
@@ -271,7 +271,7 @@ def _alike(camera: Camera, other: Camera) -> bool:
 
 
 def _homography(camera: Camera) -> Floats:
-    """Return what takes pixels of a camera to those of the camera that the network is for."""
+    """Return the matrix from pixels of a camera to those of the trained camera."""
     inner = [
         np.array([[one.focal, 0.0, one.width / 2.0], [0.0, one.focal, one.height / 2.0], [0.0, 0.0, 1.0]])
         for one in (TRAINED_FOR, camera)

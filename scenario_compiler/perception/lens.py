@@ -1,4 +1,4 @@
-"""What each pixel of a camera sees of a bare plane that the vehicle stands on: computed once for a mounting."""
+"""The view of a bare plane, on which the vehicle stands, in each pixel of a camera; computed once for a mounting."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from scenario_compiler.perception.camera import Camera
 Table = NDArray[np.float32]
 
 REACH = 400.0
-"""Distance at which rays that miss the ground, or meet it farther away, are laid down on it, m."""
+"""Greatest distance of the ground in the tables, m, also for rays that miss it."""
 
 BELOW_HORIZON = 1.0
-"""Least distance below the horizon from which a pixel sees the ground, pixels."""
+"""Least distance below the horizon at which a pixel sees the ground, pixels."""
 
 
 class Lens:
@@ -21,14 +21,14 @@ class Lens:
 
     Attributes:
         camera: The camera.
-        top: First row of the image in which any ground is seen; the last row where there is none.
-        sky_rows: Number of rows from the highest on below which there is no sky.
-        sees_ground: (rows, width) bool, whether a pixel looks at the ground plane; the others look at the sky.
-        x: (rows, width) ground coordinate ahead, m, `REACH` at most.
+        top: First row of the image that shows any ground; the last row if there is none.
+        sky_rows: Number of rows from the top below which there is no sky.
+        sees_ground: (rows, width) bool, whether a pixel shows the ground plane; the others show the sky.
+        x: (rows, width) ground coordinate ahead, m, at most `REACH`.
         y: (rows, width) ground coordinate left, m.
         depth: (rows, width) depth of the ground, m; infinite in the sky.
-        distance: (rows, width) distance of the ground from the camera, m, some `REACH` at most.
-        footprint: (rows, width) how far a pixel reaches on the ground along the line of sight, m.
+        distance: (rows, width) distance of the ground from the camera, m, at most about `REACH`.
+        footprint: (rows, width) length of a pixel on the ground along the line of sight, m.
     """
 
     def __init__(self, camera: Camera) -> None:
@@ -56,13 +56,13 @@ class Lens:
         self.footprint = self.distance * self.distance / (length * height * np.float32(camera.focal))
 
     def directions(self) -> tuple[Table, Table, Table]:
-        """Return the directions (ahead, left, up) of all pixels, (height, width) each, of depth 1, vehicle's axes."""
+        """Return the directions (ahead, left, up) of all pixels, (height, width) each, with depth 1, vehicle's axes."""
         shape = (self.camera.height, self.camera.width)
         ahead, left, up = (np.broadcast_to(self._component(axis, 0), shape) for axis in range(3))
         return ahead, left, up
 
     def _component(self, axis: int, first_row: int) -> Table:
-        """Return one component of the directions; a single column where all columns are equal."""
+        """Return one component of the directions; a single column if all columns are equal."""
         right, down, ahead = (np.float32(value) for value in self.camera.rotation[:, axis])
         column: Table = self._down[first_row:] * down + ahead
         return column if right == 0.0 else column + self._across * right

@@ -1,7 +1,7 @@
-"""Light and air of one weather: how bright a thing is where it stands, and how much of it is seen from afar.
+"""Light and air of one weather: the brightness of things, and how much of them is visible at a distance.
 
-Light is the sun's and the sky's, and in the dark that of the vehicle's own headlights. Haze follows Koschmieder's law:
-of a thing at a distance d the share exp(-extinction d) is seen, the rest is the colour of the air.
+Light comes from the sun and the sky, and in the dark from the vehicle's own headlights. Haze follows Koschmieder's law:
+of a thing at a distance d the share exp(-extinction d) is visible, the rest is the colour of the air.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from scenario_compiler.perception.weather_look import Look
 Table = NDArray[np.float32]
 
 LAMPS_ON = 8.0
-"""Altitude of the sun under which headlights are on, degrees."""
+"""Altitude of the sun below which headlights are on, degrees."""
 
 INFINITY = 600.0
-"""Distance at which the sky is hazed, m."""
+"""Distance that is used for the haze of the sky, m."""
 
 LAMPS_BEHIND = 0.5
-"""Where the pattern of the headlights begins, ahead of the centre of the vehicle's box, m."""
+"""Start of the headlights' pattern, m ahead of the centre of the vehicle's box."""
 
 
 def haze_colour(look: Look) -> Table:
@@ -40,7 +40,7 @@ def zenith_colour(look: Look) -> Table:
 
 
 class Air:
-    """What the air does to what is seen through it.
+    """The effect of the air on visibility.
 
     Attributes:
         colour: (3,) colour of thick air (blue, green, red).
@@ -52,14 +52,14 @@ class Air:
         self.colour = np.clip(0.8 * haze_colour(look) + 20.0 * look.luminance, 0, 255).astype(np.float32)
 
     def seen(self, distance: Table) -> Table:
-        """Return the share of a thing that is seen from a distance, m."""
+        """Return the share of a thing that is visible at a distance, m."""
         look = self._look
         fogged = np.maximum(distance - np.float32(look.fog_start), np.float32(0.0))
         return np.asarray(np.exp(-np.float32(look.spray) * distance - np.float32(look.fog) * fogged), np.float32)
 
 
 class Light:
-    """How bright it is around a vehicle that carries a camera."""
+    """The brightness around a vehicle with a camera."""
 
     def __init__(self, camera: Camera, look: Look) -> None:
         """Prepare for a camera and a weather."""

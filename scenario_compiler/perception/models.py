@@ -1,8 +1,8 @@
-"""What moves on the road, as faces: a car, a van, a truck, a bus, riders, a person, and things that stand in the way.
+"""Everything that moves on the road, as faces: a car, a van, a truck, a bus, riders, a person, and obstacles.
 
 A model is made once for a kind and a size. Its faces are listed so that each covers those before it, seen from outside;
-parts that stand one behind the other (a cab and its load) are groups, drawn the farther one first. Sizes within a model
-are shares of the box's; shapes are plain, meant to be recognised at a glance, not taken from any real vehicle.
+parts one behind the other (a cab and its load) are groups, of which the farther one is drawn first. Sizes within a
+model are shares of the box's. The shapes are simple, to be recognised at a glance, and not those of real vehicles.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ Span = tuple[float, float]
 Colour = tuple[int, int, int]
 
 Kind = Literal["car", "van", "truck", "bus", "motorbike", "bicycle", "pedestrian", "cone", "barrier", "sign", "prop"]
-"""What a box is drawn as: the categories of entities."""
+"""What a box is drawn as: one of the categories of entities."""
 
 
 class Lamp(IntFlag):
     """Lamps of a vehicle that are on, with the numbers of CARLA's `VehicleLightState`.
 
-    AUTOMATIC, which CARLA does not have, stands for low beams in the dark and in rain, as drivers have them on.
+    AUTOMATIC, which CARLA does not have, stands for low beams in the dark and in rain, as drivers switch them on.
     """
 
     NONE = 0
@@ -54,7 +54,7 @@ ALL = (-0.5, 0.5)
 
 
 class _Bulb(NamedTuple):
-    """A lamp's colour when off and when on, and what switches it."""
+    """A lamp's colour when off and when on, and the lamp that switches it."""
 
     off: Colour
     on: Colour
@@ -79,16 +79,16 @@ class Model:
     """Faces of a thing. F faces.
 
     Attributes:
-        points: (3, 4, F) corners in the thing's axes, m: x ahead, y left, z up from the middle of its footprint; they
-            run counter-clockwise as seen from outside.
+        points: (3, 4, F) corners in the thing's axes, m: x ahead, y left, z up from the centre of its footprint;
+            counter-clockwise as seen from outside.
         normals: (3, F) outward normals.
         offsets: (F,) distance of each face's plane from the origin along its normal, m.
-        colours: (F, 3) blue, green, red before lighting; those of the body mean nothing.
-        body: (F,) bool, the face has the colour of its box.
-        shades: (F,) brightness of the face, by its slope.
-        bulbs: (F,) number of its lamp, `NO_BULB` where it is not a lamp.
+        colours: (F, 3) blue, green, red before lighting; undefined for faces of the body.
+        body: (F,) bool, whether the face has the colour of its box.
+        shades: (F,) brightness of the face, from its slope.
+        bulbs: (F,) number of its lamp, `NO_BULB` if it is not a lamp.
         tags: (F,) uint8, a `Tag`.
-        rear_first: (F,) the faces in the order in which they are drawn for an eye ahead of the thing's middle.
+        rear_first: (F,) the faces in drawing order for an eye ahead of the thing's centre.
         front_first: (F,) the same for an eye behind it.
     """
 
@@ -105,9 +105,9 @@ class Model:
 
 
 class _Face(NamedTuple):
-    """A face in shares of the box's size: corners (4, 3) counter-clockwise as seen from outside.
+    """A face in shares of the box's size: corners (4, 3), counter-clockwise as seen from outside.
 
-    A detail is left out from afar. The tag is that of the kind where it is None.
+    A detail is left out at a distance. A tag of None stands for that of the kind.
     """
 
     corners: Floats
@@ -120,7 +120,7 @@ class _Face(NamedTuple):
 
 @lru_cache(maxsize=256)
 def model_of(kind: Kind, length: float, width: float, height: float, coarse: bool = False) -> Model:
-    """Return the model of a kind, as large as a box, m; a coarse one leaves out what cannot be seen from afar."""
+    """Return the model of a kind for the size of a box, m; a coarse one leaves out details for long distances."""
     make, tag = _KINDS[kind]
     faces = [face for face in make(length, height) if not (coarse and face.detail)]
     corners = np.stack([face.corners.T for face in faces], axis=2) * np.array([length, width, height])[:, None, None]
@@ -142,12 +142,12 @@ def model_of(kind: Kind, length: float, width: float, height: float, coarse: boo
 
 
 def shade_of(normals: Floats) -> Floats:
-    """Return how bright faces are by their slope: (F,) for outward normals (3, F), 1.1 for a roof, 0.7 for a back."""
+    """Return the brightness of faces from their outward normals (3, F), (F,): 1.1 for a roof, 0.7 for a back."""
     return np.asarray(0.74 + 0.14 * np.abs(normals[1]) + 0.36 * np.maximum(normals[2], 0.0) + 0.04 * normals[0])
 
 
 SHINES, TAG, TRAITS = 3, 4, 5
-"""Columns of the traits of faces: blue, green and red in full light, then these two; and their number."""
+"""Columns of the traits of faces: blue, green and red in full light, then these two; and the number of columns."""
 
 
 @lru_cache(maxsize=256)
@@ -165,7 +165,7 @@ def traits_of(
 
 
 def _bulbs(lamps: Lamp) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return the colour of each bulb (bulbs + 1, 3) and whether it shines, (bulbs + 1,), when these lamps are on."""
+    """Return the colour of each bulb (bulbs + 1, 3) and whether it shines (bulbs + 1,) with these lamps on."""
     colours, shines = np.zeros((len(_BULBS) + 1, 3)), np.zeros(len(_BULBS) + 1, np.bool_)
     for k, bulb in enumerate(_BULBS, 1):
         on = bool(lamps & bulb.by)
@@ -190,7 +190,7 @@ def _solid(
     group: int = 0,
     detail: bool = False,
 ) -> Iterator[_Face]:
-    """Yield the back, front, right, left and top of a block whose top may be smaller than its foot."""
+    """Yield the back, front, right, left and top of a block whose top may be smaller than its base."""
     low, high = _level(along, across, up[0]), _level(top_along or along, top_across or across, up[1])
     for i, j in ((3, 0), (1, 2), (0, 1), (2, 3)):
         yield _Face(np.array([low[i], low[j], high[j], high[i]]), tone, NO_BULB, tag, group, detail)
@@ -199,7 +199,7 @@ def _solid(
 
 
 def _level(along: Span, across: Span, z: float) -> Floats:
-    """Return rear right, front right, front left, rear left of a level slice."""
+    """Return the corners of a horizontal slice: rear right, front right, front left, rear left."""
     (rear, front), (right, left) = along, across
     return np.array([[rear, right, z], [front, right, z], [front, left, z], [rear, left, z]])
 
@@ -207,14 +207,14 @@ def _level(along: Span, across: Span, z: float) -> Floats:
 def _pane(
     x: float, across: Span, up: Span, tone: Colour | None, *, bulb: int = NO_BULB, group: int = 0, detail: bool = True
 ) -> _Face:
-    """Return an upright face across the heading at x: it looks ahead where x is positive, else back."""
+    """Return an upright face across the heading at x, which faces forwards if x is positive, else backwards."""
     left, right = (across[1], across[0]) if x < 0.0 else (across[0], across[1])
     corners = np.array([[x, left, up[0]], [x, right, up[0]], [x, right, up[1]], [x, left, up[1]]])
     return _Face(corners, tone, bulb, None, group, detail)
 
 
 def _panel(along: Span, y: float, up: Span, tone: Colour | None, *, group: int = 0, detail: bool = True) -> _Face:
-    """Return an upright face along the heading at y, which looks outwards."""
+    """Return an upright face along the heading at y, which faces outwards."""
     begin, end = (along[0], along[1]) if y < 0.0 else (along[1], along[0])
     corners = np.array([[begin, y, up[0]], [end, y, up[0]], [end, y, up[1]], [begin, y, up[1]]])
     return _Face(corners, tone, NO_BULB, None, group, detail)
@@ -349,7 +349,7 @@ def _pedestrian(length: float, height: float) -> Iterator[_Face]:
 
 
 def _cone(length: float, height: float) -> Iterator[_Face]:
-    """Foot, and a cone with a white collar."""
+    """Yield the base, and a cone with a white collar."""
     del length, height
     yield from _solid(ALL, ALL, (0.0, 0.06), DARK)
     for low, high, tone in ((0.06, 0.4, ORANGE), (0.4, 0.66, WHITE), (0.66, 1.0, ORANGE)):
@@ -360,7 +360,7 @@ def _cone(length: float, height: float) -> Iterator[_Face]:
 
 
 def _barrier(length: float, height: float) -> Iterator[_Face]:
-    """Two feet and a board striped in red and white."""
+    """Yield two feet and a board with red and white stripes."""
     del length, height
     for group, middle in ((0, -0.4), (2, 0.4)):
         yield from _solid((middle - 0.05, middle + 0.05), ALL, (0.0, 0.5), DARK, group=group)
@@ -371,7 +371,7 @@ def _barrier(length: float, height: float) -> Iterator[_Face]:
 
 
 def _sign(length: float, height: float) -> Iterator[_Face]:
-    """A stand with a board across the heading: red rim, yellow field."""
+    """Yield a stand with a board across the heading: red rim, yellow field."""
     del length, height
     yield from _solid((-0.06, 0.06), (-0.06, 0.06), (0.0, 0.45), DARK)
     yield from _solid((-0.03, 0.03), ALL, (0.45, 1.0), RED)
@@ -397,5 +397,6 @@ _KINDS: dict[Kind, tuple[Callable[[float, float], Iterator[_Face]], Tag]] = {
     "sign": (_sign, Tag.TRAFFIC_SIGN),
     "prop": (_prop, Tag.STATIC),
 }
-"""What makes each kind from a length and a height, m, and its tag. CARLA has no tag for vans: they are cars or trucks
-there, by their size."""
+"""Function that makes each kind from a length and a height, m, and its tag. CARLA has no tag for vans, which are cars
+or trucks there, depending on their size.
+"""

@@ -1,6 +1,6 @@
-"""The picture that a report and a video show: the driver's view, the camera's image, what was detected and said.
+"""The picture in reports and videos: the driver's view, the camera's image, the detected lane and messages.
 
-Detected boundaries are green, fading to dark where they are not trusted; the predicted path is purple.
+Detected boundaries are green, darker with less confidence; the predicted path is purple.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ Image = NDArray[np.uint8]
 Colour = tuple[int, int, int]
 
 DRIVER = Camera(width=960, height=480, fov=np.deg2rad(70.0).item(), x=0.3, z=1.35, pitch=np.deg2rad(-4.0).item())
-"""The driver's view that pictures are composed on."""
+"""The camera of the driver's view."""
 
 NEAR = 1.0
-"""Distance along the optical axis from which a box is outlined, m."""
+"""Distance along the optical axis from which boxes are outlined, m."""
 
 GREEN, FAINT, PURPLE = (60, 230, 60), (60, 110, 60), (210, 40, 190)
 WHITE, AMBER, RED = (240, 240, 240), (40, 190, 255), (60, 60, 240)
@@ -40,20 +40,21 @@ _STATE_COLOURS = {
 
 
 LEAST_SCALE = 0.7
-"""Size of the writing at the least, of that in a picture 960 pixels wide: what is smaller cannot be read in films."""
+"""Least size of the writing, relative to that in a picture 960 pixels wide; smaller writing is not readable in videos.
+"""
 
 
 @dataclass(frozen=True)
 class Caption:
-    """What is written over the picture.
+    """The text on the picture.
 
     Attributes:
         time: Time of the run, s.
         speed: m/s.
-        state: State of the takeover, e.g. "automated", "request", "manual".
+        state: State of the takeover, such as "automated", "request", "manual".
         notes: Lines of information.
-        warnings: Messages that warn.
-        alarms: Messages that request.
+        warnings: Messages of warnings.
+        alarms: Messages of requests.
     """
 
     time: float
@@ -74,16 +75,16 @@ def compose(
     driver: Camera = DRIVER,
     sensor: Camera | None = None,
 ) -> Image:
-    """Return the composed picture, as large as `view_image`; the arguments are left as they are.
+    """Return the composed picture, with the size of `view_image`; the arguments are not changed.
 
     Args:
         view_image: The driver's view, BGR.
-        camera_image: What the lane detector saw, BGR.
-        lane: What it found, in the sensor's ground frame.
+        camera_image: The lane detector's image, BGR.
+        lane: The detected lane, in the sensor's ground frame.
         path: (n, 2) points of the predicted path, in the sensor's ground frame, m.
-        caption: The words.
+        caption: The text.
         driver: The camera of `view_image`.
-        sensor: The camera of `camera_image`, the default camera when None.
+        sensor: The camera of `camera_image`, the default camera if None.
     """
     sensor = sensor if sensor is not None else Camera()
     picture, inset = view_image.copy(), camera_image.copy()
@@ -96,7 +97,7 @@ def compose(
 
 
 def draw_lanes(image: Image, lane: LaneResult, camera: Camera) -> Image:
-    """Return the camera's image with the detected boundaries drawn in; the image is left as it is."""
+    """Return the camera's image with the detected boundaries; the image itself is not changed."""
     drawn = image.copy()
     _draw_boundaries(drawn, camera, lane, (0.0, 0.0))
     return drawn
@@ -108,11 +109,11 @@ def draw_seen(
     """Draw the detected boundaries and the path into the picture of a camera.
 
     Args:
-        image: The picture, which is drawn into.
+        image: The picture, which is changed.
         camera: Its camera.
-        lane: What was detected, in the sensor's ground frame.
+        lane: The detected lane, in the sensor's ground frame.
         path: (n, 2) points of the path, in the same frame, m.
-        shift: How far the sensor is ahead and to the left of the picture's camera, m.
+        shift: Position of the sensor ahead and to the left of the picture's camera, m.
     """
     if path is not None:
         points = np.asarray(path, np.float64).reshape(-1, 2) + shift
@@ -122,7 +123,7 @@ def draw_seen(
 
 
 def draw_on_ground(image: Image, camera: Camera, points: Sequence[tuple[float, float]], colour: Colour) -> None:
-    """Draw a line that lies on the ground, through points (x ahead, y left) of the camera's ground frame, m."""
+    """Draw a line on the ground through points (x ahead, y left) of the camera's ground frame, m."""
     _polyline(image, camera, [x for x, _ in points], [y for _, y in points], colour)
 
 
@@ -134,13 +135,15 @@ def annotate(image: Image, caption: Caption) -> None:
 def outline_box(
     image: Image, view: View, pose: Pose, box: tuple[float, float, float, float], colour: Colour
 ) -> tuple[int, int] | None:
-    """Outline a box in the picture of a camera; return the outline's upper left corner, pixels, None if it is behind.
+    """Outline a box in the picture of a camera; return the outline's upper left corner, pixels.
+
+    None if the box is behind the camera or outside its picture.
 
     Args:
-        image: The picture, which is drawn into.
+        image: The picture, which is changed.
         view: The camera in the world.
         pose: Pose of the box's reference point.
-        box: Its length, width and height, and how far ahead of the reference point its middle is, m.
+        box: Its length, width and height, and the distance of its centre ahead of the reference point, m.
         colour: Colour of the line.
     """
     length, width, height, center = box
@@ -154,12 +157,13 @@ def outline_box(
     pixels = corners[:, :2] / corners[:, 2:] * camera.focal + (camera.width / 2.0, camera.height / 2.0)
     hull = cv2.convexHull(np.round(pixels).astype(np.int32).reshape(-1, 1, 2))
     cv2.polylines(image, [hull], True, colour, max(2, image.shape[1] // 480), cv2.LINE_AA)
-    left, top = hull.reshape(-1, 2).min(axis=0).tolist()
-    return left, top
+    (left, top), (right, bottom) = hull.reshape(-1, 2).min(axis=0).tolist(), hull.reshape(-1, 2).max(axis=0).tolist()
+    inside = right >= 0 and bottom >= 0 and left < camera.width and top < camera.height
+    return (left, top) if inside else None
 
 
 def write_above(image: Image, corner: tuple[int, int], text: str, colour: Colour) -> None:
-    """Write a text above an outline whose upper left corner is given, as far as the picture has room."""
+    """Write a text above an outline with the given upper left corner, as far as the picture has room."""
     scale = max(0.42, 0.5 * image.shape[1] / 960.0)
     wide = cv2.getTextSize(text, _FONT, scale, 1)[0][0]
     left = min(max(corner[0], 4), max(4, image.shape[1] - wide - 4))
@@ -167,7 +171,7 @@ def write_above(image: Image, corner: tuple[int, int], text: str, colour: Colour
 
 
 def encode_webp(image: Image, quality: int = 60) -> bytes:
-    """Return the image as a WebP file of a quality, 1 to 100; equal images give equal bytes with one OpenCV."""
+    """Return the image as a WebP file with a quality from 1 to 100; with one OpenCV equal images give equal bytes."""
     good, data = cv2.imencode(".webp", image, [cv2.IMWRITE_WEBP_QUALITY, quality])
     if not good:
         raise ValueError(f"an image of shape {image.shape} cannot be encoded")
@@ -175,7 +179,7 @@ def encode_webp(image: Image, quality: int = 60) -> bytes:
 
 
 def encode_jpeg(image: Image, quality: int = 80) -> bytes:
-    """Return the image as a JPEG file of a quality, 1 to 100; five times as fast as WebP, and twice as large."""
+    """Return the image as a JPEG file with a quality from 1 to 100; five times as fast as WebP, and twice as large."""
     good, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
     if not good:
         raise ValueError(f"an image of shape {image.shape} cannot be encoded")
@@ -198,7 +202,7 @@ def _draw_boundaries(image: Image, camera: Camera, lane: LaneResult, shift: tupl
 
 
 def _polyline(image: Image, camera: Camera, x: ArrayLike, y: ArrayLike, colour: Colour, pitch: float = 0.0) -> None:
-    """Draw a line that lies on the ground, against which the camera is tilted up by `pitch`, rad."""
+    """Draw a line on the ground, against which the camera is tilted up by `pitch`, rad."""
     u, v = camera.project_ground(x, y, pitch)
     points = np.stack([u, v], axis=1)
     points = points[np.isfinite(points).all(axis=1) & (np.asarray(x, np.float64) > 1.0)]
@@ -209,7 +213,7 @@ def _polyline(image: Image, camera: Camera, x: ArrayLike, y: ArrayLike, colour: 
 
 
 def _set_in(picture: Image, inset: Image) -> None:
-    """Put the camera's image into the upper right corner, a third as wide as the picture."""
+    """Insert the camera's image into the upper right corner, a third as wide as the picture."""
     width = picture.shape[1] // 3
     height = round(width * inset.shape[0] / inset.shape[1])
     small = cv2.resize(inset, (width, height), interpolation=cv2.INTER_AREA)
@@ -256,7 +260,7 @@ def _confidence_colour(lane: LaneResult) -> Colour:
 
 
 def _darken(area: Image, share: float) -> None:
-    """Darken part of a picture so that writing on it can be read; `share` is left of its brightness."""
+    """Darken a part of a picture for readable writing; `share` of its brightness remains."""
     area[:] = cv2.convertScaleAbs(area, alpha=share)
 
 

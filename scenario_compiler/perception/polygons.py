@@ -1,9 +1,8 @@
 """Planar polygons of the world as polygons of the image: clipped, projected, in fixed point for OpenCV.
 
-Points of many polygons are kept by axis, then corner, then polygon, (3, corners, K): numpy is quick along the last one.
-
-Polygons that reach behind the near plane, or so far out of the image that fixed point would bend their edges, are cut
-there (Sutherland and Hodgman, Communications of the ACM 17, 1974).
+Points of many polygons are stored by axis, then corner, then polygon, (3, corners, K), because numpy is fast along the
+last axis. Polygons that extend behind the near plane, or so far out of the image that fixed point would bend their
+edges, are clipped (Sutherland and Hodgman, Communications of the ACM 17, 1974).
 """
 
 from __future__ import annotations
@@ -26,22 +25,23 @@ SUBPIXEL = 4
 """Fractional bits of polygon corners handed to OpenCV."""
 
 MARGIN = 64.0
-"""How far beyond the image polygons are cut where they must be, pixels."""
+"""Distance beyond the image at which polygons are clipped if necessary, pixels."""
 
 FARTHEST = 8192.0
-"""Distance from the principal point up to which OpenCV draws edges exactly, pixels; of corners farther out the slopes
-of the edges overflow."""
+"""Distance from the principal point up to which OpenCV draws edges exactly, pixels; with corners farther out the slopes
+of the edges overflow.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Flat:
-    """Polygons in the image. K polygons; those of which nothing lies before the lens are left out.
+    """Polygons in the image. K polygons, without those that lie completely behind the lens.
 
     Attributes:
-        index: (K,) which of the polygons given.
-        shapes: For each of them its corners, (corners, 2), in units of 2**-SUBPIXEL pixels.
-        pixels: (2, N, K) corners in pixels; of polygons that had to be cut they mean nothing.
-        whole: (K,) bool, the polygon was not cut.
+        index: (K,) which of the given polygons it is.
+        shapes: The corners of each, (corners, 2), in units of 2**-SUBPIXEL pixels.
+        pixels: (2, N, K) corners in pixels; undefined for clipped polygons.
+        whole: (K,) bool, whether the polygon was not clipped.
     """
 
     index: Index
@@ -90,9 +90,9 @@ def _fixed(pixels: Floats) -> Polygon:
 
 
 def _cut(points: Floats, camera: Camera) -> list[Polygon]:
-    """Return polygons (3, N, K), camera axes, cut close to the image's borders and at the near plane.
+    """Return polygons (3, N, K), camera axes, clipped near the image's borders and at the near plane.
 
-    A border that leaves neither depths nor corners to be mended is not cut at.
+    A border is skipped if neither depths nor corners require it.
     """
     across = (camera.width / 2.0 + MARGIN) / camera.focal
     down = (camera.height / 2.0 + MARGIN) / camera.focal
@@ -109,7 +109,7 @@ def _cut(points: Floats, camera: Camera) -> list[Polygon]:
 
 
 def clip(points: Floats, inside: Floats, count: Index) -> tuple[Floats, Index]:
-    """Cut convex polygons by a plane.
+    """Clip convex polygons by a plane.
 
     Args:
         points: (D, N, K) corners; each polygon's own are the first `count`, and the others repeat its last.
@@ -137,7 +137,7 @@ def clip(points: Floats, inside: Floats, count: Index) -> tuple[Floats, Index]:
 
 
 def thickness(pixels: Floats) -> Floats:
-    """Return area by longest side of quadrilaterals (2, 4, K), pixels."""
+    """Return the area divided by the longest side of quadrilaterals (2, 4, K), pixels."""
     across, along = pixels[:, 2] - pixels[:, 0], pixels[:, 3] - pixels[:, 1]
     area = 0.5 * np.abs(across[0] * along[1] - across[1] * along[0])
     sides = pixels - pixels[:, (1, 2, 3, 0)]
@@ -146,7 +146,7 @@ def thickness(pixels: Floats) -> Floats:
 
 
 def facing(points: Floats) -> NDArray[np.bool_]:
-    """Return which polygons (3, N, K), camera axes, show the side from which their corners run counter-clockwise."""
+    """Return which polygons (3, N, K), camera axes, show the side from which their corners are counter-clockwise."""
     normal = _cross(points[:, 1] - points[:, 0], points[:, -1] - points[:, 0])
     return np.asarray((normal * points[:, 0]).sum(axis=0) < 0.0)
 
@@ -154,8 +154,8 @@ def facing(points: Floats) -> NDArray[np.bool_]:
 def nearness_planes(points: Floats) -> Floats:
     """Return for planar polygons (3, N, K), camera axes, the (3, K) coefficients of 1 / depth.
 
-    Where a polygon's plane is seen at (x, y) = (right / depth, down / depth), 1 / depth = a x + b y + c, because the
-    points p of a plane have n . p = d. Of planes through the lens, which are seen edge-on, d is taken as 1e-6.
+    If a polygon's plane is seen at (x, y) = (right / depth, down / depth), then 1 / depth = a x + b y + c, because the
+    points p of a plane satisfy n . p = d. For planes through the lens, which are seen edge-on, d is taken as 1e-6.
     """
     one = _cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     other = _cross(points[:, 2] - points[:, 0], points[:, -1] - points[:, 0])

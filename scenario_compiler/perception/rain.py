@@ -18,26 +18,26 @@ from scenario_compiler.perception.weather_look import Look
 Image = NDArray[np.uint8]
 
 MOST_DROPS = 160
-"""Drops on the windscreen in the hardest rain, between two strokes of the wiper."""
+"""Number of drops on the windscreen in the heaviest rain, between two strokes of the wiper."""
 
 DROP_RADIUS = (0.0025, 0.008)
 """Least and greatest radius of a drop, as a share of the image's width."""
 
 STROKE = 24
-"""Images between two strokes of the wiper; each drop begins at a time of its own."""
+"""Number of images between two strokes of the wiper; each drop begins at a random time."""
 
 SEEN_THROUGH = 7.0
-"""How many times wider than itself is what a drop shows, upside down."""
+"""Width of the part of the scene that a drop shows, upside down, relative to its own width."""
 
 OPAQUE = 0.75
-"""Share of a drop's own picture in what is seen through it."""
+"""Opacity of a drop's picture of the scene."""
 
 SMALL = 8
-"""What a drop shows is taken from an image this many times smaller."""
+"""Factor by which the image that drops show is reduced."""
 
 
 class _Drops(NamedTuple):
-    """All pixels of all drops: which drop, which pixel, and which pixel of the small image it shows."""
+    """All pixels of all drops: the drop, the pixel, and the pixel of the small image that it shows."""
 
     drop: NDArray[np.int64]
     pixel: NDArray[np.int64]
@@ -52,7 +52,7 @@ def add_rain(image: Image, camera: Camera, look: Look, seed: int, frame_index: i
         image: The image.
         camera: The camera.
         look: The weather.
-        seed: Seed of the run; with `frame_index` it places the streaks, alone it places the drops.
+        seed: Seed of the run; together with `frame_index` it places the streaks, alone the drops.
         frame_index: Number of the frame.
         buffers: Working memory.
     """
@@ -64,7 +64,7 @@ def add_rain(image: Image, camera: Camera, look: Look, seed: int, frame_index: i
 
 
 def _add_streaks(image: Image, camera: Camera, look: Look, draw: np.random.Generator, buffers: Buffers) -> None:
-    """Add streaks, cut at a random place of a large field of them."""
+    """Add streaks from a random part of a large field of them."""
     brightness = 0.45 * look.rain * max(look.luminance, 0.15)
     tile = _lit_tile(camera.width, camera.height, 0.1 + 0.25 * look.wind, brightness)
     row, column = int(draw.integers(camera.height)), int(draw.integers(camera.width))
@@ -75,12 +75,12 @@ def _add_streaks(image: Image, camera: Camera, look: Look, draw: np.random.Gener
 
 @lru_cache(maxsize=4)
 def _lit_tile(width: int, height: int, slant: float, brightness: float) -> Image:
-    """Return the streaks of `rain_tile` as bright as the weather makes them."""
+    """Return the streaks of `rain_tile` with the brightness of the weather."""
     return np.asarray(cv2.convertScaleAbs(rain_tile(width, height, slant), alpha=brightness), np.uint8)
 
 
 def _add_drops(image: Image, rain: float, seed: int, frame_index: int) -> None:
-    """Show through each drop a small picture of the scene, upside down."""
+    """Show a small picture of the scene through each drop, upside down."""
     height, width = image.shape[:2]
     drops = _drops_on(width, height, seed)
     there = np.flatnonzero(((frame_index + drops.begins) % STROKE < STROKE * rain)[drops.drop])

@@ -1,4 +1,4 @@
-"""What a wet road mirrors: the sky, the trees at the horizon, the sides and the lamps of other vehicles."""
+"""Reflections in a wet road: the sky, the trees at the horizon, the sides and the lamps of other vehicles."""
 
 from __future__ import annotations
 
@@ -18,29 +18,29 @@ Image = NDArray[np.uint8]
 Table = NDArray[np.float32]
 
 STEP_BITS = 2
-"""A mirror image takes every fourth pixel: ripples blur it anyway."""
+"""A reflection is computed for every fourth pixel, because ripples blur it anyway."""
 
 BLUR = 31.0 / 512.0
-"""How far ripples spread a mirror image upwards and downwards, as a share of the image's height."""
+"""Vertical blur of a reflection by ripples, as a share of the image's height."""
 
 SMALLEST = 6.0
-"""Least height and width of a face that is mirrored, pixels, unless it shines."""
+"""Least height and width of a reflected face, pixels, unless it shines."""
 
 FAINT = 0.6
-"""Share of the light of a vehicle's sides in the mirror image: they are seen from below, in their own shade."""
+"""Share of the light of a vehicle's sides in the reflection, where they are seen from below, in their own shade."""
 
 
 STREAK = 3.0
-"""How much longer than itself the mirror image of a lamp is."""
+"""Length of the reflection of a lamp relative to the lamp itself."""
 
 _Shape = tuple[Polygon, list[float]]
 
 
 class Reflection:
-    """The mirror image in the ground of one camera."""
+    """The reflections in the ground for one camera."""
 
     def __init__(self, lens: Lens, buffers: Buffers) -> None:
-        """Prepare which part of the sky each piece of ground mirrors."""
+        """Prepare which part of the sky each piece of ground reflects."""
         self.lens, self._buffers = lens, buffers
         step = 1 << STEP_BITS
         ahead, left, up = (one[lens.top :: step, ::step] for one in lens.directions())
@@ -48,14 +48,14 @@ class Reflection:
         self._blur = max(round(BLUR * lens.camera.height / step), 1)
 
     def add(self, ground: Image, mirror: Table, panorama: Image, view: View, faces: Faces, light: Light) -> None:
-        """Add what the ground mirrors to its image, in place.
+        """Add reflections to the image of the ground, in place.
 
         Args:
             ground: (rows, width, 4) the ground from row `lens.top` on.
-            mirror: (mirroring rows, columns) the share of light that it mirrors (see `Ground.shade`).
+            mirror: (reflecting rows, columns) the share of light that it reflects (see `Ground.shade`).
             panorama: The sky.
             view: The camera in the world.
-            faces: What stands on the ground.
+            faces: The things on the ground.
             light: The light.
         """
         step = ground.shape[1] // mirror.shape[1]
@@ -79,7 +79,7 @@ class Reflection:
         cv2.add(ground, image, ground)
 
     def _mirrored(self, view: View, faces: Faces, light: Light) -> tuple[list[_Shape], list[_Shape]]:
-        """Return the faces turned over the plane that the vehicle stands on: those that are lit, and lamps."""
+        """Return the faces mirrored at the plane that the vehicle stands on: lit ones, and lamps."""
         if not faces.shapes:
             return [], []
         up = view.rotation @ vehicle_axes(view.pose)[:, 2]
@@ -98,7 +98,7 @@ class Reflection:
 
 
 def _stretched(shape: Polygon) -> Polygon:
-    """Return the mirror image of a lamp as ripples draw it out, upwards and downwards."""
+    """Return the reflection of a lamp, stretched up and down by ripples."""
     middle = shape[:, 1].mean()
     drawn_out = shape.copy()
     drawn_out[:, 1] = np.rint(middle + STREAK * (shape[:, 1] - middle))

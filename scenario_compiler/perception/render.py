@@ -51,17 +51,17 @@ from scenario_compiler.perception.weather_look import Look
 Image = NDArray[np.uint8]
 
 HALF = 127
-"""Coverage over which more than half of a pixel is covered."""
+"""Coverage above which more than half of a pixel is covered."""
 
 
 class Renderer:
-    """Draws one scene for one camera. It keeps only what can be recomputed: nothing of a frame reaches the next.
+    """Draws one scene for one camera. It keeps only what can be recomputed: a frame does not affect the next.
 
-    Its working memory is used again for each picture: one renderer draws in one thread at a time.
+    Its working memory is reused for each picture, so a renderer must be used by one thread at a time.
     """
 
     def __init__(self, scene: Scene, camera: Camera) -> None:
-        """Prepare what depends on neither pose nor weather."""
+        """Prepare everything that depends on neither pose nor weather."""
         self.scene, self.camera = scene, camera
         self.lens = Lens(camera)
         self.buffers = Buffers()
@@ -74,11 +74,11 @@ class Renderer:
     def draw(
         self, view: View, boxes: Sequence[Box], look: Look, signals: Mapping[str, str] = MappingProxyType({})
     ) -> Drawing:
-        """Find out what is seen where; image and labels are made of it when they are asked for.
+        """Determine what is visible where; image and labels are made from this on request.
 
         Args:
             view: The camera in the world; its camera must be this renderer's.
-            boxes: Everybody else, in any order.
+            boxes: All others, in any order.
             look: The weather.
             signals: States of traffic lights by their id, as scenarios write them; others are dark.
         """
@@ -95,7 +95,7 @@ class Renderer:
 
 
 class _Weather:
-    """What a renderer prepares for one weather."""
+    """The parts of a renderer for one weather."""
 
     def __init__(self, ground: Ground, look: Look) -> None:
         self.look = look
@@ -105,14 +105,14 @@ class _Weather:
 
 
 class Drawing:
-    """What one camera sees at one instant: the picture, and for each pixel its depth, kind and thing.
+    """The view of one camera at one instant: the picture, and for each pixel its depth, kind and thing.
 
-    All are made of the same polygons in the same order, each when it is first asked for. A pixel that lies partly on
-    one thing and partly on another is labelled as the nearer one, and has a colour between both.
+    All are made of the same polygons in the same order, each on request. A pixel that lies partly on one thing and
+    partly on another is labelled as the nearer one, and has a colour between both.
     """
 
     def __init__(self, renderer: Renderer, weather: _Weather, traced: Traced, placed: Placed, faces: Faces) -> None:
-        """Keep what was found."""
+        """Store what is visible."""
         self._renderer, self._weather = renderer, weather
         self._traced, self._placed, self._faces = traced, placed, faces
 
@@ -125,9 +125,9 @@ class Drawing:
         """Return the image (height, width, 3), BGR.
 
         Args:
-            seed: Seed of the run; with `frame_index` it places rain.
+            seed: Seed of the run; together with `frame_index` it places rain.
             frame_index: Number of the frame.
-            strokes: What is drawn into the world for debugging.
+            strokes: Debug lines to draw into the world.
         """
         part, weather, look, traced = self._renderer, self._weather, self._weather.look, self._traced
         view, camera = traced.view, part.camera
@@ -159,7 +159,7 @@ class Drawing:
 
     @cached_property
     def depth(self) -> NDArray[np.float32]:
-        """(height, width) distance of each pixel along the optical axis, m, `FARTHEST_DEPTH` at most."""
+        """(height, width) distance of each pixel along the optical axis, m, at most `FARTHEST_DEPTH`."""
         camera, points = self._renderer.camera, self._corners
         planes = self._planes.astype(np.float32)
         bounds = np.full((len(planes), 2), 1.0 / FARTHEST_DEPTH, np.float32)
@@ -177,7 +177,7 @@ class Drawing:
 
     @cached_property
     def normals(self) -> NDArray[np.float32]:
-        """(height, width, 3) unit normal of what each pixel shows, in the world's axes, towards the camera; 0 for sky.
+        """(height, width, 3) unit normals of the surface in each pixel, world axes, towards the camera; 0 for sky.
 
         Where a plane is seen, 1 / depth is a linear function of the pixel, whose coefficients point along the plane's
         normal, away from the camera.
@@ -188,14 +188,14 @@ class Drawing:
 
     @cached_property
     def _corners(self) -> Floats:
-        """(3, 4, polygons) corners of everything that is drawn but the bare plane, in camera axes."""
+        """(3, 4, polygons) corners of everything drawn except the bare plane, in camera axes."""
         traced = self._traced
         slopes = traced.surfaces.points[:, :, : len(traced.material) - FIRST - len(traced.surfaces.index)]
         return np.concatenate([traced.surfaces.points, slopes, self._faces.points], axis=2)
 
     @cached_property
     def _planes(self) -> Floats:
-        """(polygons + FIRST, 3) coefficients of 1 / depth by what `_ids` says (see `nearness_planes`); 0 for sky."""
+        """(polygons + FIRST, 3) coefficients of 1 / depth, by `_ids` (see `nearness_planes`); 0 for sky."""
         planes = np.zeros((self._corners.shape[2] + FIRST, 3))
         planes[BARE] = bare_plane(self.view)
         planes[FIRST:] = nearness_planes(self._corners).T
@@ -203,7 +203,7 @@ class Drawing:
 
     @cached_property
     def semantic(self) -> NDArray[np.uint8]:
-        """(height, width) uint8, what kind of thing each pixel shows, a `Tag`."""
+        """(height, width) uint8, the kind of thing in each pixel, a `Tag`."""
         part, traced, ids = self._renderer, self._traced, self._ids
         first = len(traced.material)
         tags = np.concatenate([MATERIAL_TAGS[traced.material], self._faces.tags])
@@ -223,16 +223,16 @@ class Drawing:
 
     @cached_property
     def instance(self) -> NDArray[np.int32]:
-        """(height, width) int32, which thing each pixel shows.
+        """(height, width) int32, the thing in each pixel.
 
-        The number that a box was given, a negative one for a thing of the map (see `roadside`), 0 for ground and sky.
+        It is the number of a box, a negative number for a thing of the map (see `roadside`), or 0 for ground and sky.
         """
         numbers = np.concatenate([np.zeros(len(self._traced.material), np.int32), self._faces.instances])
         return np.asarray(np.take(numbers, self._ids.astype(np.intp)), np.int32)
 
     @cached_property
     def _ids(self) -> NDArray[np.uint16]:
-        """(height, width) which polygon each pixel shows: those of the ground as `Traced.ids` has them, then faces."""
+        """(height, width) the polygon in each pixel: those of the ground as in `Traced.ids`, then faces."""
         ids = self._traced.ids.copy()
         for k, shape in enumerate(self._faces.shapes, len(self._traced.material)):
             cv2.fillConvexPoly(ids, shape, k, cv2.LINE_8, SUBPIXEL)

@@ -1,4 +1,4 @@
-"""The camera on the car: a map, a pose and the weather in, an image out."""
+"""The camera on the car, which makes an image from a map, a pose and the weather."""
 
 from __future__ import annotations
 
@@ -18,23 +18,36 @@ from scenario_compiler.perception.solids import Box
 from scenario_compiler.perception.weather_look import WeatherNumbers, look_of
 from scenario_compiler.roads.mesh import Surface, road_marks, road_surface
 from scenario_compiler.roads.positions import Pose, SecondaryLine
+from scenario_compiler.roads.quality import PAINT_COLUMNS
 
 if TYPE_CHECKING:
     from scenario_compiler.roads.network import Network
 
 
 _UNPAINTED: dict[str, tuple[Surface, Roadside]] = {}
-"""What no plan paints of the map that was drawn last, by the digest of its file."""
+"""The unpainted parts of the map that was drawn last, by the digest of its file."""
+
+
+_PAINTED: dict[tuple[object, ...], Scene] = {}
+"""The scene that was made last, by the digest of its map's file and by its paint."""
 
 
 def scene_of(network: Network, secondary: Sequence[SecondaryLine] = ()) -> Scene:
-    """Return the scene of a network with lines beside its marks, to be shared by the cameras of one run."""
-    surface, beside = _unpainted(network)
-    return Scene(surface, joined_marks(road_marks(network, secondary=secondary), beside.marks), beside.uprights)
+    """Return the scene of a network with lines beside its marks, to be shared by cameras; the last one is kept."""
+    paint = tuple(tuple(getattr(network.tables, name)) for name in PAINT_COLUMNS)
+    key = (network.sha256, paint, tuple(secondary))
+    found = _PAINTED.get(key)
+    if found is None:
+        surface, beside = _unpainted(network)
+        marks = joined_marks(road_marks(network, secondary=secondary), beside.marks)
+        found = Scene(surface, marks, beside.uprights)
+        _PAINTED.clear()
+        _PAINTED[key] = found
+    return found
 
 
 def _unpainted(network: Network) -> tuple[Surface, Roadside]:
-    """Return the surface of the roads and what stands beside them, kept for the next run on the same map."""
+    """Return the surface of the roads and the objects beside them, kept for the next run on the same map."""
     found = _UNPAINTED.get(network.sha256)
     if found is None:
         found = road_surface(network), roadside_of(network)
@@ -46,7 +59,7 @@ def _unpainted(network: Network) -> tuple[Surface, Roadside]:
 class RoadCamera:
     """A camera on a vehicle in a scene.
 
-    Every frame is a function of its arguments and the seed, but that a frozen one repeats the frame before.
+    Every frame is a function of its arguments and the seed, except that a frozen one repeats the previous frame.
     """
 
     def __init__(
@@ -59,11 +72,10 @@ class RoadCamera:
         """Prepare the scene and the drawing.
 
         Args:
-            network: The roads; a `Scene` where several cameras share one (see `scene_of`).
-            camera: The camera and its mounting, the default camera when None.
+            network: The roads, or a `Scene` if several cameras share one (see `scene_of`).
+            camera: The camera and its mounting, the default camera if None.
             seed: Seed of the run, for noise and rain.
-            box_offset: Distance from the vehicle's reference point ahead to the centre of its bounding box,
-                m.
+            box_offset: Distance from the vehicle's reference point ahead to the centre of its bounding box, m.
         """
         self.scene = network if isinstance(network, Scene) else scene_of(network)
         self.camera = camera if camera is not None else Camera()
@@ -74,7 +86,7 @@ class RoadCamera:
         self._turned: Renderer | None = None
 
     def view(self, pose: Pose) -> View:
-        """Return where the camera is when the vehicle's reference point has this pose."""
+        """Return the camera in the world for a pose of the vehicle's reference point."""
         return self.camera.view(pose, self.box_offset)
 
     def draw(
@@ -84,11 +96,11 @@ class RoadCamera:
         weather: WeatherNumbers,
         signals: Mapping[str, str] = MappingProxyType({}),
     ) -> Drawing:
-        """Return what the camera sees: the image as the optics deliver it, depth, kinds and things.
+        """Return the view of the camera: the image as delivered by the optics, depth, kinds and things.
 
         Args:
             pose: Pose of the vehicle's reference point.
-            objects: Everybody else.
+            objects: All others.
             weather: CARLA's weather numbers.
             signals: States of traffic lights by their id, as scenarios write them; others are dark.
         """
@@ -108,12 +120,12 @@ class RoadCamera:
 
         Args:
             pose: Pose of the vehicle's reference point.
-            objects: Everybody else.
+            objects: All others.
             weather: CARLA's weather numbers.
-            state: What is wrong with the camera; a number is the standard deviation of its noise, grey levels.
+            state: The faults of the camera; a number is the standard deviation of its noise, grey levels.
             frame_index: Number of the frame.
             signals: States of traffic lights (see `draw`).
-            t: Time of the frame, s, which says whether a late image is due.
+            t: Time of the frame, s, which determines whether a late image is due.
         """
         wrong = state if isinstance(state, Degradation) else Degradation(sigma=state)
         renderer = self._renderer_of(wrong.camera(self.camera))
@@ -122,11 +134,11 @@ class RoadCamera:
         return self._sensor.deliver(image, wrong, frame_index, t)
 
     def forget(self) -> None:
-        """Forget the images before, which a frozen camera repeats."""
+        """Forget the previous images, which a frozen camera repeats."""
         self._sensor = Sensor(self.seed, self.camera, self.box_offset)
 
     def _renderer_of(self, camera: Camera) -> Renderer:
-        """Return what draws for the camera, which may be turned on its mount."""
+        """Return the renderer for the camera, which may be turned on its mount."""
         if camera is self.camera:
             return self._renderer
         if self._turned is None or self._turned.camera != camera:

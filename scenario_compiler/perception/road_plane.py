@@ -1,12 +1,12 @@
-"""How the road ahead lies against the plane that the car stands on, told from the two boundaries of the lane.
+"""The tilt of the road ahead against the plane that the car stands on, from the two boundaries of the lane.
 
-Seen from above through a camera that is tilted up by an angle p that nobody knows, a point x metres ahead appears at
-x' with 1 / x' = 1 / x + p / h (h is the camera's height), and everything across shrinks by x' / x = 1 - p x' / h. So
-two boundaries that are parallel on the road appear to run together, by w p / h for each metre ahead, where w is the
-lane's width. A braking car and a road that falls or rises ahead look the same.
+Seen from above through a camera that is tilted up by an unknown angle p, a point x metres ahead appears at x' with 1 /
+x' = 1 / x + p / h (h is the camera's height), and lateral distances shrink by x' / x = 1 - p x' / h. So two boundaries
+that are parallel on the road appear to converge, by w p / h for each metre ahead, where w is the lane's width. A
+braking car and a road that falls or rises ahead look the same.
 
-A lane that narrows looks like a tilt as well; how much lanes narrow and how far cars and roads tilt says which is
-more likely, and what was found in the image before weighs too.
+A narrowing lane looks like a tilt as well. Prior distributions of how much lanes narrow and how far cars and roads tilt
+determine which is more likely, together with the result for the previous image.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ COMPARED = (6.0, 20.0)
 """Distances ahead of the camera at which the lane's widths are compared, m."""
 
 TAPER = 0.008
-"""Standard deviation of what a lane gets wider in a metre: most keep their width, a taper has 1:30 to 1:50."""
+"""Standard deviation of a lane's widening per metre: most keep their width, a taper has 1:30 to 1:50."""
 
 BEND_DOUBT = 8.0
-"""What is added to it by the square of the curvature, m2: the far ends of a bend are not seen."""
+"""Addition to it for each unit of the squared curvature, m2, because the far ends of a bend are not visible."""
 
 USUAL_PITCH = math.radians(1.0)
-"""Standard deviation of the tilt before any was seen, rad: grades that begin, and braking with 4 m/s2."""
+"""Prior standard deviation of the tilt, rad: beginning grades, and braking with 4 m/s2."""
 
 PITCH_CHANGE = math.radians(0.25)
 """Standard deviation of its change from one image to the next, rad: braking hard changes it by 1 degree in 0.3 s."""
@@ -41,10 +41,10 @@ WIDTHS, BENDS = 5.0, 0.04
 """Ranges of the two over which boundaries that belong to no lane are spread, m and 1/m."""
 
 KEPT = 0.98
-"""Share of the tilt that is left one image later where nothing of it is seen: the body comes back, the grade ends."""
+"""Share of the tilt that remains after one image without an observation: the body levels, the grade ends."""
 
 STEEPEST = math.radians(4.0)
-"""Greatest tilt that is considered, rad."""
+"""Greatest possible tilt, rad."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Tilt:
     """A tilt of the camera against the ground ahead.
 
     Attributes:
-        pitch: Upward tilt beyond the mounting, rad.
+        pitch: Upward tilt relative to the mounting, rad.
         deviation: Its standard deviation, rad.
     """
 
@@ -60,19 +60,19 @@ class Tilt:
     deviation: float
 
     def later(self) -> Tilt:
-        """Return what it says about the next image."""
+        """Return the prediction for the next image."""
         return Tilt(KEPT * self.pitch, min(math.hypot(self.deviation, PITCH_CHANGE), USUAL_PITCH))
 
     def with_seen(self, seen: Tilt, real: float = 1.0) -> Tilt:
         """Return the tilt after another independent observation of it.
 
-        An observation that may be of something else is weighed by how well it agrees with what is known, as the
-        probabilistic data association filter does (Bar-Shalom and Tse, Automatica 11, 1975): it is normally
-        distributed where it is real, and anywhere up to `STEEPEST` where it is not.
+        An observation that may be wrong is weighted by its agreement with what is known, as in the probabilistic data
+        association filter (Bar-Shalom and Tse, Automatica 11, 1975): it is normally distributed if it is right, and
+        uniformly up to `STEEPEST` if it is not.
 
         Args:
             seen: The observation.
-            real: Probability, before it is compared, that it is an observation of the tilt at all.
+            real: Prior probability that it is an observation of the tilt.
         """
         variance = self.deviation**2 + seen.deviation**2
         if not math.isfinite(variance):
@@ -88,11 +88,11 @@ class Tilt:
 
 
 LEVEL = Tilt(0.0, USUAL_PITCH)
-"""What is known without an image."""
+"""The tilt without any image."""
 
 
 def tilt_beyond(left: Fit, right: Fit, height: float) -> Tilt:
-    """Return the tilt that is left where two boundaries were fitted in a map of the ground.
+    """Return the remaining tilt after two boundaries were fitted in a map of the ground.
 
     Args:
         left: The left boundary.
@@ -129,17 +129,17 @@ def _normal(off: float, deviation: float) -> float:
 
 
 def tilt_of_widening(slope: float, width: float, bend: float, variance: float, height: float) -> Tilt:
-    """Return the tilt under which a lane that seems to widen keeps its width.
+    """Return the tilt at which a lane that appears to widen has a constant width.
 
     Args:
-        slope: By how much it seems to widen per metre ahead.
+        slope: Its apparent widening per metre ahead.
         width: Its width below the camera, m.
-        bend: Its curvature, 1/m, which leaves doubt, as a lane may taper.
+        bend: Its curvature, 1/m, which increases the uncertainty, because a lane may taper.
         variance: Variance of the slope.
         height: Height of the camera, m.
 
     Returns:
-        The tilt, rad; of infinite deviation where the lane is less than 1 m wide.
+        The tilt, rad, with an infinite deviation if the lane is less than 1 m wide.
     """
     if width < 1.0:
         return Tilt(0.0, math.inf)
@@ -149,7 +149,7 @@ def tilt_of_widening(slope: float, width: float, bend: float, variance: float, h
 
 
 def _width(left: Fit, right: Fit, d: float) -> float:
-    """Return the distance of two boundaries d metres ahead, m, square to the lane that lies between them."""
+    """Return the distance of two boundaries d metres ahead, m, perpendicular to the lane between them."""
     at = np.array([d - 0.5, d + 0.5])
     y_left, y_right = arc_y(left.curve, at), arc_y(right.curve, at)
     heading = 0.5 * float((y_left + y_right) @ np.array([-1.0, 1.0]))

@@ -1,8 +1,8 @@
-"""Objects and signals of a road file as plain shapes: poles, signs, barriers, buildings, trees, crosswalks.
+"""Objects and signals of a road file as simple shapes: poles, signs, barriers, buildings, trees, crosswalks.
 
-Shapes have the sizes that the file gives, and usual ones where it gives none. What has neither a size nor a known kind
-is left out. Things are numbered in the picture of instances from -1 downwards: the objects in the file's order, then
-its signals.
+Shapes have the sizes of the file, or typical ones if it gives none. Objects without a size and of an unknown kind are
+left out. Things have negative numbers in the picture of instances, from -1 downwards: the objects in the file's order,
+then its signals.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ Colour = tuple[int, int, int]
 Drawn = Literal["block", "wall", "building", "tree", "gantry", "lamp", "zebra", "bay", "mark"]
 
 LONGEST = 8.0
-"""Longest face of a wall, m: what is drawn from far to near must not be long."""
+"""Greatest length of a face of a wall, m, because drawing from far to near needs short faces."""
 
 ALONG = 4.0
-"""Length of the pieces of what goes on along a road without gaps, m."""
+"""Length of the pieces of an object that continues along a road without gaps, m."""
 
 LARGEST = 300.0
-"""Sizes beyond it are taken as it, m."""
+"""Greatest size, m; greater ones are reduced to it."""
 
 MOST_PLACES = 40_000
-"""Places of objects that are drawn at most. A bound on hostile files."""
+"""Greatest number of drawn places of objects; protects against hostile files."""
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -57,7 +57,9 @@ BEFORE = 0.1
 """How far the face of a signal is before its post, m."""
 
 LEAST_BOTTOM = 1.0
-"""Height of a signal over the road under which its post is meant, m: then its face is put at a usual height."""
+"""Height of a signal above the road below which it means the foot of its post, m: then its face is put at a typical
+height.
+"""
 
 GREY, STEEL, CONCRETE, WOOD, GLASS = (132, 132, 130), (150, 152, 152), (150, 155, 158), (45, 62, 82), (92, 78, 66)
 LEAVES = ((48, 92, 62), (40, 84, 70), (58, 104, 72), (44, 78, 52))
@@ -66,9 +68,9 @@ WHITE, BLACK, RED, YELLOW, BLUE = (235, 235, 235), (30, 30, 30), (40, 40, 200), 
 
 
 class Look(NamedTuple):
-    """What objects of a type are drawn as: shape, colour (None: one of several, by the id), tag, length, width, height.
+    """How objects of a type are drawn: shape, colour (None: one of several, by the id), tag, length, width, height.
 
-    Sizes are those where the file gives none, m; 0 means that such an object is left out.
+    The sizes are for objects without a size in the file, m; 0 means that such an object is left out.
     """
 
     drawn: Drawn
@@ -98,7 +100,7 @@ LOOKS = {
     "parkingSpace": Look("bay", None, Tag.ROAD_LINE, 0.0, 0.0, 0.0),
     "roadMark": Look("mark", None, Tag.ROAD_LINE, 0.0, 0.0, 0.0),
 }
-"""How objects look by their type. All others are blocks where the file gives their size."""
+"""How objects are drawn, by their type. All others are blocks if the file gives their size."""
 
 OTHER = Look("block", GREY, Tag.OTHER, 0.0, 0.0, 0.0)
 
@@ -107,14 +109,14 @@ _PAINTS = {paint.name.lower(): paint for paint in Paint}
 
 @dataclass(frozen=True, eq=False)
 class Roadside:
-    """What a road file has beside lanes: what stands up, and the paint of objects."""
+    """The objects of a road file: everything upright, and the paint of objects."""
 
     uprights: Uprights
     marks: Marks
 
 
 class _Place(NamedTuple):
-    """Where an object stands: its origin, the axes of the road's surface there turned as it is, and upright ones."""
+    """The place of an object: its origin, the axes of the road surface turned by its heading, and upright axes."""
 
     pose: Pose
     origin: Floats
@@ -131,7 +133,7 @@ class _Size(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Board:
-    """A board: the middle of its lower edge, where its face looks, its size."""
+    """A board: the centre of its lower edge, the direction of its face, and its size."""
 
     origin: Floats
     ahead: Floats
@@ -140,11 +142,11 @@ class _Board:
 
     @property
     def left(self) -> Floats:
-        """Left as the board looks."""
+        """Left from the board's own point of view."""
         return np.array([-self.ahead[1], self.ahead[0], 0.0])
 
     def at(self, points: Floats, lift: float) -> Floats:
-        """Return points (N, 2) of the face (right of its middle as it is seen, up from its lower edge), (N, 3)."""
+        """Return points (N, 2) of the face (right of its centre as seen, up from its lower edge) as (N, 3)."""
         points = np.asarray(points)
         return np.asarray(self.origin + points[:, :1] * self.left + points[:, 1:2] * UP + lift * self.ahead)
 
@@ -158,10 +160,10 @@ _LAMP_WORDS = {
 
 
 def lit_lamps(state: str) -> frozenset[int]:
-    """Return which lamps of a traffic light with three are lit in a state as scenarios write it.
+    """Return which lamps of a traffic light with three lamps are lit in a state as scenarios write it.
 
-    That is a word, "green" or "red_yellow", or what each lamp does from the top down, "off;off;on". A state that says
-    neither leaves the light dark.
+    This is a word, such as "green" or "red_yellow", or the state of each lamp from the top, "off;off;on". In any other
+    state the light is dark.
     """
     words = state.lower()
     if ";" in words:
@@ -252,7 +254,7 @@ class _Shapes:
                     yield place, _size(thing, look, repeat, share)
 
     def _place(self, thing: RoadObject, s: float, t: float, z: float) -> _Place | None:
-        """Return the place of an object, None if there is no road or where there are too many."""
+        """Return the place of an object, None if its road does not exist or there are too many places."""
         pose = self._pose(thing.road, s, t)
         self.left -= 1
         if pose is None or self.left < 0:
@@ -303,7 +305,7 @@ class _Shapes:
         return np.array(points), sum(min(corner.height, LARGEST) for corner in outline.corners) / len(points)
 
     def _corner(self, thing: RoadObject, s: float, t: float, repeated: Pose | None) -> Floats:
-        """Return the point at (s, t) of an object's road; of a repeated object, moved with it."""
+        """Return the point at (s, t) of an object's road, moved together with the object if it is repeated."""
         length = self.network.road(thing.road).length
         pose = self._pose(thing.road, min(max(s, 0.0), length), t)
         assert pose is not None
@@ -355,14 +357,14 @@ class _Shapes:
         lamp: int = 0,
         stands: Floats | None = None,
     ) -> None:
-        """Add a face; `stands` is where it stands, its middle when None."""
+        """Add a face; `stands` is its place, by default its centre."""
         points = np.asarray(corners, np.float64)
         self.faces.append(points)
         self.looks.append((colour, tag, number, both, lamp))
         self.stands.append(points.mean(axis=0)[:2] if stands is None else stands[:2])
 
     def _add_prism(self, foot: Floats, height: float, colour: Colour, look: Look, number: int) -> None:
-        """Add walls on a foot (N, 3) and a roof over them."""
+        """Add walls on a base (N, 3) and a roof above them."""
         foot = foot if _area(foot) >= 0.0 else foot[::-1]
         up = UP * height
         for a, b in zip(foot, np.roll(foot, -1, axis=0), strict=True):
@@ -371,7 +373,7 @@ class _Shapes:
             self._face(quad, colour, look.tag, number)
 
     def _add_wall(self, a: Floats, b: Floats, up: Floats, colour: Colour, look: Look, number: int) -> None:
-        """Add an upright face over the line from a to b, seen from its right, in pieces."""
+        """Add an upright face above the line from a to b, visible from its right, in pieces."""
         length = float(np.hypot(*(b - a)[:2]))
         if length < 1e-3:
             return
@@ -391,7 +393,7 @@ class _Shapes:
             self._face((left + low, right + low, right + high, left + high), GLASS, Tag.BUILDING, number)
 
     def _add_tree(self, thing: RoadObject, place: _Place, size: _Size, number: int) -> None:
-        """Add a trunk, and a crown of two faces that cross."""
+        """Add a trunk, and a crown of two crossing faces."""
         height = size.height
         trunk = max(0.015 * height, 0.08)
         look = LOOKS["tree"]._replace(drawn="block")
@@ -530,7 +532,7 @@ class _Shapes:
                 )
 
     def _add_sign(self, board: _Board, signal: Signal, number: int) -> None:
-        """Add a board: a coloured field within a rim, its back grey."""
+        """Add a board: a coloured field within a rim, with a grey back."""
         shape, rim, field_colour = _sign_look(signal)
         size = np.array([board.width, board.height])
         for share, lift, colour in ((1.0, 0.0, rim), (0.8, 0.012, field_colour)):
@@ -553,7 +555,7 @@ CENTRE = np.zeros((1, 2))
 _THIN = _Size(0.08, 0.08, 0.0, 0.0)
 
 PAINTED = frozenset({"294", "294.0"})
-"""Types of signals that are paint on the road: the German stop line, which CARLA's maps have too."""
+"""Types of signals that are paint on the road: the German stop line, which CARLA's maps use too."""
 
 
 def _octagon(radius: float) -> Floats:
@@ -569,9 +571,9 @@ _DOWNWARDS = np.array([[0.0, -0.5], [0.5, 0.45], [-0.5, 0.45]])
 
 
 def _sign_look(signal: Signal) -> tuple[Floats, Colour, Colour]:
-    """Return the outline of a sign within a unit square about its middle, and the colours of its rim and field.
+    """Return the outline of a sign within a unit square around its centre, and the colours of its rim and field.
 
-    By the German catalogue (Vienna Convention 1968), whose numbers CARLA's maps use too; others are boards.
+    Numbers are those of the German catalogue (Vienna Convention 1968), which CARLA's maps use too; others are boards.
     """
     kind = signal.type.split("-")[0].split(".")[0]
     if kind == "206":
@@ -598,10 +600,10 @@ _PLATE = (_SQUARE, BLACK, WHITE)
 
 
 def _facing(signal: Signal, pose: Pose) -> float:
-    """Return where a signal's face looks, rad: against the traffic that it is meant for.
+    """Return the direction of a signal's face, rad: against the traffic to which it applies.
 
-    The standard counts its heading from there; some programs count it from the road's direction. A sign that would
-    show its back to those it is meant for is therefore turned round.
+    The standard measures its heading from there; some programs measure it from the road's direction. Therefore a sign
+    that would show its back to this traffic is turned round.
     """
     meant = pose.heading + (0.0 if signal.orientation == "-" else math.pi)
     looks = meant + signal.heading_offset
@@ -609,7 +611,7 @@ def _facing(signal: Signal, pose: Pose) -> float:
 
 
 def _size(thing: RoadObject, look: Look, repeat: Repeat | None, share: float) -> _Size:
-    """Return the size of an object, at a share of a repetition, within sensible bounds."""
+    """Return the size of an object at a relative position of a repetition, within sensible limits."""
 
     def one(own: float, start: float, end: float, usual: float) -> float:
         here = start + share * (end - start)
@@ -626,7 +628,7 @@ def _size(thing: RoadObject, look: Look, repeat: Repeat | None, share: float) ->
 
 
 def _section(pose: Pose, z: float, size: _Size) -> Floats:
-    """Return the section of a wall along a road, (4, 3): right and left at its foot, left and right at its top."""
+    """Return the section of a wall along a road, (4, 3): right and left at its base, left and right at its top."""
     half = vehicle_axes(pose)[:, 1] * (0.5 * max(size.width, 0.02))
     foot = np.array([pose.x, pose.y, pose.z + z])
     up = UP * size.height
@@ -634,14 +636,14 @@ def _section(pose: Pose, z: float, size: _Size) -> Floats:
 
 
 def _strips(a: Floats, b: Floats, c: Floats, d: Floats, count: int) -> Iterator[tuple[Floats, ...]]:
-    """Yield a quad in strips from the side a-b to the side d-c."""
+    """Yield strips of a quad from the side a-b to the side d-c."""
     for k in range(count):
         low, high = k / count, (k + 1) / count
         yield a + (d - a) * low, b + (c - b) * low, b + (c - b) * high, a + (d - a) * high
 
 
 def _foot(axes: Floats, size: _Size) -> Floats:
-    """Return the foot (N, 3) of a box or a cylinder about the origin, counter-clockwise from its rear right corner."""
+    """Return the base (N, 3) of a box or a cylinder around the origin, counter-clockwise from its rear right corner."""
     if size.radius > 0.4:
         turn = np.arange(8) * (math.pi / 4.0)
         flat = size.radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(8)], axis=1)
@@ -652,13 +654,13 @@ def _foot(axes: Floats, size: _Size) -> Floats:
 
 
 def _area(points: Floats) -> float:
-    """Return the area of a polygon seen from above, m2, positive when its corners run counter-clockwise."""
+    """Return the area of a polygon seen from above, m2, positive if its corners are counter-clockwise."""
     x, y = points[:, 0] - points[0, 0], points[:, 1] - points[0, 1]
     return float(0.5 * (x * np.roll(y, -1) - np.roll(x, -1) * y).sum())
 
 
 def _quads(corners: Floats) -> Iterator[Floats]:
-    """Yield the quads of a polygon (N, D); triangles repeat a corner. Corners that turn inwards are cut off first."""
+    """Yield the quads of a polygon (N, D); triangles repeat a corner. Reflex corners are removed first."""
     rest = [np.asarray(point) for point in corners]
     if len(rest) > 4:
         yield from _ears(rest)
@@ -695,9 +697,9 @@ def _inside(p: Floats, a: Floats, b: Floats, c: Floats) -> bool:
 
 
 def _stripes(corners: Floats) -> Iterator[Floats]:
-    """Yield the stripes of a crosswalk with these corners (N, 3): across the way of those who walk, its longest side.
+    """Yield the stripes of a crosswalk with these corners (N, 3), perpendicular to its longest side.
 
-    Stripe and gap are half a metre wide, or a little more or less, so that both fit.
+    Stripe and gap are about half a metre wide, so that both fit.
     """
     sides = np.roll(corners, -1, axis=0) - corners
     walk = sides[int(np.argmax(np.hypot(sides[:, 0], sides[:, 1])))][:2]
@@ -719,7 +721,7 @@ def _stripes(corners: Floats) -> Iterator[Floats]:
 def _dashes(
     line: Sequence[Floats], dash: float, gap: float, start: float, stop: float
 ) -> Iterator[tuple[Floats, Floats]]:
-    """Yield the painted pieces of a line through points, leaving out what is bare at its ends."""
+    """Yield the painted pieces of a line through points, without the unpainted lengths at its ends."""
     ends = np.cumsum([0.0, *(float(np.linalg.norm(b - a)) for a, b in pairwise(line))])
     total = float(ends[-1])
     period = dash + gap if gap > 0.0 and dash > 0.0 else 0.0

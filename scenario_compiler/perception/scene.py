@@ -1,4 +1,4 @@
-"""Everything that stands still on a map, as quads in square cells, so that a town costs what a village does.
+"""Everything static on a map, as quads in square cells, so that a town takes no longer to draw than a village.
 
 Three kinds of quads make a scene: surfaces (lanes, the verge beside them), marks (paint on them) and uprights (faces of
 poles, signs, walls, buildings, trees).
@@ -20,34 +20,35 @@ from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.roads.mesh import Marks, Surface
 
 CELL = 32.0
-"""Side of a cell, m: about a fifth of the distance drawn, so that few quads outside the view are touched."""
+"""Side of a cell, m: about a fifth of the drawing distance, so that few quads outside the view are processed."""
 
 SURFACE_DISTANCE, MARK_DISTANCE, UPRIGHT_DISTANCE = 220.0, 130.0, 220.0
-"""How far surfaces, marks and uprights are drawn, m; a mark 0.12 m wide covers half a pixel at 150 m."""
+"""Distance up to which surfaces, marks and uprights are drawn, m; a mark 0.12 m wide covers half a pixel at 150 m."""
 
 SMALLEST = 0.4
-"""Least size of an upright that is drawn, pixels."""
+"""Least size of a drawn upright, pixels."""
 
 STOREY, BELOW_CELL = 3.0, 4.0
-"""Height over another road from which a road is a bridge there (clearances are 4 m and more), and the side of the
-cells in which roads are compared, m."""
+"""Height above another road from which a road is a bridge there (clearances are 4 m and more), and the side of the
+cells in which roads are compared, m.
+"""
 
 RELIEF = 0.3
-"""Difference of height from which a scene counts as hilly, m."""
+"""Difference of height above which a scene counts as hilly, m."""
 
 
 @dataclass(frozen=True, eq=False)
 class Uprights:
-    """Faces that stand up. N faces.
+    """Upright faces. N faces.
 
     Attributes:
-        quads: (N, 4, 3) float32, m from the origin; seen from the front, corners run counter-clockwise.
-        colour: (N, 3) float64 blue, green, red before lighting, shade included.
+        quads: (N, 4, 3) float32, m from the origin; counter-clockwise as seen from the front.
+        colour: (N, 3) float64 blue, green, red before lighting, including shade.
         tag: (N,) uint8, a `labels.Tag`.
-        instance: (N,) int32 number of the thing that the face belongs to.
-        two_sided: (N,) bool, the face is seen from behind too.
+        instance: (N,) int32 number of the thing to which the face belongs.
+        two_sided: (N,) bool, whether the face is visible from behind too.
         lamp: (N,) uint8, 0 if the face is no lamp of a traffic light, else 1 for red, 2 for yellow, 3 for green.
-        place: (N, 2) float32 where the face stands, m from the origin: its middle, or that of the board it is part of.
+        place: (N, 2) float32 position of the face, m from the origin: its centre, or that of its board.
         signals: Instances of the traffic lights by their id in the road file.
         origin: (3,) float64, world, m.
     """
@@ -67,7 +68,7 @@ class QuadGrid:
     """Quads sorted into square cells by their centres."""
 
     def __init__(self, quads: NDArray[np.float32], origin: Floats | None = None) -> None:
-        """Sort quads of shape (N, 4, 3), m from an origin (3,) in the world, the world's own when None."""
+        """Sort quads of shape (N, 4, 3), m from an origin (3,) in the world, by default that of the world."""
         self.origin = np.zeros(3) if origin is None else origin
         self.corners = np.ascontiguousarray(quads.transpose(2, 1, 0))
         self.centres = self.corners[:2].mean(axis=1)
@@ -81,7 +82,7 @@ class QuadGrid:
         self.keys = keys[self.order]
 
     def near(self, view: View, distance: float) -> Index:
-        """Return, in ascending order, the quads that may be seen within `distance` metres of the camera."""
+        """Return, in ascending order, the quads that may be visible within `distance` metres of the camera."""
         eye = view.position[:2] - self.origin[:2]
         margin = float(self.reach.max(initial=0.0)) + CELL
         inwards = field_of_view(view)
@@ -118,9 +119,9 @@ class QuadGrid:
 
 
 def field_of_view(view: View) -> list[tuple[float, float]]:
-    """Return the normals (x, y), pointing inwards, of the upright planes through the eye that bound the view.
+    """Return the inward normals (x, y) of the vertical planes through the eye that bound the view.
 
-    There is no such box for a camera that looks so far up or down that it may see ground in every direction.
+    There are none for a camera that looks so far up or down that it may see ground in every direction.
     """
     camera = view.camera
     half = camera.width / 2.0 / camera.focal, camera.height / 2.0 / camera.focal
@@ -146,11 +147,11 @@ class Seen:
     """Quads of one kind in the image. K quads.
 
     Attributes:
-        index: (K,) which of their kind.
-        shapes: For each of them its corners in the image, (corners, 2), in units of 2**-SUBPIXEL pixels.
+        index: (K,) index among their kind.
+        shapes: The corners of each in the image, (corners, 2), in units of 2**-SUBPIXEL pixels.
         points: (3, 4, K) corners in camera axes.
-        pixels: (2, 4, K) corners in pixels; they mean nothing where `whole` is False.
-        whole: (K,) bool, the quad lies before the near plane.
+        pixels: (2, 4, K) corners in pixels; undefined where `whole` is False.
+        whole: (K,) bool, whether the quad lies completely in front of the near plane.
     """
 
     index: Index
@@ -160,7 +161,7 @@ class Seen:
     whole: NDArray[np.bool_]
 
     def only(self, chosen: Index) -> Seen:
-        """Return some of the quads, in the order of `chosen`."""
+        """Return the chosen quads, in the order of `chosen`."""
         return Seen(
             self.index[chosen],
             [self.shapes[k] for k in chosen.tolist()],
@@ -171,27 +172,27 @@ class Seen:
 
     @property
     def middle(self) -> Floats:
-        """(3, K) middles, camera axes."""
+        """(3, K) centres, camera axes."""
         return np.asarray(self.points.mean(axis=1))
 
     @property
     def thickness(self) -> Floats:
-        """(K,) area by longest side, pixels: how thin a mark looks; infinite next to the camera."""
+        """(K,) area divided by the longest side, pixels: how thin a mark looks; infinite next to the camera."""
         return np.where(self.whole, thickness(self.pixels), np.inf)
 
 
 class Scene:
-    """Everything that stands still, prepared once for a map.
+    """Everything static, prepared once for a map.
 
     Attributes:
-        surface: The roads' surface as it was given.
+        surface: The given surface of the roads.
         material: (S,) material of each surface, a `Material`.
-        layer: (S,) what lies on what where surfaces overlap: larger lies on top.
-        bridge: (S,) bool, the surface lies over another one.
+        layer: (S,) where surfaces overlap, the larger value is on top.
+        bridge: (S,) bool, whether the surface is above another one.
         relief: Whether surfaces differ in height.
         marks: The paint.
-        uprights: What stands beside the roads.
-        origin: (3,) point of the world that quads count from, m.
+        uprights: The objects beside the roads.
+        origin: (3,) point of the world to which quads are relative, m.
         texture: Seed of the ground's texture.
         grid: All quads by place: surfaces, marks, uprights.
     """
@@ -199,12 +200,12 @@ class Scene:
     def __init__(
         self, surface: Surface, marks: Marks, uprights: Uprights | None = None, texture: int = GROUND_SEED
     ) -> None:
-        """Index the quads. Neighbouring lanes of one material are joined: the picture is the same and comes sooner.
+        """Index the quads. Adjacent lanes of one material are joined, which gives the same picture faster.
 
         Args:
             surface: The roads' surface.
             marks: The paint; its origin is that of the surface.
-            uprights: What stands beside the roads; its origin is that of the surface.
+            uprights: The objects beside the roads; their origin is that of the surface.
             texture: Seed of the ground's texture.
         """
         self.surface, self.texture = surface, texture
@@ -222,7 +223,7 @@ class Scene:
         self._distance = np.repeat(np.array(reach), np.diff(self._starts))
 
     def seen(self, view: View) -> tuple[Seen, Seen, Seen]:
-        """Return the surfaces, the marks and the uprights before the camera, each in ascending order."""
+        """Return the surfaces, the marks and the uprights in front of the camera, each in ascending order."""
         index = self.grid.near(view, max(SURFACE_DISTANCE, MARK_DISTANCE, UPRIGHT_DISTANCE))
         x, y, z = points = self._in_camera(view, index)
         camera = view.camera
@@ -256,7 +257,7 @@ class Scene:
         return (view.rotation @ corners).reshape(3, 4, -1)
 
     def _shown(self, uprights: Seen) -> Seen:
-        """Return the uprights that show their face and are large enough to be seen."""
+        """Return the uprights whose front is visible and that are large enough."""
         if not len(uprights.index):
             return uprights
         shown = self.uprights.two_sided[uprights.index] | facing(uprights.points)
@@ -265,7 +266,7 @@ class Scene:
 
 
 def _over_others(quads: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Return which quads (N, 4, 3) lie over others, by at least a storey."""
+    """Return which quads (N, 4, 3) lie above others, by at least a storey."""
     points = np.concatenate([quads, quads.mean(axis=1, keepdims=True)], axis=1)
     cells = np.floor(points[..., :2] / BELOW_CELL).astype(np.int64)
     cells -= cells.min(axis=(0, 1))
@@ -276,16 +277,16 @@ def _over_others(quads: NDArray[np.float32]) -> NDArray[np.bool_]:
 
 
 def joined_marks(first: Marks, second: Marks) -> Marks:
-    """Return the marks of both, which have one origin."""
+    """Return the marks of both, which must have the same origin."""
     columns = ("quads", "colour", "quality", "width", "road", "lane", "s")
     joined = {column: np.concatenate([getattr(one, column) for one in (first, second)]) for column in columns}
     return Marks(**joined, origin=first.origin)
 
 
 def _joined(surface: Surface) -> tuple[NDArray[np.float32], Index]:
-    """Return quads that span all neighbouring quads of one material, and the first of each.
+    """Return quads that span all adjacent quads of one material, and the first of each.
 
-    Neighbours to the right come later, as `road_surface` gives them; others (twisted slivers) are left as they are.
+    Neighbours to the right come later, as in the result of `road_surface`; others (twisted slivers) are left unchanged.
     """
     wide = np.nonzero((surface.quads[:, :2] != surface.quads[:, :1:-1]).any(axis=(1, 2)))[0].tolist()
     materials = surface.material.tolist()

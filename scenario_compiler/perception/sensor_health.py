@@ -1,21 +1,21 @@
-"""How well the camera is, judged by its images alone: noise, darkness, blur, dirt, and images that do not change.
+"""The health of the camera from its images alone: noise, darkness, blur, dirt, and images that do not change.
 
-Each estimator gives the quantity that `engine.camera_health` has a curve for. Noise, tones and blur are read from one
-image. Dirt and a frozen image are seen in what stands still while the car moves: the texture of the road ahead of the
-car changes in every image, what sticks to the lens does not.
+Each estimator returns the quantity for which `engine.camera_health` has a curve. Noise, tones and blur are estimated
+from one image. Dirt and a frozen image are recognised in what does not change while the car moves: the texture of the
+road ahead changes in every image, dirt on the lens does not.
 
     noise    `confidence.noise_of`
     tones    99th percentile of the brightest channel after a mean over 5 x 5 pixels, grey levels
-    blur     a step blurred by a Gaussian of radius r has the slope step / (2.5 r): the largest steps over 40 pixels by
-             the largest slopes, both as 99.8th percentiles, geometric mean of rows and columns. Noise has slopes of its
-             own, so it is smoothed first, and what is left of it is subtracted from the squares of steps and slopes,
-             as is the square of the radius of the smoothing from that of the blur
-    dirt     share of the ground near the car whose blocks of 8 x 8 pixels have not changed: the rims of blotches do, so
-             that it is 0.05 to 0.1 less than what dirt covers
-    frozen   the image is equal to the one before
+    blur     a step blurred by a Gaussian of radius r has the slope step / (2.5 r): the largest steps over 40 pixels
+             divided by the largest slopes, both as 99.8th percentiles, geometric mean of rows and columns. Noise has
+             slopes of its own, so the image is smoothed first; what noise remains is subtracted from the squares of
+             steps and slopes, and the square of the smoothing's radius from that of the blur
+    dirt     share of the ground near the car whose blocks of 8 x 8 pixels have not changed; the rims of blotches do
+             change, so that it is 0.05 to 0.1 less than what dirt covers
+    frozen   the image equals the previous one
 
-What they do not cover: dirt and frozen images at a standstill, dirt in the sky, blur under noise of 15 grey levels
-and more in the dark.
+Not covered are dirt and frozen images at a standstill, dirt in the sky, and blur under noise of 15 grey levels and more
+in the dark.
 """
 
 from __future__ import annotations
@@ -36,52 +36,52 @@ Image = NDArray[np.uint8]
 Floats = NDArray[np.float32]
 
 STEP = 40
-"""Distance over which a step in the image is looked for, pixels of an image 512 wide."""
+"""Distance over which a step in the image is measured, pixels of an image 512 wide."""
 
 SHARPEST, SLOPE_OF_STEP = 99.8, 2.507
-"""Percentile of slopes and steps that counts, and the square root of 2 pi."""
+"""Percentile of slopes and steps that is used, and the square root of 2 pi."""
 
 RAREST = 3.09
 """The same percentile of the absolute value of a normal variable, in standard deviations."""
 
 SMOOTHED = 4.0
-"""Noise is smoothed the more the stronger it is: by a Gaussian of the radius sqrt(noise / 4), pixels."""
+"""Stronger noise is smoothed more: by a Gaussian of the radius sqrt(noise / 4), pixels."""
 
 LEAST_SMOOTHING = 0.6
-"""Least radius that is smoothed by: a narrower Gaussian is hardly one between pixels."""
+"""Least radius of the smoothing: a narrower Gaussian is not well represented by pixels."""
 
 FINER = 16
-"""Smoothed images are kept in whole numbers of this many to a grey level, so that percentiles can be counted."""
+"""Units of a grey level in which smoothed images are kept as integers, so that percentiles can be counted."""
 
 SPARSE = 4
-"""Every which row or column is looked at: enough for percentiles."""
+"""Step between the rows or columns that are used, which suffices for percentiles."""
 
 BLOCK = 8
-"""Side of a block in which change is looked for, pixels."""
+"""Side of a block whose change is measured, pixels."""
 
 MEMORY = 0.8
-"""Share of what was seen of a block's change that is kept from one image to the next."""
+"""Share of a block's earlier change that is kept from one image to the next."""
 
 STILL = 0.35
-"""Mean change of a block, grey levels, under which it counts as still, beyond what noise makes."""
+"""Mean change of a block below which it counts as unchanged, in addition to the change by noise, grey levels."""
 
 MOVING = 0.15
-"""Way between two images from which on the road must have changed, m."""
+"""Distance between two images from which the road must have changed, m."""
 
 SEEN_ENOUGH = 6
-"""Images while moving before dirt is spoken of."""
+"""Number of images in motion before dirt is reported."""
 
 
 @dataclass(frozen=True)
 class SensorHealth:
-    """What was found in the images up to one.
+    """The estimates after an image.
 
     Attributes:
         noise: Standard deviation of the noise, grey levels.
         tones: The image's brightest tones, grey levels.
         blur: Radius of the blur, 1/512 of the image's width.
         dirt: Share of the ground that does not change, 0-1.
-        frozen: The image is the one before, though the car has moved.
+        frozen: Whether the image equals the previous one, although the car has moved.
     """
 
     noise: float
@@ -92,17 +92,17 @@ class SensorHealth:
 
     @property
     def health(self) -> float:
-        """1 well, 0 broken."""
+        """From 1 (healthy) to 0 (broken)."""
         if self.frozen:
             return 0.0
         return noise_health(self.noise) * tones_health(self.tones) * blur_health(self.blur) * dirt_health(self.dirt)
 
 
 class SensorMonitor:
-    """Watches the images of one camera, in order."""
+    """Observes the images of one camera, in order."""
 
     def __init__(self) -> None:
-        """Begin with nothing seen."""
+        """Start without an image."""
         self._buffers = Buffers()
         self._last: Image | None = None
         self._blocks: Floats | None = None
@@ -115,7 +115,7 @@ class SensorMonitor:
 
         Args:
             image: (height, width, 3) uint8, BGR.
-            travelled: Way of the car since the image before, m.
+            travelled: Distance that the car has travelled since the previous image, m.
         """
         noise = noise_of(image)
         if travelled >= MOVING:
@@ -140,7 +140,7 @@ class SensorMonitor:
         return self._share(noise)
 
     def _share(self, noise: float) -> float:
-        """Return the share of blocks whose change is no more than noise makes: mean |a - b| of two means of blocks."""
+        """Return the share of blocks with no more change than noise causes: mean |a - b| of two means of blocks."""
         if self._change is None or self._seen < SEEN_ENOUGH:
             return 0.0
         by_noise = 1.128 * noise / BLOCK
@@ -149,7 +149,7 @@ class SensorMonitor:
 
 
 def _equal(image: Image, other: Image) -> bool:
-    """Return whether two images are equal: images of a moving camera differ in the first rows already."""
+    """Return whether two images are equal; images of a moving camera differ in the first rows already."""
     return image.shape == other.shape and all(np.array_equal(a, b) for a, b in zip(image, other, strict=True))
 
 
@@ -190,7 +190,7 @@ def blur_of(image: Image, noise: float, buffers: Buffers) -> float:
 
 
 def _every(image: Any) -> Any:
-    """Return the columns of an image that are looked at."""
+    """Return the columns of an image that are used."""
     size = (-(-image.shape[1] // SPARSE), image.shape[0])
     return cv2.resize(image, size, interpolation=cv2.INTER_NEAREST)
 
@@ -202,9 +202,9 @@ def _total(image: Any) -> Any:
 
 
 def percentile_of(values: Any, share: float) -> float:
-    """Return a percentile of whole numbers from 0 to 65534, linear between neighbours as `numpy.percentile` is.
+    """Return a percentile of integers from 0 to 65534, linear between neighbours like `numpy.percentile`.
 
-    They are counted and not sorted: (rows, columns) uint8 or uint16.
+    The values, (rows, columns) uint8 or uint16, are counted and not sorted.
     """
     bins = int(values.max()) + 1
     counts = np.cumsum(cv2.calcHist([values], [0], None, [bins], [0, bins]))
@@ -214,13 +214,13 @@ def percentile_of(values: Any, share: float) -> float:
 
 
 def _radius(steps: Any, slopes: Any, unit: float, by_noise: tuple[float, float]) -> float:
-    """Return the radius of the blur of the largest steps; half a grey level is the least slope that can be seen.
+    """Return the radius of the blur of the largest steps; half a grey level is the least measurable slope.
 
     Args:
-        steps: Differences over `STEP` pixels, whole numbers.
+        steps: Differences over `STEP` pixels, integers.
         slopes: Differences of neighbours.
-        unit: Grey levels that 1 stands for.
-        by_noise: The largest steps and slopes that noise makes, grey levels.
+        unit: Grey levels of one unit.
+        by_noise: The largest steps and slopes that noise causes, grey levels.
     """
     step, slope = (
         _beyond_noise(unit * percentile_of(found, SHARPEST), noise)
@@ -230,5 +230,5 @@ def _radius(steps: Any, slopes: Any, unit: float, by_noise: tuple[float, float])
 
 
 def _beyond_noise(largest: float, noise: float) -> float:
-    """Return the largest differences less what noise alone gives."""
+    """Return the largest differences minus those that noise causes."""
     return math.sqrt(max(largest * largest - noise * noise, 0.0))

@@ -1,4 +1,4 @@
-"""The sky: a panorama for each weather, with a far line of trees, and what of it a camera sees in each pixel."""
+"""The sky: a panorama for each weather, with a distant line of trees, and the part of it in each pixel of a camera."""
 
 from __future__ import annotations
 
@@ -19,24 +19,25 @@ Image = NDArray[np.uint8]
 Table = NDArray[np.float32]
 
 COLUMNS, ROWS = 4096, 256
-"""Size of a panorama. Columns are even in azimuth, clockwise from north of the world's x axis; rows are even in the
-square root of the elevation, so that the horizon, where the detail is, has most of them."""
+"""Size of a panorama. Columns are even in azimuth, clockwise from north of the world's x axis. Rows are even in the
+square root of the elevation, so that most of them are near the horizon, where the detail is.
+"""
 
 CLEAR_ABOVE = 20.0
-"""Elevation over which the sky has the colour of the zenith, degrees."""
+"""Elevation above which the sky has the colour of the zenith, degrees."""
 
 CLOUD_TEXEL = 360.0 / 2048.0
 """Size of a texel of the field of clouds, degrees."""
 
 FINE = 700
-"""Width beyond which the sky is looked up for every second pixel only."""
+"""Width above which the sky is looked up for every second pixel only."""
 
 TREE = 3
 """Channel of a panorama that is 255 where trees stand."""
 
 
 class SkyView:
-    """Which part of a panorama each pixel sees, of the sky or of the ground that mirrors it."""
+    """The part of a panorama in each pixel, of the sky or of ground that reflects it."""
 
     def __init__(self, ahead: Table, left: Table, up: Table) -> None:
         """Prepare for directions in the vehicle's axes, (rows, columns) each."""
@@ -49,13 +50,13 @@ class SkyView:
         self.column = (around - np.float32(first)).astype(np.float32)
 
     def draw(self, panorama: Image, heading: float, rows: int | None = None, into: Image | None = None) -> Image:
-        """Return what is seen, (rows, columns, 4).
+        """Return the visible part, (rows, columns, 4).
 
         Args:
             panorama: The sky (see `panorama_of`).
             heading: Heading of the vehicle, rad.
-            rows: How many rows from the highest on are wanted; all when None.
-            into: An image of this size to be drawn into.
+            rows: Number of rows from the top; all if None.
+            into: An image of this size to draw into.
         """
         begin = (round(-heading * COLUMNS / (2.0 * math.pi)) + self.first) % COLUMNS
         part = panorama[:, begin : begin + self.span]
@@ -103,7 +104,7 @@ def _clouds(elevation: Table) -> Table:
 
 
 def _trees(elevation: Table) -> Table:
-    """Return how much of each place of the panorama trees cover, (ROWS, COLUMNS), 0-1."""
+    """Return the coverage by trees at each place of the panorama, (ROWS, COLUMNS), 0-1."""
     turn = np.arange(COLUMNS, dtype=np.float32) * np.float32(2.0 * math.pi / COLUMNS)
     crown = 1.1 + 0.25 * np.sin(9 * turn) + 0.2 * np.sin(23 * turn + 1) + 0.1 * np.sin(61 * turn)
     top = np.degrees(0.011 * crown)[None]
@@ -115,11 +116,11 @@ class Sky:
     """Draws the sky of one camera.
 
     Attributes:
-        rows: Number of rows from the highest on that show any.
+        rows: Number of rows from the top that show any sky.
     """
 
     def __init__(self, lens: Lens, buffers: Buffers) -> None:
-        """Prepare what does not depend on the weather."""
+        """Prepare everything that does not depend on the weather."""
         self._buffers = buffers
         camera = lens.camera
         self.rows = lens.sky_rows
@@ -132,7 +133,7 @@ class Sky:
         self._width = camera.width
 
     def draw(self, panorama: Image, heading: float, into: Image) -> None:
-        """Draw the sky into the image's highest `rows`, (rows, width, 4)."""
+        """Draw the sky into the image's topmost `rows`, (rows, width, 4)."""
         if self._view is None:
             return
         if self.step == 1:

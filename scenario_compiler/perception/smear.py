@@ -1,13 +1,13 @@
-"""Motion blur: what an exposure smears while the vehicle drives on.
+"""Motion blur: the motion of the vehicle during an exposure smears the image.
 
-A sensor adds up the light of its exposure, so an image is the mean of what is seen in that time (Potmesil and
-Chakravarty 1983, "Modeling motion blur in computer-generated images"). Speed and yaw rate are constant for so short a
-time, and the vehicle's reference point goes along an arc. Between two instants the image of the road changes by the
-homography that its plane induces, and that of everything at the horizon and above it by the rotation alone (Hartley and
-Zisserman 2004, equation 13.2, and section 8.4). The exposure is centred on the time of the image; what comes into the
-picture only during it is not known, so that pixels at the edge are the mean of a shorter time.
+A sensor adds up the light of its exposure, so an image is the mean of the views in that time (Potmesil and Chakravarty
+1983, "Modeling motion blur in computer-generated images"). Speed and yaw rate are constant for so short a time, and the
+vehicle's reference point moves along an arc. Between two instants the image of the road changes by the homography that
+its plane induces, and that of everything at and above the horizon by the rotation alone (Hartley and Zisserman 2004,
+equation 13.2, and section 8.4). The exposure is centred on the time of the image. What enters the picture only during
+the exposure is not known, so that pixels at the edge are the mean of a shorter time.
 
-Everything that stands on the road is smeared like the road that it hides: a vehicle ahead that is as fast as the ego
+Everything that stands on the road is smeared like the road that it hides; a real vehicle ahead with the ego's speed
 would stay sharp.
 """
 
@@ -26,19 +26,19 @@ Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
 
 STEP = 2.0
-"""Farthest that the road may move between two instants that are looked at, pixels, in the image's lower corners."""
+"""Greatest motion of the road between two sampled instants, pixels, in the image's lower corners."""
 
 MOST_INSTANTS = 63
-"""Most instants that are looked at."""
+"""Greatest number of sampled instants."""
 
 
 def smeared(image: Image, camera: Camera, lever: float, speed: float, yaw_rate: float, exposure: float) -> Image:
-    """Return the image of a longer exposure; the image itself where nothing moves.
+    """Return the image of a longer exposure; the image itself without motion.
 
     Args:
-        image: (height, width, 3) uint8, as an exposure of no length would be.
-        camera: What it was taken with.
-        lever: Distance from the vehicle's reference point ahead to the point that the camera's `x` counts from, m.
+        image: (height, width, 3) uint8, as with an exposure of no duration.
+        camera: Its camera.
+        lever: Distance ahead from the vehicle's reference point to the origin of the camera's `x`, m.
         speed: Of the reference point, m/s, negative backwards.
         yaw_rate: rad/s, positive to the left.
         exposure: s.
@@ -61,13 +61,13 @@ def smeared(image: Image, camera: Camera, lever: float, speed: float, yaw_rate: 
 
 
 def plane_homography(camera: Camera, lever: float, distance: float, turn: float) -> Floats:
-    """Return the (3, 3) matrix from a pixel of the road to where that point was before the vehicle moved.
+    """Return the (3, 3) matrix from a pixel of the road to that of the same point before the vehicle moved.
 
     Args:
         camera: The camera.
         lever: See `smeared`.
-        distance: How far the reference point has moved along its arc, m.
-        turn: By how much the vehicle has turned left on it, rad.
+        distance: Distance that the reference point has moved along its arc, m.
+        turn: Left turn of the vehicle in that time, rad.
     """
     cos, sin = math.cos(turn), math.sin(turn)
     chord = math.sin(0.5 * turn) / (0.5 * turn) if abs(turn) > 1e-9 else 1.0
@@ -82,14 +82,14 @@ def plane_homography(camera: Camera, lever: float, distance: float, turn: float)
 
 
 def far_homography(camera: Camera, turn: float) -> Floats:
-    """Return the (3, 3) matrix from a pixel of what is far away to where it was before the vehicle turned left."""
+    """Return the (3, 3) matrix from a pixel of distant things to that of the same point before a left turn."""
     cos, sin = math.cos(turn), math.sin(turn)
     seen = _inner(camera) @ camera.rotation
     return np.asarray(seen @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ np.linalg.inv(seen))
 
 
 def _instants(camera: Camera, lever: float, speed: float, yaw_rate: float, exposure: float) -> Floats:
-    """Return the middles of an odd number of equal parts of the exposure, -1 to 1: one is the image itself."""
+    """Return the centres of an odd number of equal parts of the exposure, -1 to 1; one is the image's time."""
     corners = np.array([[0.0, camera.width - 1.0], [camera.height - 1.0, camera.height - 1.0], [1.0, 1.0]])
     moved = [
         (one @ corners)[:2] / (one @ corners)[2] - corners[:2]
@@ -108,7 +108,7 @@ def _inner(camera: Camera) -> Floats:
 
 
 def _road(camera: Camera) -> NDArray[np.bool_]:
-    """Return which pixels (height, width) look at the plane that the vehicle stands on."""
+    """Return which pixels (height, width) show the plane that the vehicle stands on."""
     across = (np.arange(camera.width) - camera.width / 2.0) / camera.focal
     down = (np.arange(camera.height) - camera.height / 2.0) / camera.focal
     right, below, ahead = camera.rotation[:, 2]

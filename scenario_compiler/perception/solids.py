@@ -1,4 +1,4 @@
-"""Everything that stands up: others on the road, and poles, signs, walls, buildings and trees beside it.
+"""Everything upright: others on the road, and poles, signs, walls, buildings and trees beside it.
 
 Faces of all of them are drawn from far to near, those of one model in its own order.
 """
@@ -27,10 +27,10 @@ from scenario_compiler.perception.weather_look import Look
 Image = NDArray[np.uint8]
 
 REACH = 200.0
-"""Boxes farther away than this are not drawn, m."""
+"""Distance beyond which boxes are not drawn, m."""
 
 COARSE = 32.0
-"""Height under which a box is drawn without details, pixels."""
+"""Height below which a box is drawn without details, pixels."""
 
 SIGNAL_COLOURS = {RED_LAMP: (70, 70, 255), YELLOW_LAMP: (50, 200, 255), GREEN_LAMP: (140, 245, 70)}
 """Colours of the lamps of traffic lights when they are lit."""
@@ -39,20 +39,20 @@ LIT = frozenset({"car", "van", "truck", "bus", "motorbike"})
 """Kinds whose headlights light the road."""
 
 BEAM = (8.0, 16.0, 28.0)
-"""Lengths of the cones that the light of headlights on the road is made of, m."""
+"""Lengths of the cones that form the light of headlights on the road, m."""
 
 DARK, RAINY = 0.35, 0.3
-"""Luminance below which, and rain above which, drivers have their lamps on."""
+"""Luminance below which, and rain above which, drivers have their lights on."""
 
 
 class Box(NamedTuple):
-    """A thing that stands or moves on the road.
+    """A thing on the road.
 
     Attributes:
         x: Centre of its footprint, m, world.
         y: Centre of its footprint, m, world.
         z: Height of its underside there, m, world.
-        heading: Where its front points, rad.
+        heading: Direction of its front, rad.
         length: Along the heading, m.
         width: Across it, m.
         height: Upwards, m.
@@ -61,7 +61,7 @@ class Box(NamedTuple):
         pitch: Pitch, rad, positive with the nose down.
         roll: Roll, rad, positive with the left side up.
         lamps: Which lamps are on.
-        instance: Its number in the picture of instances, over 0.
+        instance: Its number in the picture of instances, above 0.
     """
 
     x: float
@@ -81,14 +81,14 @@ class Box(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """Boxes before a camera, from far to near. N boxes.
+    """Boxes in front of a camera, from far to near. N boxes.
 
     Attributes:
         boxes: The boxes.
-        distance: (N,) distance of each one's middle from the eye, m.
-        level_distance: (N,) the same on a map: what stands up hides by it.
+        distance: (N,) distance of each one's centre from the eye, m.
+        level_distance: (N,) the same in the horizontal plane, which determines the order of uprights.
         rotations: (N, 3, 3) rotations from each one's axes to the camera's.
-        origins: (N, 3) middle of each one's footprint in camera axes, m.
+        origins: (N, 3) centre of each one's footprint in camera axes, m.
         eyes: (N, 3) the eye in each one's axes, m.
     """
 
@@ -102,13 +102,13 @@ class Placed:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """Faces in the order in which they are drawn. F faces.
+    """Faces in drawing order. F faces.
 
     Attributes:
         shapes: Their corners in the image.
         points: (3, 4, F) corners in camera axes.
-        colours: (F, 3) colours before lighting, shade included.
-        shines: (F,) bool, the face is a lamp that is on.
+        colours: (F, 3) colours before lighting, including shade.
+        shines: (F,) bool, whether the face is a lamp that is on.
         tags: (F,) uint8, a `Tag`.
         instances: (F,) int32.
     """
@@ -135,7 +135,7 @@ NOTHING = Placed([], np.empty(0), np.empty(0), np.empty((0, 3, 3)), np.empty((0,
 
 
 def place(view: View, boxes: Sequence[Box]) -> Placed:
-    """Return the boxes within `REACH` before the camera, the farthest first, equals in the order given."""
+    """Return the boxes within `REACH` in front of the camera, the farthest first, equal ones in the given order."""
     if not boxes:
         return NOTHING
     half = math.hypot(view.camera.width, view.camera.height) / 2.0 / view.camera.focal
@@ -177,14 +177,14 @@ def _axes(heading: Floats, pitch: Floats, roll: Floats) -> Floats:
 def faces_of(
     placed: Placed, traced: Traced, uprights: Seen, scene: Scene, look: Look, signals: Mapping[str, str]
 ) -> Faces:
-    """Return the faces of boxes and of uprights that the camera sees, from far to near.
+    """Return the visible faces of boxes and of uprights, from far to near.
 
     Args:
         placed: The boxes.
-        traced: The ground, which hides what lies behind it.
-        uprights: The uprights that are seen.
-        scene: The scene that they are of.
-        look: The weather, which decides on lamps.
+        traced: The ground, which hides things behind it.
+        uprights: The visible uprights.
+        scene: Their scene.
+        look: The weather, which determines the lamps.
         signals: States of traffic lights by their id, as scenarios write them.
     """
     if not placed.boxes and not len(uprights.index):
@@ -229,7 +229,7 @@ def faces_of(
 
 
 def _signal_lamps(table: Uprights, index: Index, signals: Mapping[str, str]) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return the colours of uprights and which of them are lamps that shine, in these states of the traffic lights."""
+    """Return the colours of uprights and which of them are shining lamps, in these states of the traffic lights."""
     colours, shines = table.colour[index], np.zeros(len(index), np.bool_)
     for name, state in signals.items():
         for number in table.signals.get(name, ()):
@@ -272,7 +272,7 @@ def spots_of(placed: Placed, view: View, light: Light) -> Spots:
 
 
 def _beams(placed: Placed, view: View, light: Light) -> list[Spot]:
-    """Return the light of headlights on the road: three cones one over the other, so that it fades with distance."""
+    """Return the light of headlights on the road: three overlapping cones, so that it fades with distance."""
     if light.lamps <= 0.0:
         return []
     corners = []
@@ -289,7 +289,7 @@ def _beams(placed: Placed, view: View, light: Light) -> list[Spot]:
 
 
 def _bloom(image: Image, shape: Polygon, tone: Sequence[float], strength: float) -> None:
-    """Add the glow about a lamp that dazzles in the dark."""
+    """Add the glow around a lamp that dazzles in the dark."""
     height, width = image.shape[:2]
     low, high = shape.min(axis=0) >> SUBPIXEL, shape.max(axis=0) >> SUBPIXEL
     radius = int(width / 128.0 + 0.9 * float((high - low).max()))
@@ -306,7 +306,7 @@ def _bloom(image: Image, shape: Polygon, tone: Sequence[float], strength: float)
 
 @lru_cache(maxsize=64)
 def _glow(radius: int) -> NDArray[np.float32]:
-    """Return how bright a glow is about its middle, (2 radius + 1, 2 radius + 1): 1 there, 0 at the radius."""
+    """Return the brightness of a glow around its centre, (2 radius + 1, 2 radius + 1): 1 there, 0 at the radius."""
     x = np.arange(-radius, radius + 1, dtype=np.float32) / np.float32(max(radius, 1))
     away = np.sqrt(x * x + x[:, None] * x[:, None])
     return np.asarray(np.square(np.clip(1.0 - away, 0.0, 1.0)), np.float32)

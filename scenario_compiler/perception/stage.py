@@ -1,4 +1,4 @@
-"""A plan's map with its paint, and its entities as solids: what all cameras of a run look at."""
+"""A plan's map with its paint, and its entities as solids: what all cameras of a run see."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Stage:
     """The scene of a plan."""
 
     def __init__(self, plan: Plan, network: Network, lines_beside: Sequence[SecondaryLine] = ()) -> None:
-        """Paint the map.
+        """Prepare the painted map.
 
         Args:
             plan: The plan.
@@ -35,8 +35,8 @@ class Stage:
         """Return entities as they are drawn.
 
         Args:
-            there: Of each that is in the picture its number in the plan, the pose of its reference point, and whether
-                it brakes.
+            there: For each visible entity its number in the plan, the pose of its reference point, and whether it
+                brakes.
         """
         return [self._box(number, pose, braking) for number, pose, braking in there]
 

@@ -1,7 +1,7 @@
-"""Lines that stand in the world without being of it, as simulators draw them for debugging.
+"""Lines in the world that are not part of it, as simulators draw them for debugging.
 
-A stroke has a width in metres and turns its broad side to the camera. No light falls on it and no air dims it, but what
-lies before it hides it. It is in the picture alone: depth and labels do not know it.
+A stroke has a width in metres and turns its broad side to the camera. Light and air do not affect it, but things in
+front of it hide it. It is only in the picture: depth and labels do not contain it.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from scenario_compiler.perception.camera import View
 from scenario_compiler.perception.polygons import NEAR, SUBPIXEL, Floats, flatten, nearness_planes
 
 MOST = 60_000
-"""Strokes in a picture at most: they are numbered in 16 bits."""
+"""Greatest number of strokes in a picture, because they are numbered with 16 bits."""
 
 SUNK = 0.01
-"""How much deeper than what is seen at a pixel a stroke may be and still be seen, as a share of the depth, beside half
-its width: so one that lies on a road is whole.
+"""How much deeper than the scene at a pixel a stroke may be and still be visible, as a share of the depth, in addition
+to half its width, so that one on a road is completely visible.
 """
 
 Point = tuple[float, float, float]
 
 
 class Stroke(NamedTuple):
-    """A stroke, or a square where it begins and ends at the same point.
+    """A stroke, or a square if it begins and ends at the same point.
 
     Attributes:
         begin: Where it begins, m, world.
@@ -47,8 +47,8 @@ def draw_strokes(image: NDArray[np.uint8], depth: NDArray[np.float32], view: Vie
     """Draw strokes into a picture.
 
     Args:
-        image: (height, width, 3), BGR; it is drawn into.
-        depth: (height, width) of what is seen without the strokes, m along the optical axis.
+        image: (height, width, 3), BGR; it is changed.
+        depth: (height, width) of the scene without the strokes, m along the optical axis.
         view: The camera in the world.
         strokes: The strokes, of which the last `MOST` are drawn.
     """
@@ -80,7 +80,7 @@ def draw_strokes(image: NDArray[np.uint8], depth: NDArray[np.float32], view: Vie
 
 
 def _before_the_lens(begin: Floats, end: Floats) -> tuple[Floats, Floats]:
-    """Return segments (3, K), camera axes, cut at the near plane, before which each of them reaches."""
+    """Return segments (3, K), camera axes, clipped at the near plane; each must extend in front of it."""
     gained = end[2] - begin[2]
     share = (NEAR - begin[2]) / np.where(np.abs(gained) < 1e-9, 1.0, gained)
     cut = begin + np.clip(share, 0.0, 1.0) * (end - begin)
@@ -88,7 +88,7 @@ def _before_the_lens(begin: Floats, end: Floats) -> tuple[Floats, Floats]:
 
 
 def _broadside(begin: Floats, end: Floats, width: Floats) -> Floats:
-    """Return the corners (3, 4, K) of strokes that turn their broad sides to the lens."""
+    """Return the corners (3, 4, K) of strokes whose broad sides face the lens."""
     along, middle = end - begin, 0.5 * (begin + end)
     length = np.sqrt((along * along).sum(axis=0))
     square = length < 1e-6

@@ -1,9 +1,9 @@
-"""The ground as rays meet it: the roads' surface with its slopes, and beside it ground as high as the nearest road.
+"""The ground for rays: the roads' surface with its slopes, and beside it ground at the height of the nearest road.
 
-The triangles of the roads' surface are painted into a grid of cells about a place, twice: what lies on top, and what
-lies lowest, so that rays meet a bridge and the road below it. A ray is followed over the heights of the cells' middles
-to where it passes through them; there it is cut with the triangle's own plane, so that only where surfaces meet depends
-on the cells.
+The triangles of the roads' surface are rasterised into a grid of cells around a place, twice: the topmost and the
+lowest ones, so that rays meet a bridge and the road below it. A ray is followed over the heights of the cells' centres
+to where it crosses them, and is then intersected with the triangle's own plane, so that only the borders between
+surfaces depend on the cells.
 """
 
 from __future__ import annotations
@@ -24,23 +24,24 @@ CELL = 0.5
 """Side of a cell, m."""
 
 TILE = 64.0
-"""Windows begin and end at multiples of it, m, so that one serves for a while."""
+"""Windows begin and end at multiples of this, m, so that one can be used for a while."""
 
 FARTHEST = 250.0
-"""How far from a sensor the ground's slopes are looked for at most, m."""
+"""Greatest distance from a sensor at which the ground's slopes are used, m."""
 
 LEVEL = 1e-3
-"""Difference of height up to which a map is a plane, m."""
+"""Difference of height up to which a map counts as a plane, m."""
 
 STEPS, HALVINGS = 64, 6
-"""In how many steps a ray is followed through the heights that there are, and how often the last two are halved."""
+"""Number of steps in which a ray is followed through the range of heights, and number of bisections of the last step.
+"""
 
 CHUNK = 16_384
-"""Rays that are followed at once."""
+"""Number of rays that are followed at once."""
 
 KEPT = 8
 SHIFT = 4
-"""Windows that are kept, and fractional bits of corners handed to OpenCV."""
+"""Number of windows that are kept, and fractional bits of corners for OpenCV."""
 
 
 class Terrain:
@@ -51,7 +52,7 @@ class Terrain:
     """
 
     def __init__(self, surface: Surface) -> None:
-        """Take the triangles of the roads' surface."""
+        """Store the triangles of the roads' surface."""
         quads = surface.quads.astype(np.float64)
         self.level = not len(quads) or float(np.ptp(quads[..., 2])) < LEVEL
         corners = np.concatenate([quads[:, (0, 1, 2)], quads[:, (0, 2, 3)]])
@@ -68,7 +69,7 @@ class Terrain:
         self._windows: dict[tuple[float, ...], Window] = {}
 
     def window(self, x: float, y: float, reach: float) -> Window:
-        """Return the ground about a point, OpenDRIVE's axes, m."""
+        """Return the ground around a point, OpenDRIVE's axes, m."""
         reach = min(reach, FARTHEST)
         here = np.array([x, y]) - self._origin
         low, high = np.floor((here - reach) / TILE) * TILE, np.ceil((here + reach) / TILE) * TILE
@@ -97,7 +98,7 @@ class Terrain:
 
 
 class Window:
-    """The ground about a place."""
+    """The ground around a place."""
 
     def __init__(self, low: Floats, planes: Floats, tags: NDArray[np.uint8], grids: list[Ids]) -> None:
         """Fill the ground beside the roads.
@@ -105,8 +106,8 @@ class Window:
         Args:
             low: (2,) its corner, OpenDRIVE's axes, m.
             planes: (T, 3) slopes along x and y of triangles, and their height at the corner, m.
-            tags: (T,) what they are made of, a `Tag`.
-            grids: (rows, columns) the triangle of each cell, -1 for none: on top, and lowest.
+            tags: (T,) their material, a `Tag`.
+            grids: (rows, columns) the triangle of each cell, -1 for none: topmost, and lowest.
         """
         self._low, self._planes, self._grids = low, planes, grids
         self._tags = np.append(tags, np.uint8(Tag.TERRAIN))
@@ -117,7 +118,7 @@ class Window:
         self._bounds = min(one.min() for one in self._beside) - 1.0, max(one.max() for one in self._beside) + 1.0
 
     def _filled(self, ids: Ids) -> Floats:
-        """Return the height of each cell's middle, of the nearest cell with a road where there is none, m."""
+        """Return the height of each cell's centre, m; without a road that of the nearest cell with one."""
         rows, columns = np.nonzero(ids >= 0)
         if not len(rows):
             return np.zeros(ids.shape)
@@ -131,13 +132,13 @@ class Window:
         return np.asarray(of_label[labels])
 
     def _cells(self, x: Floats, y: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Return rows and columns of points, m from the corner; of those outside, the nearest."""
+        """Return rows and columns of points, m from the corner; for points outside, those of the nearest cell."""
         rows, columns = self._grids[0].shape
         row = np.clip((y * (1.0 / CELL)).astype(np.intp), 0, rows - 1)
         return row, np.clip((x * (1.0 / CELL)).astype(np.intp), 0, columns - 1)
 
     def _above(self, layer: int, x: Narrow, y: Narrow, z: Narrow) -> NDArray[np.bool_]:
-        """Return whether points, m from the corner, are over the middles of their cells."""
+        """Return whether points, m from the corner, are above the centres of their cells."""
         rows, columns = self._grids[0].shape
         row = np.clip(y * np.float32(1.0 / CELL), 0, rows - 1).astype(np.int32)
         column = np.clip(x * np.float32(1.0 / CELL), 0, columns - 1).astype(np.int32)
@@ -152,7 +153,7 @@ class Window:
         return np.where(ids >= 0, on_road, self._beside[layer][row, column])
 
     def tags(self, points: Floats) -> NDArray[np.uint8]:
-        """Return what the ground is made of at points (N, 2), OpenDRIVE's axes: a `Tag`."""
+        """Return the material of the ground at points (N, 2), OpenDRIVE's axes: a `Tag`."""
         x, y = (points - self._low).T
         return np.asarray(self._tags[self._grids[0][self._cells(x, y)]])
 
@@ -160,9 +161,9 @@ class Window:
         """Return where rays meet the ground.
 
         Args:
-            origin: (3,) where they begin, OpenDRIVE's axes, m.
+            origin: (3,) their origin, OpenDRIVE's axes, m.
             directions: (N, 3) unit vectors.
-            reach: How far they go, m.
+            reach: Their length, m.
 
         Returns:
             (N,) distances, m, infinite for rays that meet nothing; (N, 3) the ground's normals there, upwards.
@@ -170,7 +171,7 @@ class Window:
         distance = np.full(len(directions), np.inf)
         normal = np.tile(np.array([0.0, 0.0, 1.0]), (len(directions), 1))
         begin = np.array([*(origin[:2] - self._low), origin[2]])
-        farther = min(reach, FARTHEST) * (1.0 + 4.0 / STEPS)  # cells' middles may be passed later than the surface
+        farther = min(reach, FARTHEST) * (1.0 + 4.0 / STEPS)  # the ray may cross cells' centres later than the surface
         for layer in range(len(self._grids)):
             for first in range(0, len(directions), CHUNK):
                 part = slice(first, first + CHUNK)
@@ -181,7 +182,7 @@ class Window:
     def _follow(
         self, layer: int, begin: Floats, directions: Floats, reach: float, distance: Floats, normal: Floats
     ) -> None:
-        """Follow rays to one of the surfaces; those that meet it sooner get its distance and normal."""
+        """Follow rays to one of the surfaces; write distance and normal for rays that meet it sooner."""
         least, most = self._bounds
         fall = -directions[:, 2]
         with np.errstate(divide="ignore"):

@@ -1,4 +1,4 @@
-"""Tileable textures, made once from a seed each: asphalt, wear, patches, grass, clouds, streaks of rain."""
+"""Tileable textures, each made once from a seed: asphalt, wear, patches, grass, clouds, streaks of rain."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ TEXEL = 0.02
 """Size of a ground texel, m; the tile repeats every 20.48 m."""
 
 GRAIN, WEAR, PATCH, GRASS = range(4)
-"""Channels of the ground tile; all have mean 128 but wear, which is uniform over 0-255."""
+"""Channels of the ground tile; all have mean 128 except wear, which is uniform from 0 to 255."""
 
 
 GROUND_SEED = 7
-"""Seed of the ground tile that everybody drives on; lane detectors learn on others."""
+"""Seed of the ground tile of all runs; lane detectors are trained with others."""
 
 
 @lru_cache(maxsize=2)
@@ -43,12 +43,12 @@ def cloud_tile() -> NDArray[np.float32]:
 
 @lru_cache(maxsize=8)
 def rain_tile(width: int, height: int, slant: float) -> NDArray[np.uint8]:
-    """Return a (2 height, 2 width) field of rain streaks to be cut at random places.
+    """Return a (2 height, 2 width) field of rain streaks, from which random parts are used.
 
     Args:
-        width: Columns of the image it is for.
-        height: Rows of the image it is for.
-        slant: Mean sideways run of a streak for a unit of its fall.
+        width: Columns of the image for which it is made.
+        height: Rows of the image for which it is made.
+        slant: Mean sideways motion of a streak for a unit of its fall.
     """
     draw = np.random.default_rng(13)
     scale = width / 1024.0
@@ -82,7 +82,7 @@ def _noise(draw: np.random.Generator, size: int, sigma: float) -> NDArray[np.flo
 
 
 def _uniform(field: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return the field with its values replaced by their ranks, spread over 0-255."""
+    """Return the field with its values replaced by their ranks, from 0 to 255."""
     ranked = np.empty(field.size, np.float32)
     ranked[np.argsort(field, axis=None, kind="stable")] = np.linspace(0, 255, field.size, dtype=np.float32)
     return ranked.reshape(field.shape)

@@ -1,8 +1,8 @@
-"""How weather looks: CARLA's 14 numbers become light, wetness, fog, and how far paint can be seen.
+"""The look of the weather: light, wetness, fog and the visibility of paint from CARLA's 14 numbers.
 
-The image is a model, tuned so that its order is right (rain hides paint more than a wet road does, a low sun
-over a wet road more than a high one), not a photometric simulation. The one curve that decides takeovers is
-`engine.visibility.paint_contrast`, for what is drawn and for ideal perception. CARLA's presets give:
+The image is a model, tuned to have the right order (rain hides paint more than a wet road does, a low sun over a wet
+road more than a high one), not a photometric simulation. The one curve that decides takeovers is
+`engine.visibility.paint_contrast`, for drawn pictures and for ideal perception. CARLA's presets give:
 
     ClearNoon 1.00    WetNoon 0.88    SoftRainNoon 0.76    MidRainyNoon 0.64   HardRainNoon 0.44
     ClearSunset 1.00  WetSunset 0.88  SoftRainSunset 0.71  MidRainSunset 0.48  HardRainSunset 0.06
@@ -50,10 +50,10 @@ class WeatherNumbers(Protocol):
 
 @dataclass(frozen=True)
 class Look:
-    """What the renderer needs to know of the weather.
+    """The properties of the weather that the renderer needs.
 
     Attributes:
-        sun_altitude: Degrees over the horizon.
+        sun_altitude: Degrees above the horizon.
         sun_heading: Heading of the sun in the world, rad.
         cloud: Cover of the sky, 0-1.
         rain: Precipitation, 0-1.
@@ -63,7 +63,7 @@ class Look:
         fog_start: Distance at which fog begins, m.
         spray: Extinction of falling rain and spray, 1/m.
         dust: Brown share of the haze, 0-1.
-        contrast: Share of a mark's contrast that survives, see `paint_contrast`.
+        contrast: Share of a mark's contrast that remains, see `paint_contrast`.
         luminance: Brightness of sunlit ground, 1 at a clear noon.
         warmth: How near the sun is to the horizon, 0-1.
     """
@@ -89,7 +89,7 @@ class Look:
 
 
 def look_of(weather: WeatherNumbers) -> Look:
-    """Return how `weather` looks. Every value is taken into its range; nothing is refused."""
+    """Return the look of `weather`. Every value is limited to its range; none is refused."""
     cloud = _share(weather.cloudiness, 0.05)
     rain = _share(weather.precipitation, 0.0)
     wet = max(rain, _share(weather.precipitation_deposits, 0.0), _share(weather.wetness, 0.0))

@@ -1,4 +1,4 @@
-"""Binds positions to the map: every way to write a position becomes road, lane, s and offset."""
+"""Binds positions to the map: a position of any type becomes a road, a lane, s and an offset."""
 
 from __future__ import annotations
 
@@ -131,20 +131,21 @@ AT_USE = (
     | RoutePosition
     | TrajectoryPosition
 )
-"""Positions that the engine finds when they are used."""
+"""Types of positions that the engine resolves when they are used."""
 
 
 @dataclass(frozen=True)
 class Binder:
-    """Binds positions to one map for one set of parameter values.
+    """Binds positions to one map at one set of parameter values.
 
     Attributes:
         network: The map.
         values: Values of the scenario's parameters, for checks and for positions that must become numbers.
-        sink: Where faults go.
+        sink: The sink for diagnostics.
         named: The scenario's own spawn points, in document order.
-        forgiving: Whether a position beyond its road's end or in a lane that is not there is taken to be at the end or
-            in the nearest lane, with a warning: without an automated vehicle, as in files made for other programs.
+        forgiving: Whether a position beyond its road's end is moved to the end, and one on a missing lane to the
+            nearest lane, with a warning. Set for scenarios without an automated vehicle, which are often written for
+            other programs.
     """
 
     network: Network
@@ -154,7 +155,7 @@ class Binder:
     forgiving: bool = False
 
     def value(self, number: Number, position: Position) -> float:
-        """Return a number of a position at the parameters' values; 0 and a diagnostic when it has none."""
+        """Return a number of a position at the parameters' values; report one without a value, and return 0 for it."""
         if not isinstance(number, Expression):
             return number
         try:
@@ -164,10 +165,10 @@ class Binder:
             return 0.0
 
     def bind(self, position: Position, center: float) -> BoundPosition | None:
-        """Return the position bound to a lane; None and a diagnostic when it is on none.
+        """Return the position bound to a lane; report a position that is on no lane, and return None for it.
 
-        `center` is the distance from the reference point to the box's centre of the entity that stands there, m: a
-        position in CARLA's frame speaks of the centre.
+        `center` is the distance from the reference point of the entity at this position to its box's centre, m. It is
+        needed because positions in CARLA's frame are those of the centre.
         """
         if isinstance(position, LanePositionWord):
             return self._on_lane(position)
@@ -211,9 +212,9 @@ class Binder:
         return position.model_copy(update=changes) if changes else position
 
     def _on_length(self, position: LanePositionWord | RoadPosition, s: float) -> float | None:
-        """Return s of a position on its road; None, reported, for what the road does not have.
+        """Return the s of a position on its road; report one that is not on its road, and return None for it.
 
-        Where beyond the end is forgiven, the end.
+        A forgiving binder returns the nearest s on the road instead.
         """
         if not self.forgiving or position.road not in self.network.road_ids:
             return s if self.on_road(position, position.road, s) else None
@@ -225,7 +226,7 @@ class Binder:
         return min(max(s, 0.0), length)
 
     def on_road(self, word: Word, road: str, s: float, attribute: str = "road") -> bool:
-        """Return whether the map has the road, which `attribute` names, and s lies on it; report what does not."""
+        """Return whether the map has the road, which `attribute` names, and s is on it; report what is wrong."""
         if road not in self.network.road_ids:
             self.sink.add(
                 UNKNOWN_ROAD,
@@ -273,7 +274,7 @@ class Binder:
         return placed.written_at(position.origin)
 
     def _spawn_points(self) -> Mapping[str, Position]:
-        """Return the scenario's spawn points, or the map's where the scenario has none."""
+        """Return the scenario's spawn points, or the map's if the scenario has none."""
         return self.named or self._map_points()
 
     def _map_points(self) -> dict[str, Position]:
@@ -304,7 +305,7 @@ class Binder:
         return self._bind_listed(found, position, center)
 
     def _bind_listed(self, found: Position, position: Position, center: float) -> BoundPosition | None:
-        """Bind an entry of a list of spawn points; one of the map's is spoken of where it is used."""
+        """Bind a spawn point of a list; faults in one of the map's are reported at `position`, which uses it."""
         if not found.origin.line:
             found = found.model_copy().written_at(position.origin)
         return replace(self, named={}).bind(found, center)
@@ -349,7 +350,7 @@ class Binder:
         return self._facing(best, heading, position)
 
     def _nearest_road(self, x: float, y: float) -> str:
-        """Return how far a point is from the middle of a lane of the nearest road: one for driving where it has one."""
+        """Return a hint with a point's distance from the nearest road's lane, a drivable one if the road has any."""
         nearest = self.network.locate(x, y, nearest=True)
         if not nearest:
             return ""
@@ -363,7 +364,7 @@ class Binder:
         return f"the nearest road is {away[lane]:.0f} m away: road '{road}', lane {lane}, s = {s:.1f} m"
 
     def _preference(self, lane: FoundLane, heading: float) -> tuple[bool, bool, float]:
-        """Order lanes that contain a point: drivable first, then by direction, then by distance to the centre."""
+        """Return the sort key of lanes at a point: drivable lanes first, then by direction, then by distance."""
         drivable = drivable_at(self.network, lane.road, lane.lane, lane.s)
         turned = abs(wrap(heading - self.travel_heading(lane)))
         return (not drivable, turned > math.pi / 4, abs(lane.offset))
@@ -375,7 +376,7 @@ class Binder:
         ).written_at(position.origin)
 
     def travel_heading(self, lane: FoundLane) -> float:
-        """Return the heading of a lane's direction of travel at a position, rad."""
+        """Return the heading of a lane's driving direction at a position, rad."""
         pose = self.network.lane_pose(lane.road, lane.lane, lane.s, lane.offset)
         direction = travel_direction(self.network, lane.road, lane.lane)
         return pose.heading if direction > 0 else pose.heading + math.pi
@@ -383,9 +384,10 @@ class Binder:
     def resolve(
         self, position: Position | BoundPosition, starts: Mapping[str, FoundLane]
     ) -> tuple[FoundLane, StartPose] | None:
-        """Return where a lane position, or one ahead of or beside an entity, lies at the parameters' values.
+        """Return the place and pose of a lane position, or of one ahead of or beside an entity.
 
-        `starts` are the entities' lanes so far. None for one relative to an entity that is drawn, and for any other.
+        `starts` are the entities' lanes so far. The result is None for a position relative to an entity with a random
+        start, and for positions of other types.
         """
         if isinstance(position, LanePositionWord):
             s, offset = self.value(position.s, position), self.value(position.offset, position)
@@ -424,9 +426,9 @@ class Binder:
         number: Number,
         same: int = 1,
     ) -> FoundLane | None:
-        """Return the place a distance ahead in the lane, behind for a negative one; report a lane that ends before.
+        """Return the place at a distance ahead in the lane, behind if negative; report a lane that ends before.
 
-        With `same` -1 the lane's travel goes the other way than the entity's, whose ahead it is.
+        With `same` = -1 the driving direction of the lane is opposite to that of the entity, to which "ahead" refers.
         """
         distance = same * self.value(number, position)
         ahead = self.network.next(start, distance) if distance >= 0 else self.network.previous(start, -distance)
@@ -463,19 +465,19 @@ class Binder:
 
 
 def travel_direction(network: Network, road: str, lane: int) -> int:
-    """Return 1 if a lane's traffic goes along s, -1 if it goes against it."""
+    """Return 1 if a lane's driving direction is along s, -1 if it is against s."""
     return lane_direction(network.tables, network.road_index(road), lane)
 
 
 def is_bound(network: Network, position: LanePositionWord, s: float) -> bool:
-    """Return whether the map has a position's road and, at s, its lane; binding has reported one that it has not."""
+    """Return whether the map has a position's road and, at s, its lane; if not, binding has reported it."""
     if position.road not in network.road_ids or not 0.0 <= s <= network.road(position.road).length:
         return False
     return position.lane == 0 or any(one.lane == position.lane for one in network.lanes_at(position.road, s))
 
 
 def drivable_at(network: Network, road: str, lane: int, s: float) -> bool:
-    """Return whether a lane is for driving at s."""
+    """Return whether a lane is a driving lane at s."""
     return bool(is_drivable(lane_type(network.tables, network.road_index(road), lane, s)))
 
 

@@ -19,7 +19,7 @@ UNFULFILLABLE = Code(
 
 
 def check_criteria(scenario: Scenario, takeover: Takeover, sink: Diagnostics) -> None:
-    """Warn of criteria on a destination or a cause of requests that there is not; `takeover` has its causes."""
+    """Warn of criteria on a missing destination or a missing cause of requests; `takeover` has the causes."""
     causes = {"scheduled", *(one.kind for one in takeover.causes)}
     for criterion in scenario.criteria:
         if isinstance(criterion, ReachDestination) and (scenario.ego is None or scenario.ego.destination is None):

@@ -1,7 +1,7 @@
-"""The numbers of the takeover policy that an author may leave out, by kind of cause.
+"""The default numbers of the takeover policy, by kind of cause.
 
-Warning below 0.6 and request below 0.3 are the AISA toolkit's; 5 of 8 control steps, the gaps and the time without
-progress are ours: the gaps are a second either way, and 5 s is longer than any pause of a vehicle that only follows.
+A warning below 0.6 and a request below 0.3 are the AISA toolkit's. The other defaults are ours: 5 of 8 control steps;
+gaps of a second either way; and 5 s without progress, which is longer than any pause of a vehicle that only follows.
 The minimum-risk manoeuvre begins at once when the camera fails: a severe failure after UN R157 (5.4.4, not verified).
 """
 
@@ -24,11 +24,13 @@ CAUSE_DEFAULTS: dict[CauseKind, dict[str, float | int]] = {
     "no_progress": {"after": 5.0},
     "controller": {"count": 1, "of": 1},
 }
-"""Defaults in SI units. The order is that of `Takeover.causes` when none is given: the first to ask is named."""
+"""Defaults in SI units. Their order is that of `Takeover.causes` if none is written; the first cause to request is
+named.
+"""
 
 
 def complete_takeover(written: Takeover) -> Takeover:
-    """Return the policy with all causes switched on when none is given, and every number filled in."""
+    """Return the policy with every number filled in, and with all causes if none is written."""
     causes = written.causes or tuple(Cause.model_construct(kind=kind) for kind in CAUSE_DEFAULTS)
     return written.model_copy(update={"causes": tuple(_complete(cause) for cause in causes)})
 

@@ -1,6 +1,6 @@
-"""The vehicles of actions on traffic: entities that are absent until their action lets them appear.
+"""The vehicles of traffic actions: entities that are absent until their action makes them appear.
 
-They stand side by side in the plan. Their ids are `<name>.<k>`; from the second action of a name on `<name>#<n>.<k>`.
+In the plan they are consecutive. Their ids are `<name>.<k>`, or `<name>#<n>.<k>` from the second action of a name on.
 """
 
 from __future__ import annotations
@@ -45,30 +45,30 @@ LESS_TRAFFIC = Code(
 )
 
 MOST_OF_SOURCE = 100
-"""Most vehicles of a source that are there at once."""
+"""Greatest number of a source's vehicles that are present at once."""
 
 MOST_OF_SWARM = 500
-"""Most vehicles of a swarm."""
+"""Greatest number of vehicles of a swarm."""
 
 UNNAMED = "traffic"
-"""Name of the vehicles of actions without a name."""
+"""Name used in the ids for actions without a name."""
 
 SHARES = (0.85, 1.1)
-"""Least and greatest share of the speed limit that drivers aim for, the defaults of `vocabulary.entities.Traffic`."""
+"""Least and greatest share of the speed limit that drivers aim for: the defaults of `vocabulary.entities.Traffic`."""
 
 NO_LIMIT = 1.0e6
-"""Share of the speed limit that drivers with a speed of their own aim for."""
+"""Share of the speed limit for drivers with a desired speed of their own."""
 
 
 def vehicles_of(action: KeepsVehicles, duration: float) -> int:
-    """Return how many vehicles an action has in a run of a duration in s."""
+    """Return the number of vehicles of an action in a run of `duration` s."""
     if isinstance(action, TrafficSourceAction):
         return ceil(min(float(MOST_OF_SOURCE), max(action.rate, 0.0) * duration))
     return min(max(action.vehicles, 0), MOST_OF_SWARM)
 
 
 def group_name(action: KeepsVehicles, numbers: Counter[str]) -> str:
-    """Return what stands before the point in the ids of an action's vehicles, and count it among those of its name."""
+    """Return the part of the ids of an action's vehicles before the point; `numbers` counts the actions by name."""
     name = action.traffic or UNNAMED
     numbers[name] += 1
     return name if numbers[name] == 1 else f"{name}#{numbers[name]}"
@@ -77,14 +77,14 @@ def group_name(action: KeepsVehicles, numbers: Counter[str]) -> str:
 def kept_entities(
     storyboard: Storyboard, vehicles: Sequence[Vehicle], taken: Sequence[Entity], duration: float, sink: Diagnostics
 ) -> Iterator[Entity]:
-    """Yield the vehicles of a storyboard's actions on traffic, in the order of the actions.
+    """Yield the vehicles of a storyboard's traffic actions, in the order of the actions.
 
     Args:
-        storyboard: What happens.
+        storyboard: The storyboard.
         vehicles: The scenario's vehicles.
-        taken: The scenario's other entities; an action whose vehicles would have their ids is reported.
-        duration: When the run ends at the latest, s.
-        sink: Where that goes, and categories that none of the vehicles is of.
+        taken: The scenario's other entities; an action whose vehicles would have one of their ids is reported.
+        duration: Greatest duration of the run, s.
+        sink: The sink for these reports, and for those of vehicle categories that no vehicle has.
     """
     numbers: Counter[str] = Counter()
     for action in walk(storyboard):
@@ -134,7 +134,10 @@ def _speed(action: KeepsVehicles, draw: float) -> Number | None:
 
 
 def _models(kinds: Sequence[TrafficKind], vehicles: Sequence[Vehicle]) -> dict[float, list[Vehicle]]:
-    """Return the vehicles of each kind by the sum of shares up to it, the last 1; a vehicle with a coupler is towed."""
+    """Return the vehicles of each kind by the cumulative share of the kinds, up to 1.
+
+    Vehicles with a coupler are left out, because they are towed.
+    """
     wanted = kinds or (TrafficKind(category="car"),)
     found = [(one, [v for v in vehicles if v.category == one.category and v.coupler is None]) for one in wanted]
     usable = [(kind.weight, some) for kind, some in found if some and kind.weight > 0.0]

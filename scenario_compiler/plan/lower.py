@@ -1,7 +1,7 @@
 """Lowers a scenario and a network to a plan, in named passes that each do one thing.
 
-`PASSES` is the whole story: each pass reads the scenario, reports into the sink and fills its part of the draft; none
-calls another.
+`PASSES` lists them in order. Each pass reads the scenario, reports to the sink and fills in its part of the draft; no
+pass calls another.
 """
 
 from __future__ import annotations
@@ -75,12 +75,12 @@ NO_DURATION = Code(
 )
 
 DEFAULT_DURATION = 60.0
-"""Length of a run that says nothing of its end, s."""
+"""Duration of a run without a defined end, s."""
 
 
 @dataclass
 class PlanDraft:
-    """A plan in the making."""
+    """The parts of a plan that the passes have made so far."""
 
     scenario: Scenario
     network: Network
@@ -107,17 +107,17 @@ def lower(
     perception: Perception = "camera",
     whole: bool = True,
 ) -> Plan:
-    """Return the plan of a scenario on its map, checked but not yet sealed; it can be run when the sink has no errors.
+    """Return the plan of a scenario on its map, checked but not sealed; it can be run if the sink has no errors.
 
-    Every check looks at a plan whose positions are at fault too, so that all faults are found in one pass.
+    The checks also run if positions have faults, so that all faults are found at once.
 
     Args:
-        scenario: What was written, expanded.
+        scenario: The scenario, expanded.
         network: The map.
-        sink: Where faults go.
+        sink: The sink for diagnostics.
         values: Values of the scenario's open parameters, for the checks.
-        perception: What the lane confidence comes from; ideal without an automated vehicle.
-        whole: Whether all that was written could be read; the checks leave alone what is left of another scenario.
+        perception: The source of the lane confidence; ideal without an automated vehicle.
+        whole: Whether the scenario could be read completely; if not, the checks are left out.
     """
     named = {} if scenario.spawn_points is None else {p.name: p.position for p in scenario.spawn_points.points}
     binder = Binder(network, values, sink, named, forgiving=scenario.ego is None)
@@ -162,9 +162,9 @@ def lower(
 
 
 def bind_entities(draft: PlanDraft) -> None:
-    """Bind every entity's start to a lane, in document order: an entity may stand relative to an earlier one.
+    """Bind every entity's start to a lane, in document order, because an entity may start relative to an earlier one.
 
-    One whose start is at fault keeps it as it was written, so that no check takes it for one without.
+    An entity whose start has a fault keeps the written position, so that no check takes it for one without a start.
     """
     vehicles = {vehicle.name: vehicle for vehicle in draft.scenario.vehicles}
     starts: dict[str, BoundPosition] = {}
@@ -182,17 +182,17 @@ def bind_entities(draft: PlanDraft) -> None:
 
 
 def written_entities(scenario: Scenario) -> tuple[Ego | Static | Dynamic, ...]:
-    """Return the entities as they were written, an automated vehicle first."""
+    """Return the entities as written, an automated vehicle first."""
     return scenario.actors if scenario.ego is None else (scenario.ego, *scenario.actors)
 
 
 def start_of(entity: Ego | Static | Dynamic) -> Position | None:
-    """Return where an entity starts, as it was written; None for one that an action has yet to put somewhere."""
+    """Return an entity's start as written; None if an action gives it its first position."""
     return entity.at if isinstance(entity, Static) else entity.start
 
 
 def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition | Position | None, vehicle: Vehicle) -> Entity:
-    """Return the plan's entity for one of the scenario's."""
+    """Return the plan's entity for an entity of the scenario."""
     if isinstance(entity, Static):
         return Entity.model_construct(
             id=entity.id, kind="static", vehicle=vehicle, start=start, speed=0.0, desired_speed=0.0
@@ -215,7 +215,7 @@ def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition | Position 
 
 
 def plan_routes(draft: PlanDraft) -> None:
-    """Bind the destinations and find the ways to them."""
+    """Bind the destinations and find the routes to them."""
     ego = draft.scenario.ego
     if ego is not None and ego.destination is not None:
         goal, draft.route = find_way(draft, ego.id, ego.destination)
@@ -234,7 +234,7 @@ def plan_routes(draft: PlanDraft) -> None:
 
 
 def find_way(draft: PlanDraft, entity: str, written: Position) -> tuple[FoundLane | None, tuple[RouteLeg, ...]]:
-    """Return where a destination lies and the way to it from where an entity starts; report what is not there."""
+    """Return a destination's place and the route to it from an entity's start; report if there is none."""
     bound = bind_fixed(draft, written)
     placed = next((one.start for one in draft.entities if one.id == entity), None)
     if isinstance(placed, RandomPosition | AnyOfPosition):
@@ -258,7 +258,7 @@ def find_way(draft: PlanDraft, entity: str, written: Position) -> tuple[FoundLan
 
 
 def bind_fixed(draft: PlanDraft, position: Position) -> BoundPosition | None:
-    """Bind a position that must be the same in every run."""
+    """Bind a position that must be the same in every run, and report one that is random."""
     bound = draft.binder.bind(position, 0.0)
     if isinstance(bound, RandomPosition | AnyOfPosition):
         draft.sink.add(RANDOM_HERE, f"<{position.word}> is random in each run", position.origin)
@@ -276,11 +276,11 @@ POSITIONS = (
     LanePositionWord,
     GeoPosition,
 )
-"""Positions that are not bound to the map before `bind_fixed`."""
+"""Types of positions that `bind_fixed` binds to the map."""
 
 
 def bind_corner(draft: PlanDraft, corner: Vertex | ControlPoint) -> Vertex | ControlPoint:
-    """Bind a corner of a trajectory; one whose author gave no heading gets none from its road or the world's axes."""
+    """Bind a corner of a trajectory; a heading that is not written is not taken from the road or the world's axes."""
     position = corner.position
     aligned = isinstance(position, WorldPosition) and position.yaw == 0.0
     along = isinstance(position, RoadPosition) and position.turn == 0.0 and position.heading is None
@@ -305,7 +305,7 @@ def bind_storyboard(draft: PlanDraft) -> None:
 
 
 def place_by_init(draft: PlanDraft) -> None:
-    """Find where the entities stand that the init puts somewhere."""
+    """Determine the positions of the entities that the init's actions place."""
     draft.standings = after_init(draft.binder, draft.storyboard, draft.standings)
 
 
@@ -326,13 +326,13 @@ def add_traffic(draft: PlanDraft) -> None:
 
 
 def keep_random_places_free(draft: PlanDraft) -> None:
-    """Let what starts at random keep clear of the others by at least what their boxes need."""
+    """Increase the clearance of random starts to at least what the entities' boxes need."""
     rooms = rooms_needed(draft.entities, replace(draft.binder, sink=Diagnostics()).value)
     draft.entities = [apart(*rooms[one.id]) if one.id in rooms else one for one in draft.entities]
 
 
 def apart(entity: Entity, room: float) -> Entity:
-    """Return an entity that starts at random, at least so far from any other, m."""
+    """Return an entity with a random start whose clearance is at least `room` m."""
     start = entity.start
     assert isinstance(start, RandomPosition | AnyOfPosition)
     if not isinstance(start.clear, Expression) and start.clear >= room:
@@ -343,12 +343,12 @@ def apart(entity: Entity, room: float) -> Entity:
 
 
 def check_markings(draft: PlanDraft) -> None:
-    """Report paint where the map has no place for it."""
+    """Report road marks of the scenario for which the map has no place."""
     check_paint(draft.binder, draft.scenario)
 
 
 def check_spawn_points(draft: PlanDraft) -> None:
-    """Report spawn points of the scenario's own that nothing uses and that lie nowhere."""
+    """Report faults in the scenario's own spawn points that are not used."""
     listed = () if draft.scenario.spawn_points is None else draft.scenario.spawn_points.points
     ego = draft.scenario.ego
     center = next((one.center for one in draft.scenario.vehicles if ego is not None and one.name == ego.model), 0.0)
@@ -364,18 +364,18 @@ def _spot(one: Diagnostic) -> tuple[Code, str, int, int]:
 
 
 def complete_policy(draft: PlanDraft) -> None:
-    """Fill in the numbers of the takeover policy that the author left out."""
+    """Fill in the numbers of the takeover policy that the author left out, and check the criteria."""
     draft.takeover = complete_takeover(draft.scenario.takeover)
     if draft.whole:
         check_criteria(draft.scenario, draft.takeover, draft.sink)
 
 
 def fill_duration(draft: PlanDraft) -> None:
-    """Give the run an end."""
+    """Set the run's duration, by default DEFAULT_DURATION."""
     if draft.scenario.duration is not None:
         draft.duration = draft.scenario.duration
     elif _is_written(draft.scenario.origin, "duration"):
-        return  # it is at fault, which has been reported
+        return  # a fault in it has been reported
     elif draft.scenario.storyboard.stop is None and (draft.scenario.ego is None or not draft.scenario.ego.destination):
         message = f"'{draft.scenario.name}' defines no end; it ends after {DEFAULT_DURATION:g} s"
         draft.sink.add(NO_DURATION, message, draft.scenario.origin)
@@ -386,7 +386,7 @@ def _is_written(place: Place, attribute: str) -> bool:
 
 
 def judged_by(scenario: Scenario) -> tuple[Criterion, ...]:
-    """Return the criteria of a scenario; leaving the road fails an automated vehicle unless they say otherwise."""
+    """Return the criteria of a scenario; for an automated vehicle StayOnRoad is added unless it is written."""
     written = scenario.criteria
     if scenario.ego is None or any(isinstance(one, StayOnRoad) for one in written):
         return written
@@ -394,14 +394,14 @@ def judged_by(scenario: Scenario) -> tuple[Criterion, ...]:
 
 
 def add_kept_vehicles(draft: PlanDraft) -> None:
-    """Add the vehicles of actions on traffic; sources have as many as the run's duration asks for."""
+    """Add the vehicles of traffic actions; their number depends on the run's duration."""
     vehicles = draft.scenario.vehicles
     kept = kept_entities(draft.storyboard, vehicles, draft.entities, draft.duration, draft.sink)
     draft.entities.extend(list(kept))
 
 
 def keep_open_parameters(draft: PlanDraft) -> None:
-    """Keep the parameters that numbers still depend on."""
+    """Keep the parameters on which numbers still depend."""
     scenario = draft.scenario
     words: list[Word] = [draft.storyboard, draft.takeover, *scenario.criteria]
     words += [] if scenario.ego is None else [scenario.ego.camera, scenario.ego.forward_sensor, scenario.ego.odometry]
@@ -415,7 +415,7 @@ def keep_open_parameters(draft: PlanDraft) -> None:
 
 
 def note_origins(draft: PlanDraft) -> None:
-    """Remember where the author wrote the parts of the plan that later stages speak of."""
+    """Store the places in the file of the plan's parts that later diagnostics refer to."""
     parts: dict[str, Word] = {f"entities/{e.id}": e for e in written_entities(draft.scenario)}
     parts["scenario"] = draft.scenario
     parts["weather"] = draft.scenario.weather

@@ -22,7 +22,7 @@ from scenario_compiler.resources import PUBLISHED_AS, MapNotFoundError, find_map
 from scenario_compiler.roads import Network, load_network
 
 MAP_OF_RUN = "map.xodr"
-"""Name of the map in the folder of a run."""
+"""Name of the map's file in the folder of a run."""
 
 UNKNOWN_MAP = Code(
     "SC204",
@@ -45,7 +45,7 @@ CHANGED_MAP = Code(
 def open_map(
     name: str, beside: Path | None, place: Place, sink: Diagnostics, maps: Sequence[Path] = ()
 ) -> Network | None:
-    """Find and load a map; report where it was looked for when it is not there."""
+    """Find and load a map; if it is not found, report where it was looked for."""
     try:
         path = find_map(name, beside=beside, folders=maps)
     except MapNotFoundError as missing:
@@ -65,14 +65,14 @@ def open_map(
 
 @lru_cache(maxsize=2)
 def _loaded(path: Path, modified: int, size: int) -> tuple[Network | None, tuple[Diagnostic, ...]]:
-    """Return a map and what is wrong with it; many scenarios in a row lie on one, which is read once as it stands."""
+    """Return a map and its diagnostics. The file is read once for all scenarios, unless it has changed."""
     del modified, size
     sink = Diagnostics()
     return load_network(path, sink=sink), tuple(_counted(sink, path))
 
 
 def _counted(found: Diagnostics, path: Path) -> Iterator[Diagnostic]:
-    """Yield the errors of a map, and of its warnings the first of each code, which says how many there are."""
+    """Yield the errors of a map, and the first warning of each code with the number of these warnings."""
     mild = [one for one in found if one.severity is not Severity.ERROR]
     counts = Counter(one.code for one in mild)
     yield from (one for one in found if one.severity is Severity.ERROR)
@@ -90,14 +90,14 @@ def open_plan_map(
 ) -> Network | None:
     """Load the map of a stored plan.
 
-    It is the one in the plan's own folder where that is a run's, else the file that the plan was compiled with, else
-    one of its name on the search path.
+    It is the map in the plan's own folder if that is the folder of a run, otherwise the file with which the plan was
+    compiled, otherwise a map of the same name on the search path.
 
     Args:
         plan: The plan.
-        sink: Where faults go.
-        maps: Folders that the map is looked for in first.
-        beside: Folder of the plan; None for one that has none.
+        sink: The sink for diagnostics.
+        maps: Folders in which the map is looked for first.
+        beside: Folder of the plan; None if it has none.
     """
     own = None if beside is None else beside / MAP_OF_RUN
     name = plan.map.file if Path(plan.map.file).is_file() else plan.map.name

@@ -41,7 +41,7 @@ class MapReference(PlanPart):
 
 
 class RouteLeg(PlanPart):
-    """A stretch of one lane on the route to the destination."""
+    """A section of one lane on the route to the destination."""
 
     road: str = Field(description="Id of the road.")
     lane: int = Field(description="Id of the lane.")
@@ -79,7 +79,7 @@ class StartPose(PlanPart):
 
 
 class PlanOrigin(PlanPart):
-    """Place in the author's file at which a part of the plan is written."""
+    """The place in the author's file at which a part of the plan is written."""
 
     file: str = Field(description="Path of the file.")
     line: int = Field(description="Line, counted from 1.")

@@ -20,7 +20,7 @@ EMPTY_STRETCH = Code(
 
 
 def check_paint(binder: Binder, scenario: Scenario) -> None:
-    """Report marks of roads and lanes that the map does not have, and warn of stretches that lie nowhere."""
+    """Report marks on roads and lanes that the map does not have, and warn of stretches outside their road."""
     for stretch in (*scenario.markings, *scenario.secondary_markings):
         begin, end = number_value(stretch.s_from, binder.values), number_value(stretch.s_to, binder.values)
         if end < begin:
@@ -31,7 +31,7 @@ def check_paint(binder: Binder, scenario: Scenario) -> None:
 
 
 def _check_on_road(binder: Binder, stretch: Markings | SecondaryMarkings, begin: float, end: float) -> None:
-    """Warn of a stretch that its road is too short for, and report marks of a lane that is nowhere along it."""
+    """Warn of a stretch beyond its road's end, and report marks of a lane that does not exist along the stretch."""
     road = binder.network.road(stretch.road)
     if end > road.length:
         beyond = begin >= road.length

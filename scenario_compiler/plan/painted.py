@@ -1,4 +1,4 @@
-"""The paint that a plan adds to its map: worn, coloured or covered stretches, and additional lines."""
+"""The road marks that a plan changes on its map: worn, coloured or covered stretches, and additional lines."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import number_value
 
 PIECE = 2.0
-"""Length of a piece of a mark that is covered or not, m."""
+"""Length of the pieces of a mark that are covered or not as a whole, m."""
 
 
 def mark_stretches(plan: Plan) -> list[MarkStretch]:
-    """Return the plan's overrides of the paint as stretches of the network's marks, at the parameters' values."""
+    """Return the plan's changes of marks as stretches of the network's marks, at the parameters' values."""
     values = parameter_values(plan.parameters)
     stretches: list[MarkStretch] = []
     for stretch in plan.markings:
@@ -40,7 +40,7 @@ def mark_stretches(plan: Plan) -> list[MarkStretch]:
 
 
 def secondary_lines(plan: Plan) -> list[SecondaryLine]:
-    """Return the lines that the plan adds beside the network's marks, at the parameters' values."""
+    """Return the lines that the plan adds to the network's marks, at the parameters' values."""
     values = parameter_values(plan.parameters)
     return [
         SecondaryLine(
@@ -59,12 +59,12 @@ def secondary_lines(plan: Plan) -> list[SecondaryLine]:
 
 
 def lines_beside(plan: Plan, network: Network, poses: Sequence[Pose]) -> list[SecondaryLine]:
-    """Return the lines that the plan paints beside entities, which start at these poses; none beside one off the roads.
+    """Return the lines that the plan adds beside entities; there are none beside an entity that is not on a road.
 
     Args:
         plan: The plan.
         network: Its map.
-        poses: Where each entity starts, in the plan's order.
+        poses: Start pose of each entity, in the plan's order.
     """
     values = parameter_values(plan.parameters)
     starts = {entity.id: pose for entity, pose in zip(plan.entities, poses, strict=True)}
@@ -87,7 +87,7 @@ def lines_beside(plan: Plan, network: Network, poses: Sequence[Pose]) -> list[Se
 
 
 def covered_pieces(road: str, s_from: float, s_to: float, coverage: float) -> list[float]:
-    """Return where the covered pieces of a stretch begin, m: the same places in every run."""
+    """Return the s at which each covered piece of a stretch begins, m; they are the same in every run."""
     if coverage <= 0.0:
         return []
     seed = zlib.crc32(road.encode())

@@ -1,4 +1,4 @@
-"""Places for random positions: stretches of lanes of a kind."""
+"""Places for random positions: stretches of lanes of the requested kind."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ SURFACES: dict[Surface, frozenset[int]] = {
 """Lane types of each kind of surface."""
 
 NARROWEST = 0.5
-"""Width that a lane has at both ends of a stretch, m."""
+"""Least width of a lane at both ends of a stretch, m."""
 
 
 def reach(entity: Entity) -> float:
-    """Return a distance from an entity's reference point that none of its box is beyond, m."""
+    """Return the distance from an entity's reference point to the farthest corner of its box or more, m."""
     vehicle = entity.vehicle
     return abs(vehicle.center) + math.hypot(vehicle.length, vehicle.width) / 2
 
@@ -34,14 +34,14 @@ def reach(entity: Entity) -> float:
 def rooms_needed(
     entities: Sequence[Entity], value: Callable[[Number, BesidePosition], float]
 ) -> dict[str, tuple[Entity, float]]:
-    """Return the entities that start at random, by id, each with how far from any other its place must be, m.
+    """Return each entity with a random start and the clearance of its place from all others, m, by id.
 
-    At that distance between two reference points neither stands in the other's box, nor do the things that stand
-    `beside` an entity that starts at random: these are placed after all of those.
+    At that distance between two reference points neither entity is in the other's box. Entities `beside` a random start
+    are considered too, because they are placed after all random starts.
 
     Args:
         entities: All entities but those of traffic.
-        value: What a number of a position is, m.
+        value: Returns the value of a number of a position, m.
     """
     drawn = {one.id: one for one in entities if isinstance(one.start, RandomPosition | AnyOfPosition)}
     extents = {one.id: reach(one) for one in entities}
@@ -56,7 +56,7 @@ def rooms_needed(
 
 
 class Span(NamedTuple):
-    """A stretch of a lane: the road's index, the lane's id, and the range of s in m."""
+    """A stretch of a lane: index of the road, lane id, and least and greatest s, m."""
 
     road: int
     lane: int
@@ -65,11 +65,11 @@ class Span(NamedTuple):
 
 
 def spans_of(network: Network, place: RandomPosition, *, behind: float = 0.0, before: float = 0.0) -> list[Span]:
-    """Return the stretches of lanes that a random position is drawn from, in the order of the map.
+    """Return the stretches of lanes from which a random position is drawn, in the order of the map.
 
     Args:
         network: The map.
-        place: What is asked for.
+        place: The random position.
         behind: Distance to keep from where traffic enters a road, m.
         before: Distance to keep from where traffic leaves it, m.
     """

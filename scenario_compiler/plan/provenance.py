@@ -1,4 +1,4 @@
-"""The author's place of a part of a plan, for diagnostics after lowering."""
+"""The place in the author's file of a part of a plan, for diagnostics after lowering."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from scenario_compiler.diagnostics import FilePlace, Place
 from scenario_compiler.plan.model import Plan, PlanOrigin
 
 LONGEST_LINE = 2000
-"""Most characters of a line that a plan keeps the text of; a file may be one line of many megabytes."""
+"""Greatest length of a line whose text a plan keeps, characters; a file may be one line of many megabytes."""
 
 
 def origin_at(place: Place) -> PlanOrigin:
-    """Return a place as a plan keeps it: with the text of its line and the uses around it."""
+    """Return a place for storage in a plan, with the text of its line and the places of the uses around it."""
     return PlanOrigin.model_construct(
         file=place.file,
         line=place.line,

@@ -1,7 +1,7 @@
-"""The positions of entities at the start of a run, from their starts and the teleports of the init.
+"""The positions of entities at the start of a run, from their starts and the init's teleport actions.
 
-What the engine finds when a run begins, found beforehand for pictures and checks. Places that are drawn or that lie on
-routes and trajectories are left out.
+They are what the engine determines when a run begins, computed in advance for pictures and checks. Positions that are
+random or that refer to routes and trajectories are left out.
 """
 
 from __future__ import annotations
@@ -34,25 +34,25 @@ from scenario_compiler.vocabulary.storyboard import Storyboard
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """Where an entity stands: its pose, and the lane below it, None off every road."""
+    """An entity's pose, and the lane on which it stands; None if it is not on a road."""
 
     pose: StartPose
     lane: FoundLane | None
 
 
 Standings = Mapping[str, Standing]
-"""By the entity's id."""
+"""Standings by entity id."""
 
 
 def standings_of(
     binder: Binder, starts: Mapping[str, BoundPosition], known: Standings | None = None
 ) -> tuple[dict[str, Standing], set[str]]:
-    """Return where starts lie, those relative to another entity after that one's, and which depend on themselves.
+    """Return the standings of the starts, and the ids of the entities whose starts depend on themselves.
 
     Args:
-        binder: The map and the parameters' values; what is at fault goes to its sink.
-        starts: The starts, by the entity's id.
-        known: Where further entities stand.
+        binder: The map and the parameters' values; faults are reported to its sink.
+        starts: The starts by entity id.
+        known: Standings of further entities.
     """
     waiting = dict(starts)
     found: dict[str, Standing] = {}
@@ -69,7 +69,7 @@ def standings_of(
 
 
 def after_init(binder: Binder, storyboard: Storyboard, starts: Standings) -> dict[str, Standing]:
-    """Return where entities stand once the init has put them somewhere; `starts` are those that stand before it."""
+    """Return the standings after the init's actions; `starts` are those before it."""
     standings = dict(starts)
     for initial in storyboard.init:
         action = initial.action
@@ -88,7 +88,7 @@ def after_init(binder: Binder, storyboard: Storyboard, starts: Standings) -> dic
 
 
 def stands_at(binder: Binder, position: Position | BoundPosition, standings: Standings) -> Standing | None:
-    """Return where a bound position lies; None for one drawn when a run begins, or relative to what stands nowhere."""
+    """Return the standing of a bound position; None if it is random or relative to an entity without a standing."""
     if isinstance(position, FreePosition):
         facing = 0.0 if position.heading is None else position.heading
         x, y, heading = (binder.value(n, position) for n in (position.x, position.y, facing))
@@ -105,7 +105,7 @@ def stands_at(binder: Binder, position: Position | BoundPosition, standings: Sta
     lanes = {} if base is None or base.lane is None else {name: base.lane}
     try:
         found = binder.resolve(position, lanes)
-    except ValueError:  # a place that the map does not have, which binding it has reported
+    except ValueError:  # the map has no such place; binding has reported it
         return None
     return None if found is None else Standing(found[1], found[0])
 
@@ -160,7 +160,7 @@ def _heading(
     position: LanesAwayPosition | RelativeRoadPosition | RelativeObjectPosition | RelativeWorldPosition,
     along: float,
 ) -> float:
-    """Return a position's heading in the world; its turn is counted from `along`."""
+    """Return a position's heading in the world, rad; its turn is relative to `along`."""
     if position.heading is not None:
         return binder.value(position.heading, position)
     return along + binder.value(position.turn, position)

@@ -1,4 +1,4 @@
-"""The plan's file form (plan.json) and its digest."""
+"""The file format of plans (plan.json), and the digest."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ BAD_PLAN = Code(
 
 
 OUTSIDE = ("limits", "origins", "derived", "digest")
-"""Parts of a plan that its digest does not cover: none of them changes a run."""
+"""Parts of a plan that its digest does not cover, because they do not affect a run."""
 
 
 def digest_of(plan: Plan) -> str:
@@ -56,12 +56,12 @@ def write_plan(plan: Plan, path: str | Path) -> None:
 
 
 def _plain(value: BaseModel | Expression) -> dict[str, Any]:
-    """Return a model or an expression as JSON has it; pydantic's serializers of all words take longer to make."""
+    """Return a model or an expression as JSON values; creating pydantic's serializers would take longer."""
     return {"expr": value.text} if isinstance(value, Expression) else vars(value)
 
 
 def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:
-    """Read a plan; None and a diagnostic for each fault when it is not a plan."""
+    """Read a plan; report each fault and return None if it is not a plan."""
     try:
         raw = read_file(path)
     except OSError as error:
@@ -99,7 +99,7 @@ def _parsed(raw: bytes, place: FilePlace, sink: Diagnostics) -> Plan | None:
 
 
 def _check_parameters(plan: Plan, place: FilePlace, sink: Diagnostics) -> None:
-    """Report names in the plan's expressions that none of its parameters has."""
+    """Report names in the plan's expressions that are not parameters of the plan."""
     declared = {one.name for one in plan.parameters}
     for name in sorted(_names_in(plan) - declared):
         message = f"the plan uses a parameter '{name}' that it does not declare"
@@ -107,7 +107,7 @@ def _check_parameters(plan: Plan, place: FilePlace, sink: Diagnostics) -> None:
 
 
 def _names_in(value: object) -> set[str]:
-    """Return the names of the parameters that expressions anywhere in a plan depend on."""
+    """Return the names of the parameters on which expressions anywhere in a plan depend."""
     if isinstance(value, Expression):
         return set(value.names)
     if isinstance(value, BaseModel):

@@ -12,7 +12,7 @@ from scenario_compiler.vocabulary.entities import Follow, Traffic, Vehicle
 from scenario_compiler.vocabulary.positions import RandomPosition
 
 START_SPEED = 8.0
-"""Greatest speed at the start, m/s: slow enough to stop from before the next junction or vehicle."""
+"""Greatest speed at the start, m/s; at this speed a vehicle can stop before the next junction or vehicle."""
 
 WALKING_SPEED = 1.34
 """Speed of pedestrians, m/s: the mean of free walking (Weidmann 1993, Transporttechnik der Fussgaenger)."""
@@ -21,8 +21,11 @@ WALKERS_CLEAR = 3.0
 """Least distance between pedestrians at the start, m."""
 
 TIME_GAPS = (1.0, 1.8)
-"""Least and greatest desired time gap of the drivers, s: Treiber and Kesting 2013, table 11.2, to the rule of thumb
-that is taught in Germany, half the speedometer's reading in metres."""
+"""Least and greatest desired time gap of the drivers, s.
+
+The least is that of Treiber and Kesting 2013, table 11.2; the greatest is the rule of thumb taught in Germany, half the
+speedometer's reading in metres.
+"""
 
 
 def traffic_entities(traffic: Traffic, vehicles: Mapping[str, Vehicle], network: Network) -> Iterator[Entity]:

@@ -1,8 +1,8 @@
 """Checks a plan at other values of its parameters, for the errors that compiling with them would report.
 
-A sweep runs thousands of variants of one plan. Compiling each would take longer than running it, so only what open
-numbers decide is looked at again: the limits of the attributes that hold them, the places that they give, the entities
-that they put into one another, and the times along paths.
+A sweep runs thousands of variants of one plan, and compiling each would take longer than running it. For that reason
+only what depends on open parameters is checked again: the limits of attributes, positions, overlaps of entities, and
+the times along paths.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class VariantChecks:
         self._timed_paths = any(limit.holder == "time" for limit in plan.limits)
 
     def fault(self, sample: Mapping[str, Value]) -> str:
-        """Return the first error of compiling with these values of the parameters; empty where it would be fine."""
+        """Return the first error of compiling with these values of the parameters; empty if there is none."""
         values = {**self._usual, **sample}
         fault = self._beyond_limits(values)
         if fault or self._forgiving:
@@ -81,14 +81,14 @@ def _parts(plan: Plan) -> Iterator[Word]:
 
 
 def _open_positions(plan: Plan) -> Iterator[LanePositionWord | RandomPosition]:
-    """Yield the positions on the map, rather than relative to an entity, that depend on parameters."""
+    """Yield the absolute positions that depend on parameters, without those relative to an entity."""
     for word in (inner for part in _parts(plan) for inner in walk(part)):
         if isinstance(word, LanePositionWord | RandomPosition) and parameters_in(word):
             yield word
 
 
 def _moved(starts: Mapping[str, BoundPosition]) -> tuple[str, ...]:
-    """Return the entities whose starts depend on parameters, or on one that does, in document order."""
+    """Return the entities whose starts depend on parameters, directly or through another entity, in document order."""
     moved = {name for name, start in starts.items() if parameters_in(start)}
     while True:
         more = {name for name, start in starts.items() if getattr(start, "entity", None) in moved} - moved
@@ -98,7 +98,7 @@ def _moved(starts: Mapping[str, BoundPosition]) -> tuple[str, ...]:
 
 
 def at_values(plan: Plan, values: Mapping[str, Value]) -> Plan:
-    """Return the plan with other defaults of its parameters; its digest stays that of the plan that was given."""
+    """Return the plan with other default values of its parameters; its digest is still that of the given plan."""
     parameters = tuple(
         one.model_copy(update={"default": format_value(values[one.name])}) if one.name in values else one
         for one in plan.parameters

@@ -1,8 +1,8 @@
-"""Distances between the entities' boxes, over whole runs at once.
+"""Distances between the entities' boxes, computed for whole runs at once.
 
-What is exact takes long, so that all rows get a bound first, and only those are looked at closely that can decide. The
-exact formulas are those of `engine.measures.boxes`, in the same order and with the C library's functions: numpy's own
-sines differ from them in the last bit, and from one processor to the next.
+Exact distances take long. For that reason bounds are computed for all rows, and exact distances only for the rows that
+the bounds do not exclude. The exact formulas are those of `engine.measures.boxes`, in the same order and with the C
+library's functions: numpy's own sines differ from them in the last bit, and from one processor to the next.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from scenario_compiler.recording.recording import Booleans, Floats, Integers
 from scenario_compiler.recording.traces import Singles, Traces
 
 GREATEST = float(np.finfo(np.float64).max)
-"""The greatest finite number: what is not above it is not infinite either."""
+"""The greatest finite number."""
 
 
 def corners(traces: Traces) -> tuple[Floats, Floats]:
-    """Return x and y of the boxes' four corners in turn, (..., n, m, 4).
+    """Return x and y of the boxes' four corners in order, (..., n, m, 4).
 
-    The corners lie outermost in memory, so that reductions over them are fast.
+    The corners' axis is outermost in memory, so that reductions over it are fast.
     """
     c, s = np.cos(traces.h), np.sin(traces.h)
     along, across = _corner_offsets(traces, (1,) * c.ndim)
@@ -31,37 +31,37 @@ def corners(traces: Traces) -> tuple[Floats, Floats]:
 
 
 def _corner_offsets(traces: Traces, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
-    """Return how far ahead and to the left of the reference points the corners lie, (4, 1, ..., m)."""
+    """Return the offsets of the corners ahead and to the left of the reference points, (4, 1, ..., m)."""
     front = np.array([1.0, -1.0, -1.0, 1.0]).reshape(-1, *shape)
     left = np.array([1.0, 1.0, -1.0, -1.0]).reshape(-1, *shape)
     return traces.center + 0.5 * traces.length * front, 0.5 * traces.width * left
 
 
 Places = tuple[Integers, ...]
-"""k places in arrays (m - 1, ..., n): numbers of other entities, of runs where there are several, and of rows."""
+"""Indices of k places in arrays (m - 1, ..., n): other entity, run if there are several, and row."""
 
 
 def least_of_run(values: Floats | Singles) -> Floats:
-    """Return the least of all entities and rows, (m - 1, ..., n) to (...), infinite where there is none."""
+    """Return the least value over all entities and rows, (m - 1, ..., n) to (...); infinite if there is none."""
     least = values.min(axis=-1, initial=np.inf).min(axis=0, initial=np.inf)
     return np.asarray(least, dtype=np.float64)
 
 
 def exact_at(places: Places, values: Floats, shape: tuple[int, ...]) -> Floats:
-    """Return an array (m - 1, ..., n) with k values at their places, and infinite elsewhere."""
+    """Return an array (m - 1, ..., n) with k values at their places and infinity elsewhere."""
     whole = np.full(shape, np.inf)
     whole[places] = values
     return whole
 
 
 def least_by_bounds(bounds: Singles, exact: Callable[[Places], Floats]) -> Floats:
-    """Return the least value of each run, (...), infinite where there is none, from bounds of all values.
+    """Return the least value of each run, (...), infinite if there is none, from lower bounds of all values.
 
-    The places with a run's least bound are looked at first, then those alone whose bound is not above what was found.
+    The exact value is computed where a run's bound is least, then wherever a bound is not above the value found there.
 
     Args:
-        bounds: What no value is below, (m - 1, ..., n); infinite where there is no value.
-        exact: Returns the values of k places, (k,); infinite where there is none.
+        bounds: Lower bounds, (m - 1, ..., n); infinite where there is no value.
+        exact: Returns the values at k places, (k,); infinite where there is none.
     """
 
     def least_within(limit: Floats) -> Floats:
@@ -72,9 +72,9 @@ def least_by_bounds(bounds: Singles, exact: Callable[[Places], Floats]) -> Float
 
 
 def least_box_distance(traces: Traces) -> Floats:
-    """Return the least distance in the plane from the ego vehicle's box to another one over the run, m, (...).
+    """Return the least distance in the plane from the ego's box to another one over the run, m, (...).
 
-    0 where boxes overlap, NaN without another entity.
+    It is 0 if boxes overlap, and NaN without another entity.
     """
     touched = np.asarray(touching(traces).any(axis=-1))
     bounds = np.where(touched[..., None], np.float32(np.inf), traces.seen.apart)
@@ -83,7 +83,7 @@ def least_box_distance(traces: Traces) -> Floats:
 
 
 def distance_at(traces: Traces, places: Places) -> Floats:
-    """Return the distances of boxes that do not overlap from the ego vehicle's, m, (k,)."""
+    """Return the distances from the ego's box of k boxes that do not overlap it, m, (k,)."""
     ego, other = boxes_at(traces, places)
     number, *rows = places
     from_ego = _from_box(traces, rows, np.zeros_like(number), other)
@@ -91,7 +91,7 @@ def distance_at(traces: Traces, places: Places) -> Floats:
 
 
 def touching(traces: Traces) -> Booleans:
-    """Return in which rows the ego vehicle's box overlaps another one, (..., n)."""
+    """Return in which rows the ego's box overlaps another one, (..., n)."""
     near = np.nonzero(traces.seen.apart <= 0.0)
     touched = np.zeros(traces.t.shape, dtype=bool)
     overlap = _overlap(traces, near)
@@ -100,11 +100,11 @@ def touching(traces: Traces) -> Booleans:
 
 
 Box = tuple[Floats, Floats]
-"""x and y of the four corners in turn of k boxes, each (4, k)."""
+"""x and y of the four corners, in order, of k boxes, each (4, k)."""
 
 
 def boxes_at(traces: Traces, places: Places) -> tuple[Box, Box]:
-    """Return the ego vehicle's box and the other one at k places."""
+    """Return the ego's box and the other entity's box at k places."""
     other, *rows = places
     return _box_at(traces, rows, np.zeros_like(other)), _box_at(traces, rows, other + 1)
 
@@ -116,7 +116,7 @@ def _box_at(traces: Traces, rows: Sequence[Integers], entity: Integers) -> Box:
 
 
 def _poses(traces: Traces, rows: Sequence[Integers], entity: Integers) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return x, y and the cosine and sine of the heading of k entities, each in its row."""
+    """Return x, y, and the cosine and sine of the heading, of k entities in their rows."""
     place = (*rows, entity)
     h = traces.h[place]
     return traces.x[place], traces.y[place], by_libm(math.cos, h), by_libm(math.sin, h)
@@ -125,7 +125,7 @@ def _poses(traces: Traces, rows: Sequence[Integers], entity: Integers) -> tuple[
 def _from_box(traces: Traces, rows: Sequence[Integers], entity: Integers, points: Box) -> Floats:
     """Return the least distance from the boxes of k entities to the 4 corners of another box, m, (k,).
 
-    Of two boxes that do not overlap, the least of both ways is their distance.
+    The distance of two boxes that do not overlap is the lesser of the results for both orders of the boxes.
     """
     x, y, c, s = _poses(traces, rows, entity)
     dx, dy = points[0] - x, points[1] - y
@@ -136,7 +136,7 @@ def _from_box(traces: Traces, rows: Sequence[Integers], entity: Integers, points
 
 
 def _overlap(traces: Traces, places: Places) -> Booleans:
-    """Return where two boxes overlap, by the separating axes of both, (k,)."""
+    """Return at which places two boxes overlap, by the separating axes of both, (k,)."""
     number, *rows = places
     ego, other = (_poses(traces, rows, entity) for entity in (np.zeros_like(number), number + 1))
     middles = [
@@ -155,7 +155,7 @@ def _overlap(traces: Traces, places: Places) -> Booleans:
 
 
 def by_libm(function: Callable[..., float], *values: Floats) -> Floats:
-    """Return a function of `math` of each element."""
+    """Return a function that applies a function of `math` to each element."""
     shape = np.broadcast_shapes(*(each.shape for each in values))
     lists = [np.broadcast_to(each, shape).ravel().tolist() for each in values]
     return np.array([function(*one) for one in zip(*lists, strict=True)], dtype=np.float64).reshape(shape)

@@ -1,4 +1,4 @@
-"""Describes why the engine broke a run off: the entity, the quantity, its value, and the time."""
+"""Describes why the engine stopped a run: the entity, the quantity, its value, and the time."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ OF_ENTITIES = (op.FAULT_NOT_FINITE, op.FAULT_OFF_ROAD_START, op.FAULT_NO_ROOM)
 
 
 def break_off_text(code: int, at: int, entities: Sequence[str], values: Mapping[str, float], t: float) -> str:
-    """Return why the engine ended a run; empty for a run that it did not end.
+    """Return why the engine stopped a run; empty for a run that it did not stop.
 
     Args:
         code: The engine's fault code; 0 if there is none.
-        at: Subject of the fault: for the codes OF_ENTITIES, the number of the entity.
+        at: Subject of the fault: for the codes OF_ENTITIES, the index of the entity.
         entities: The entities' ids.
         values: That entity's values of QUANTITIES at the end.
         t: Time of the end, s.

@@ -1,7 +1,7 @@
-"""Texts as cells of CSV files, which a spreadsheet shows but does not execute.
+"""Texts as cells of CSV files that a spreadsheet displays but does not execute.
 
-A spreadsheet takes a cell that begins with =, +, -, @, a tab or a line break for a formula, which may call programs
-(OWASP, "CSV Injection"). Such a text gets an apostrophe before it, by which spreadsheets mark text; numbers do not.
+A spreadsheet treats a cell that begins with =, +, -, @, a tab or a line break as a formula, which may call programs
+(OWASP, "CSV Injection"). Such a text is written with an apostrophe before it, which marks text; numbers are not.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ _FORMULA = re.compile(r"'*[=+\-@\t\r\n]")
 
 
 def text_cell(text: str) -> str:
-    """Return a text as a cell holds it: one that a spreadsheet would run begins with an apostrophe."""
+    """Return a text as the content of a cell: with an apostrophe before it if a spreadsheet would execute it."""
     return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
 
 
 def cell_text(cell: str) -> str:
-    """Return the text that a cell holds: the inverse of `text_cell`."""
+    """Return the text of a cell: the inverse of `text_cell`."""
     return cell[1:] if cell.startswith("'") and _FORMULA.match(cell[1:]) else cell

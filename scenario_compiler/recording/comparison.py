@@ -1,4 +1,4 @@
-"""Compares two runs: when they begin to differ, by how much, and which events are in one of them only."""
+"""Compares two runs: when they begin to differ, by how much, and which events are in only one of them."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from scenario_compiler.recording.trajectory import TRAJECTORY_COLUMNS
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """Something that is said of both runs.
+    """A property of both runs that is compared.
 
     Attributes:
-        what: What.
-        first: What it is in the first run.
-        second: What it is in the second.
-        counts: The runs differ when it does; otherwise it only may explain why.
+        what: Its name.
+        first: Its value in the first run.
+        second: Its value in the second run.
+        counts: Whether a difference in it makes the runs different; otherwise it can only explain differences.
     """
 
     what: str
@@ -38,14 +38,14 @@ class Fact:
 
 @dataclass(frozen=True, slots=True)
 class Parting:
-    """The first value that differs: by time, then by entity, then by column.
+    """The first value that differs, in the order of time, entity and column.
 
     Attributes:
         t: Time of the row, s.
         entity: Id of the entity; empty for a column of the run.
-        column: The column; "x, y" where only positions are compared.
+        column: The column; "x, y" if only positions are compared.
         first: The value in the first run.
-        second: The value in the second.
+        second: The value in the second run.
     """
 
     t: float
@@ -57,14 +57,14 @@ class Parting:
 
 @dataclass(frozen=True, slots=True)
 class Apart:
-    """How far apart an entity gets in the rows that both runs have.
+    """The greatest differences of an entity in the rows that both runs have.
 
     Attributes:
         entity: Its id.
         rows: Number of rows in which it is present in both.
-        alone: Number of rows in which it is present in one of them.
+        alone: Number of rows in which it is present in only one of them.
         distance: Greatest distance, m.
-        t: When that is, s.
+        t: Time of the greatest distance, s.
         x: Greatest difference in x, m.
         y: Greatest difference in y, m.
         h: Greatest difference of the headings, rad, at most pi.
@@ -84,15 +84,15 @@ class Apart:
 
 @dataclass(frozen=True, slots=True)
 class EventPair:
-    """An event that is only in one run, or at another time or with another value in the other.
+    """An event that is in only one run, or differs in time or value between the runs.
 
     Attributes:
-        kind: What happened.
+        kind: The kind of event.
         entity: Id of the entity concerned.
-        cause: Why.
+        cause: Its cause.
         message: The message to the driver, or a name.
-        first: When, in the first run, s; None if it is not in it.
-        second: When, in the second run, s; None if it is not in it.
+        first: Time in the first run, s; None if it is not in it.
+        second: Time in the second run, s; None if it is not in it.
     """
 
     kind: str
@@ -105,7 +105,7 @@ class EventPair:
 
 @dataclass(frozen=True, slots=True)
 class MeasurePair:
-    """A measure of both runs, and the second value less the first; None if one is not defined."""
+    """A measure of both runs, and the second value minus the first; None if one is not defined."""
 
     name: str
     unit: str
@@ -116,16 +116,16 @@ class MeasurePair:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Two runs side by side.
+    """The comparison of two runs.
 
     Attributes:
-        facts: What is said of both.
+        facts: The properties of both.
         rows: Number of rows at times that both have.
-        same_times: The rows are at the same times; with a tolerance, the runs end within a step of each other.
-        parting: Where they part; None if they do not.
-        apart: How far apart each entity gets that both have, in the first run's order.
-        events: Events that are not in both alike.
-        measures: The measures, where both runs were judged.
+        same_times: Whether the rows are at the same times; with a tolerance, whether the ends are at most a step apart.
+        parting: The first difference; None if there is none.
+        apart: The differences of each entity that both have, in the first run's order.
+        events: Events that are not the same in both.
+        measures: The measures, if outcomes of both runs are given.
     """
 
     facts: tuple[Fact, ...]
@@ -138,7 +138,7 @@ class Comparison:
 
     @property
     def equal(self) -> bool:
-        """Whether the same happened in both runs; what they were made from may differ."""
+        """Whether the same happened in both runs; their sources may differ."""
         counting = all(fact.first == fact.second for fact in self.facts if fact.counts)
         return counting and self.same_times and self.parting is None and not self.events
 
@@ -152,15 +152,15 @@ def compare(
 ) -> Comparison:
     """Compare two runs.
 
-    Without a tolerance all columns have to be equal to the bit, and events and times to the nanosecond. With one,
-    positions may be that far apart and events and ends a step; other columns are not judged. Of a trajectory (see
-    `trajectory.read_trajectory`) the columns of that file are compared alone.
+    Without a tolerance all columns have to be bitwise equal, and times have to be equal to the nanosecond. With a
+    tolerance, positions may differ by it, and times of events and the end by a step; other columns are ignored. For a
+    trajectory (see `trajectory.read_trajectory`) only the columns of its file are compared.
 
     Args:
         first: A run.
-        second: The other.
-        outcomes: How they were judged.
-        tolerance: Greatest distance between positions that counts as equal, m; None if there is none.
+        second: The other run.
+        outcomes: Their outcomes.
+        tolerance: Greatest distance between positions that counts as equal, m; None for exact equality.
     """
     pair = _Pair(first, second)
     whole = bool(first.header.plan_digest and second.header.plan_digest)
@@ -229,7 +229,7 @@ class _Pair:
         return Parting(float(self.t[row]), name, column.name, told, other_told)
 
     def parting_by(self, tolerance: float) -> Parting | None:
-        """Return the first position that differs by more than a tolerance, or that one run alone has."""
+        """Return the first position that differs by more than a tolerance or that only one run has."""
         present = self.numbers("present")
         far = (self.distance() > tolerance) | (present[0] != present[1])
         if not far.any():
@@ -243,7 +243,7 @@ class _Pair:
         return Parting(float(self.t[row]), self.entities[entity], "x, y", told, other_told)
 
     def apart(self) -> Iterator[Apart]:
-        """Yield how far apart each entity gets."""
+        """Yield the greatest differences of each entity."""
         present, other_present = self.numbers("present")
         differences = {name: np.abs(_differences(*self.numbers(name))) for name in ("x", "y", "h", "v")}
         differences["h"] = np.minimum(differences["h"], 2 * np.pi - differences["h"])
@@ -262,7 +262,7 @@ class _Pair:
 
 
 def _differences(first: Floats, second: Floats) -> Floats:
-    """Return the differences; NaN where both are infinite, as after a fault of the engine."""
+    """Return the differences; NaN if both are infinite, as after a fault of the engine."""
     with np.errstate(invalid="ignore"):
         return np.subtract(first, second)
 
@@ -318,7 +318,7 @@ def _judged(first: Outcome, second: Outcome) -> Iterator[Fact]:
 
 
 def _events(first: Recording, second: Recording, slack: float, *, values: bool) -> list[EventPair]:
-    """Return the events that are not in both alike; those that agree but for their times are paired in order."""
+    """Return the events that are not the same in both; those that differ only in time are paired in order."""
     grouped: dict[tuple[str, str, str, str], tuple[list[EventRow], list[EventRow]]] = defaultdict(lambda: ([], []))
     for number, recording in enumerate((first, second)):
         for event in recording.events:

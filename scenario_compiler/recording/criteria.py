@@ -37,11 +37,11 @@ from scenario_compiler.vocabulary.horizon import HORIZON
 from scenario_compiler.vocabulary.word import number_value
 
 NOBODY: Mapping[ReferenceName, bool] = {}
-"""No verdict of any reference driver."""
+"""Verdicts of no reference driver."""
 
 
 class Where(BaseModel):
-    """Where the vehicle that is judged was at a time."""
+    """The place of the judged vehicle at a time."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
@@ -53,7 +53,7 @@ class Where(BaseModel):
 
 
 class CriterionResult(BaseModel):
-    """How a run fares by one criterion."""
+    """The result of a criterion for a run."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
@@ -66,13 +66,13 @@ class CriterionResult(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """How a criterion is judged.
+    """The functions that judge a criterion.
 
     Attributes:
-        broken_at: From traces, which runs reached their destination (...) and the criterion's limit (...), when each
-            run first broke it, s, (...); NaN if it holds.
-        fails: The same question of totals, (runs,).
-        found: Says what was found in a recording.
+        broken_at: From the criterion, traces, which runs reached their destination (...) and the criterion's limits
+            (...): the time at which each run first broke it, s, (...); NaN if it holds.
+        fails: From the criterion, totals and the same: which runs broke it, (runs,).
+        found: Returns a description of what is found in a recording.
     """
 
     broken_at: Callable[[Criterion, Traces, Booleans, Floats], Floats]
@@ -81,24 +81,24 @@ class Rule:
 
 
 def broken_at(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
-    """Return when each run first broke a criterion, s, (...); NaN if it holds.
+    """Return the time at which each run first broke a criterion, s, (...); NaN if it holds.
 
     Args:
         criterion: The criterion.
         traces: The runs.
         reached: Which runs ended at their destination, (...).
-        limit: The criterion's number for each run, as `limit_of` gives it, (...).
+        limit: The criterion's limit for each run, from `limit_of`, (...).
     """
     return RULES[type(criterion)].broken_at(criterion, traces, reached, limit)
 
 
 def fails(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
-    """Return which runs broke a criterion, (runs,), by their totals; the arguments are those of `broken_at`."""
+    """Return which runs broke a criterion, (runs,), from their totals; the arguments are those of `broken_at`."""
     return RULES[type(criterion)].fails(criterion, totals, reached, limit)
 
 
 def _event(kind: EventKind) -> tuple[Callable[..., Floats], Callable[..., Booleans]]:
-    """Return how a criterion is judged that an event breaks."""
+    """Return the two functions for a criterion that the first event of a kind breaks."""
 
     def first_time(criterion: Criterion, runs: Timed, reached: Booleans, limit: Floats) -> Floats:
         del criterion, reached, limit
@@ -135,7 +135,7 @@ def _never_reached(criterion: Criterion, totals: RunTotals, reached: Booleans, l
 
 
 def _late_response(criterion: Criterion, runs: Traces | RunTotals, reached: Booleans, limit: Floats) -> Floats:
-    """Return when the driver should have responded and had not, NaN if there was an answer in time or no request."""
+    """Return the time by which the driver should have responded but did not, s; NaN otherwise."""
     del criterion, reached
     due = runs.times["request"] + limit
     response = runs.times["response"]
@@ -159,7 +159,7 @@ def _never_requested(criterion: Criterion, totals: RunTotals, reached: Booleans,
 
 
 def _was_requested(criterion: Criterion, runs: Timed, cause: Floats) -> Booleans:
-    """Return which runs had a request, the first of which was for the criterion's cause."""
+    """Return which runs had a request whose first cause is the criterion's."""
     assert isinstance(criterion, Requested)
     asked = ~np.isnan(runs.times["request"])
     if criterion.cause is None:
@@ -201,12 +201,12 @@ def _was_avoidable(criterion: Criterion, totals: RunTotals, reached: Booleans, l
 def limit_of(
     criterion: Criterion, parameters: Mapping[str, Value], avoided: Mapping[ReferenceName, bool] = NOBODY
 ) -> float:
-    """Return the number that a criterion compares with; NaN for those that have none.
+    """Return the number with which a criterion compares; NaN if it has none.
 
     Args:
         criterion: The criterion.
         parameters: Values of the plan's parameters.
-        avoided: Whether each reference driver has no collision in this run; 1 or 0 is what a criterion about him gets.
+        avoided: Whether each reference driver avoids a collision in this run; a criterion on one has the limit 1 or 0.
     """
     if isinstance(criterion, NoAvoidableCollision):
         return float(avoided.get(criterion.by, False))
@@ -220,7 +220,7 @@ def limit_of(
 
 
 def judge_criterion(criterion: Criterion, recording: Recording, traces: Traces) -> CriterionResult:
-    """Return how a run fares by a criterion."""
+    """Return the result of a criterion for a run."""
     limit = limit_of(criterion, recording.header.parameters, recording.header.avoided)
     reached = np.asarray(recording.stop_reason == "destination")
     broken = float(broken_at(criterion, traces, reached, np.asarray(limit)))
@@ -231,9 +231,9 @@ def judge_criterion(criterion: Criterion, recording: Recording, traces: Traces) 
 
 
 def where_at(recording: Recording, when: float) -> Where | None:
-    """Return where the first entity was in the last row that is not after a time, s.
+    """Return the first entity's place in the last row that is not after a time, s.
 
-    None if it was not there, or where its place was no finite number, as when a run breaks off.
+    It is None if the entity was absent, or if its position was not finite, as when the engine stops.
     """
     row = int(np.searchsorted(recording.t, when + SAME_TIME, side="right")) - 1
     if row < 0 or not recording.present[row, 0]:
@@ -332,7 +332,7 @@ RULES: dict[type[Criterion], Rule] = {
     MaximumLateralOffset: Rule(_too_far_off, _was_too_far_off, _offset_found),
     NoAvoidableCollision: Rule(_avoidable, _was_avoidable, _avoidable_found),
 }
-"""How each criterion of the vocabulary is judged."""
+"""The rule of each criterion of the vocabulary."""
 
 
 def _first_time(traces: Traces, where: Booleans) -> Floats:

@@ -12,7 +12,7 @@ from scenario_compiler.recording.recording import Floats
 
 
 class Timed(Protocol):
-    """Traces or totals: both know when events happened first."""
+    """Traces or totals, which both have the first times of events."""
 
     @property
     def step(self) -> float:
@@ -21,7 +21,7 @@ class Timed(Protocol):
 
     @property
     def times(self) -> Mapping[EventKind, Floats]:
-        """First time of each kind of `TIMED_EVENTS`, (...), s, NaN when it never happened."""
+        """First time of each kind of `TIMED_EVENTS`, (...), s; NaN if it never occurred."""
         ...
 
 
@@ -31,6 +31,6 @@ def whole_steps(runs: Timed, durations: Floats) -> Floats:
 
 
 def after_request(runs: Timed, time: Floats) -> Floats:
-    """Return how long after the first request a time is, s, (...); NaN before it."""
+    """Return the time from the first request to a time, s, (...); NaN if that is before the request."""
     waited = whole_steps(runs, time - runs.times["request"])
     return np.where(waited >= 0, waited, np.nan)

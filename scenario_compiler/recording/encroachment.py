@@ -1,6 +1,6 @@
 """The least post-encroachment time, from recordings and from the engine's totals.
 
-The engine looks back from each row; here all rows are compared with those some rows before, one lag after the other.
+The engine looks back from each row; here each row is compared with the row one lag before, for one lag after the other.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scenario_compiler.recording.traces import Traces
 
 
 def least_encroachment(traces: Traces) -> Floats:
-    """Return the least post-encroachment time of each run, s, (...); 0 where boxes overlap, NaN if there is none."""
+    """Return the least post-encroachment time of each run, s, (...); 0 if boxes overlap, NaN if there is none."""
     every = rows_between(traces.step)
     limit = rows_looked_at(traces.step)
     kept = _Kept(traces, every)
@@ -36,14 +36,14 @@ def least_encroachment_total(totals: RunTotals) -> Floats:
 
 
 Places = tuple[NDArray[np.intp], ...]
-"""Indices into arrays (..., k, m), one array a dimension."""
+"""Indices into arrays (..., k, m), one index array per dimension."""
 
 
 class _Kept:
-    """The rows that are compared: arrays (..., k, m)."""
+    """The rows that are compared, as arrays (..., k, m)."""
 
     def __init__(self, traces: Traces, every: int) -> None:
-        """Take every so many rows."""
+        """Take every `every`-th row."""
         rows = (..., slice(None, None, every), slice(None))
         self.h, self.z, self.present = traces.h[rows], traces.z[rows], traces.present[rows]
         self.x = traces.x[rows] + traces.center * np.cos(self.h)
@@ -57,7 +57,7 @@ class _Kept:
         self.counts[..., 0] = False
 
     def meets(self, lag: int) -> Booleans:
-        """Return in which runs the ego vehicle is where another was so many rows before, or the other way, (...)."""
+        """Return in which runs the ego is where another entity was `lag` kept rows before, or vice versa, (...)."""
         met = np.zeros(self.x.shape[:-2], dtype=bool)
         for ego_was_there in (True, False):
             *runs, then, others = np.nonzero(self._near(lag, ego_was_there=ego_was_there))
@@ -70,7 +70,7 @@ class _Kept:
         return met
 
     def _near(self, lag: int, *, ego_was_there: bool) -> Booleans:
-        """Return in which rows of then a box is so near to the other's of now that they may overlap, (..., k, m)."""
+        """Return in which earlier rows a box is so near to the other's later one that they may overlap, (..., k, m)."""
         now, then = slice(lag, None), slice(None, -lag)
         of_ego, of_others = (then, now) if ego_was_there else (now, then)
         dx = self.x[..., of_others, :] - self.x[..., of_ego, :1]
@@ -79,11 +79,11 @@ class _Kept:
             return np.asarray((dx * dx + dy * dy <= self.reach) & self.counts[..., now, :])
 
     def _overlap(self, then: Places, now: Places) -> Booleans:
-        """Return where the box of an entity now overlaps the one that another had then, (n,).
+        """Return where an entity's later box overlaps another entity's earlier box, (n,).
 
         Args:
             then: Indices of the n earlier boxes: runs, rows and entities.
-            now: Those of the later ones.
+            now: Indices of the later boxes.
         """
         i, j = then[-1], now[-1]
         dx, dy = self.x[now] - self.x[then], self.y[now] - self.y[then]

@@ -1,6 +1,6 @@
-"""The ego in its lane: distances of its sides from the edges, and the time until it crosses them.
+"""The ego in its lane: distances of its sides from the lane's edges, and the time until it crosses them.
 
-A side is beyond an edge of the lane where a corner of the vehicle's box is. The formulas are those of
+A side is beyond an edge of the lane if a corner of the ego's box is. The formulas are those of
 `engine.measures.in_lane`, in the same order and with the C library's functions.
 """
 
@@ -21,17 +21,17 @@ from scenario_compiler.vocabulary.horizon import HORIZON
 
 @dataclass(frozen=True, slots=True)
 class Sides:
-    """The ego vehicle's sides in its lane, each array (..., n); offsets are to the left in its direction of travel.
+    """The ego's sides in its lane, each array (..., n); offsets are to the left in its driving direction.
 
     Attributes:
         left: Offset of its reference point from the lane's centre, m.
-        to_left: Distance of its outermost corners from the reference point, m.
-        to_right: The same to the right.
+        to_left: Distance of its leftmost corner from the reference point, m.
+        to_right: Distance of its rightmost corner from the reference point, m.
         width: Width of the lane, m; 0 if there is none.
         on_lane: Whether the reference point is on a lane.
-        out: Whether a side is beyond its edge, or the reference point off every lane; false where it is absent.
-        crossing: Time until a side crosses its edge at the present speed across the lane, s; 0 if one has, infinite
-            where none will.
+        out: Whether a side is beyond its edge or the reference point is on no lane; false if the ego is absent.
+        crossing: Time until a side crosses its edge at the present lateral speed, s; 0 if one has crossed it, infinite
+            if none will.
     """
 
     left: Floats
@@ -45,12 +45,12 @@ class Sides:
 
 @dataclass
 class Departures:
-    """The times that a vehicle was out of its lane: each from the row in which it comes out to that before it is in.
+    """The lane departures of a vehicle: each lasts from the first row out of the lane to the last before it is back.
 
     Attributes:
         count: Their number.
         longest: Rows of the longest.
-        deepest: How far a side was beyond the edge of the lane that it had left, m; NaN if that is not known.
+        deepest: Greatest distance of a side beyond the edge of the lane that was left, m; NaN if that is not known.
     """
 
     count: int = 0
@@ -63,11 +63,11 @@ class Departures:
     _left: float = field(default=0.0)
 
     def end(self) -> None:
-        """Note that the vehicle is within its lane, or gone."""
+        """End a departure, because the vehicle is within its lane or absent."""
         self._rows = 0
 
     def add(self, left: float, to_left: float, to_right: float, width: float, on_lane: bool) -> None:
-        """Add a row in which it is out; the numbers are those of `Sides`."""
+        """Add a row in which the vehicle is out of its lane; the arguments are elements of `Sides`."""
         change = left - self._left
         if self._rows == 0:
             self.count += 1
@@ -86,7 +86,7 @@ class Departures:
 
 
 def sides_of(traces: Traces) -> Sides:
-    """Return where the ego vehicle's sides are in its lane."""
+    """Return the ego's sides in its lane."""
     length, width, center = float(traces.length[0]), float(traces.width[0]), float(traces.center[0])
     present, left = traces.present[..., 0], left_of_centre(traces)
     turned, along = traces.turned_in_lane
@@ -106,7 +106,7 @@ def sides_of(traces: Traces) -> Sides:
 
 
 def _departures(traces: Traces) -> list[Departures]:
-    """Return the departures of each run, in the order of their indices."""
+    """Return the departures of each run, with the runs in the order of their indices."""
     sides = sides_of(traces)
     found = []
     for index in np.ndindex(*traces.t.shape[:-1]):
@@ -124,46 +124,46 @@ def _departures(traces: Traces) -> list[Departures]:
 
 
 def _of_runs(traces: Traces, found: list[float]) -> Floats:
-    """Return a number of each run, (...)."""
+    """Return one number per run as an array (...)."""
     return np.array(found, dtype=np.float64).reshape(traces.t.shape[:-1])
 
 
 def lane_departures(traces: Traces) -> Floats:
-    """Return how often the vehicle came out of its lane, (...)."""
+    """Return the number of lane departures, (...)."""
     return _of_runs(traces, [float(one.count) for one in _departures(traces)])
 
 
 def first_departure(traces: Traces) -> Floats:
-    """Return the time of the first row behind the request in which it was out of its lane, s, (...); NaN for none."""
+    """Return the time of the first row after the request with the ego out of its lane, s, (...); NaN if none."""
     counts = sides_of(traces).out & traces.between(traces.times["request"])
     return np.asarray(np.fmin.reduce(np.where(counts, traces.t, np.nan), axis=-1, initial=np.nan))
 
 
 def longest_departure(traces: Traces) -> Floats:
-    """Return how long it was out of its lane at a time, s, (...); NaN if it never was."""
+    """Return the duration of the longest lane departure, s, (...); NaN if there is none."""
     longest = _of_runs(traces, [float(one.longest) for one in _departures(traces)])
     return np.where(longest > 0, longest * traces.step, np.nan)
 
 
 def deepest_departure(traces: Traces) -> Floats:
-    """Return how far a side was beyond the edge of the lane that it had left, m, (...); NaN where none was."""
+    """Return the greatest distance of a side beyond the edge of the lane that was left, m, (...); NaN if none was."""
     return _of_runs(traces, [one.deepest for one in _departures(traces)])
 
 
 def _crossings(traces: Traces) -> Floats:
-    """Return the times to lane crossing behind the request that are below the horizon, s, (..., n); NaN elsewhere."""
+    """Return the times to lane crossing after the request that are below the horizon, s, (..., n); NaN elsewhere."""
     crossing = sides_of(traces).crossing
     counts = traces.between(traces.times["request"]) & traces.present[..., 0] & (crossing < HORIZON)
     return np.where(counts, crossing, np.nan)
 
 
 def least_time_to_crossing(traces: Traces) -> Floats:
-    """Return the least time to lane crossing behind the request, s, (...); NaN if there is none."""
+    """Return the least time to lane crossing after the request, s, (...); NaN if there is none."""
     return np.asarray(np.fmin.reduce(_crossings(traces), axis=-1, initial=np.nan))
 
 
 def mean_time_to_crossing(traces: Traces) -> Floats:
-    """Return the mean time to lane crossing behind the request, s, (...); NaN if there is none."""
+    """Return the mean time to lane crossing after the request, s, (...); NaN if there is none."""
     crossings = _crossings(traces)
     there = ~np.isnan(crossings)
     count = there.sum(axis=-1)
@@ -172,7 +172,7 @@ def mean_time_to_crossing(traces: Traces) -> Floats:
 
 
 def heading_error_at_response(traces: Traces) -> Floats:
-    """Return the heading against the lane's direction in the row of the response, rad, (...); NaN if there is none."""
+    """Return the heading relative to the lane's direction in the row of the response, rad, (...); NaN if none."""
     there = traces.between(traces.times["response"]) & traces.present[..., 0]
     row = np.argmax(there, axis=-1)[..., None]
     heading = np.take_along_axis(traces.lane_heading, row, axis=-1)[..., 0]
@@ -180,7 +180,7 @@ def heading_error_at_response(traces: Traces) -> Floats:
 
 
 def time_off_road(traces: Traces) -> Floats:
-    """Return how long the reference point was off the road, s, (...); NaN if it never was."""
+    """Return the duration for which the reference point was off the road, s, (...); NaN if it never was."""
     count = (~traces.on_road & traces.present[..., 0]).sum(axis=-1)
     return np.where(count > 0, count * traces.step, np.nan)
 

@@ -1,4 +1,4 @@
-"""The ego's lateral position: offsets to the left in its direction of travel, and their spread."""
+"""The ego's lateral position: offsets to the left in its driving direction, and their spread."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scenario_compiler.recording.traces import Traces
 
 
 def left_of_centre(traces: Traces) -> Floats:
-    """Return the offset from the centre of the present lane to the left in the direction of travel, m, (..., n)."""
+    """Return the offset to the left of the centre of the present lane, in the driving direction, m, (..., n)."""
     same_road = np.diff(traces.road[..., 0], axis=-1) == 0
     step = np.sign(np.where(same_road, np.diff(traces.s[..., 0], axis=-1), 0.0))
     none = np.zeros_like(traces.t[..., :1])
@@ -23,11 +23,11 @@ def left_of_centre(traces: Traces) -> Floats:
 
 
 def left_of_lane_at_request(traces: Traces) -> Floats:
-    """Return the offset from the centre of the lane at the request to the left, m, (..., n); 0 if the ego is absent.
+    """Return the offset to the left of the centre of the lane at the request, m, (..., n); 0 if the ego is absent.
 
-    An offset that changes by more than `JUMP` from one row to the next is one from the centre of another lane. The
-    distance of the two centres is what is left of that change after the vehicle's own motion, taken to be that of the
-    row before. Before the request the offset is that from the present lane.
+    If the offset changes by more than `JUMP` from one row to the next, it is measured from another lane's centre. The
+    distance of the two centres is that change less the vehicle's own motion, which is estimated from the row before.
+    Before the request the offset is relative to the present lane.
     """
     left = np.nan_to_num(_held(left_of_centre(traces), traces.present[..., 0]))
     change = np.diff(left, axis=-1, prepend=left[..., :1])
@@ -39,20 +39,20 @@ def left_of_lane_at_request(traces: Traces) -> Floats:
 
 
 def _held(values: Floats, known: Booleans) -> Floats:
-    """Return values (..., n) with the last that is known in the place of the others; the first where none was yet."""
+    """Return values (..., n) in which unknown ones are replaced by the last known one, or by the first value."""
     places = np.where(known, np.arange(values.shape[-1]), 0)
     return np.take_along_axis(values, np.maximum.accumulate(places, axis=-1), axis=-1)
 
 
 def maximum_lateral_offset(traces: Traces) -> Floats:
-    """Return the greatest distance from the centre of the lane at the request, m, (...); rows off the lanes are out."""
+    """Return the greatest distance from the centre of the lane at the request, m, (...), without rows off the lanes."""
     counts = traces.between(traces.times["request"]) & (traces.lane[..., 0] != 0) & traces.present[..., 0]
     offsets = np.where(counts, np.abs(left_of_lane_at_request(traces)), np.nan)
     return np.asarray(np.fmax.reduce(offsets, axis=-1, initial=np.nan))
 
 
 def lateral_offset_at_response(traces: Traces) -> Floats:
-    """Return the offset from the centre of the lane at the request to the left in the row of the response, m, (...)."""
+    """Return the offset to the left of the centre of the lane at the request, in the row of the response, m, (...)."""
     there = traces.between(traces.times["response"]) & traces.present[..., 0]
     row = np.argmax(there, axis=-1)[..., None]
     left = np.take_along_axis(left_of_lane_at_request(traces), row, axis=-1)[..., 0]
@@ -60,7 +60,7 @@ def lateral_offset_at_response(traces: Traces) -> Floats:
 
 
 def time_off_lanes(traces: Traces) -> Floats:
-    """Return how long the reference point was off every lane, s, (...); NaN if it never was."""
+    """Return the duration for which the reference point was on no lane, s, (...); NaN if it never was."""
     off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
     count = (off & traces.present[..., 0]).sum(axis=-1)
     return np.where(count > 0, count * traces.step, np.nan)
@@ -78,7 +78,7 @@ def lane_position_deviation(traces: Traces) -> Floats:
 
 
 def settled_deviation(traces: Traces) -> Floats:
-    """Return the same of the seconds behind them, m, (...)."""
+    """Return the standard deviation of the lateral position in the seconds after those, m, (...)."""
     response = traces.times["response"]
     return _deviation(traces, response + SETTLING, response + SETTLED)
 
@@ -98,7 +98,7 @@ def _deviation(traces: Traces, begin: Floats, end: Floats) -> Floats:
 
 
 def _total(values: Floats) -> Floats:
-    """Return the sum over the rows, one after the other: zeros behind a run's end do not change it."""
+    """Return the sum over the rows in their order, so that the zeros after a run's end do not change it."""
     return np.asarray(np.add.accumulate(values, axis=-1)[..., -1])
 
 
@@ -124,6 +124,6 @@ def stabilisation_time_total(totals: RunTotals) -> Floats:
 
 
 def _from_request(runs: Timed, windows: Floats) -> Floats:
-    """Return the time from the request to the begin of a window after the response, s, by its number."""
+    """Return the time from the request to the beginning of the window with a number after the response, s, (...)."""
     waited = after_request(runs, runs.times["response"])
     return whole_steps(runs, waited + windows * rows_of_window(runs.step) * runs.step)

@@ -20,19 +20,19 @@ MEANINGS: dict[Resolution, str] = {
     "unanswered": "neither, though it escalated or the vehicle collided",
     "open": "the run ended before any of that",
 }
-"""What each resolution means; the first one that holds is a run's."""
+"""The meaning of each resolution; a run has the first one that applies."""
 
 
 def resolutions(times: Mapping[EventKind, Floats]) -> list[Resolution]:
     """Return how the first request of each run ended.
 
     Args:
-        times: First time of each kind of event, s, (runs,) or of one run (); NaN when it never happened.
+        times: First time of each kind of event, s, (runs,) or of one run (); NaN if it never occurred.
     """
     request = np.atleast_1d(times["request"])
 
     def since(kind: EventKind) -> Floats:
-        """Return the first time of an event that is not before the request, infinite without one."""
+        """Return the first time of an event at or after the request; infinite if there is none."""
         return np.where(times[kind] >= request, times[kind], np.inf)
 
     driver, minimum_risk = since("response"), since("minimum_risk")

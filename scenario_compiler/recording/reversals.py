@@ -13,19 +13,19 @@ from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 
 COARSE, FINE = 0, 1
-"""Numbers of the usual variant, and of the one for small corrections, as the engine counts them."""
+"""Index of the usual variant, and of the variant for small corrections, in the engine."""
 
 LEAST = 5.0
-"""Least time that a rate is stated for, s: our own choice."""
+"""Least duration for which a rate is given, s: our own choice."""
 
 
 def coarse_rate(traces: Traces) -> Floats:
-    """Return the steering reversals a minute of the usual variant, (...)."""
+    """Return the steering reversals per minute of the usual variant, (...)."""
     return _rate(traces, COARSE)
 
 
 def fine_rate(traces: Traces) -> Floats:
-    """Return the steering reversals a minute of the variant for small corrections, (...)."""
+    """Return the steering reversals per minute of the variant for small corrections, (...)."""
     return _rate(traces, FINE)
 
 
@@ -54,12 +54,12 @@ def _a_minute(counts: Floats, rows: Floats, step: float) -> Floats:
 
 
 def smoothed(angles: Sequence[float], limit: float, step: float) -> list[float]:
-    """Return angles after a Butterworth low-pass of second order that runs forwards from rest at the first of them.
+    """Return angles after a forward Butterworth low-pass filter of second order, at rest at the first angle.
 
     Args:
-        angles: The angles, one a step.
-        limit: The filter's cut-off, Hz; below half the rate of the steps.
-        step: Length of a step, s.
+        angles: The angles, one per step.
+        limit: The filter's cut-off frequency, Hz; below half the rate of the steps.
+        step: Duration of a step, s.
     """
     turn = math.pi * limit * step
     warped = math.sin(turn) / math.cos(turn) if math.cos(turn) > 0.0 else 0.0
@@ -77,9 +77,9 @@ def smoothed(angles: Sequence[float], limit: float, step: float) -> list[float]:
 
 
 def reversals(angles: Sequence[float], gap: float) -> int:
-    """Return how often angles come back by at least a gap from the farthest value since they last did.
+    """Return the number of times that angles return by at least a gap from the farthest value since the last reversal.
 
-    The first way as long as the gap gives the direction and is no reversal.
+    The first change of at least the gap only sets the direction and is not a reversal.
     """
     turning, sense = [], 0
     low = high = angles[0] if angles else 0.0

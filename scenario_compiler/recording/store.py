@@ -26,11 +26,11 @@ from scenario_compiler.recording.recording import COLUMNS, Column, Frame, Header
 FORMAT = "scenario-compiler/recording/1"
 _KEY = b"scenario-compiler"
 _UNREADABLE = (pa.ArrowException, OSError, KeyError, ValueError, TypeError, AttributeError, IndexError)
-"""What reading a file that is missing, damaged or something else can end in."""
+"""Exceptions of reading a file that is missing, damaged or of another kind."""
 
 
 class RecordingError(ValueError):
-    """The file is no recording that can be read."""
+    """The file is not a readable recording."""
 
 
 def write_recording(recording: Recording, path: Path) -> None:
@@ -69,7 +69,7 @@ def write_recording(recording: Recording, path: Path) -> None:
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a recording back, equal to the one that was written; RecordingError when the file holds none."""
+    """Read a recording, equal to the one that was written; RecordingError if the file has none."""
     try:
         with pq.ParquetFile(path) as file:
             table, metadata = file.read(), file.metadata.metadata or {}

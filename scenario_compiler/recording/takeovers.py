@@ -1,6 +1,6 @@
-"""The takeovers of a run: one for each request, with how it ended and how much time there was.
+"""The takeovers of a run: one for each request, with its end and the time that was available.
 
-Like measures they are found in two ways with the same result: in a recording, and in what the engine added up.
+Like measures, they are computed in two ways with the same result: from a recording and from the engine's totals.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 ENDS: tuple[EventKind, ...] = ("escalation", "response", "minimum_risk", "standstill", "hand_back")
-"""What may happen to a request, each by its first time before the next request."""
+"""Events that may end a request, each by its first time before the next request."""
 
 
 QUALITY = ("minimum_lane_time_to_collision", "maximum_longitudinal_acceleration", "maximum_lateral_acceleration")
 DRIVEN_TOTALS = ("takeover_lane_time", "takeover_longitudinal", "takeover_lateral")
-"""What is measured of how each takeover was driven, and the engine's totals of it."""
+"""The engine's totals of each of `QUALITY`, in the same order."""
 
 
 def _seconds(description: str) -> float | None:
@@ -85,7 +85,7 @@ class Takeover(BaseModel):
 
 
 def takeovers_of(recording: Recording, traces: Traces) -> tuple[Takeover, ...]:
-    """Return all takeovers of a recorded run, whose traces are given too."""
+    """Return all takeovers of a recorded run; the traces are the recording's."""
     asked = [k for k, event in enumerate(recording.events) if event.kind == "request"]
     if not asked:
         return ()
@@ -120,7 +120,7 @@ def takeovers_of(recording: Recording, traces: Traces) -> tuple[Takeover, ...]:
 
 
 def _driven(traces: Traces, begin: float, end: float) -> tuple[float, ...]:
-    """Return how a takeover was driven, as `QUALITY` names it, in the rows from its request to the next."""
+    """Return the numbers named in `QUALITY` for the rows from a takeover's request to the next request."""
     rows = (traces.t >= begin - SAME_TIME) & (traces.t < end - SAME_TIME) & traces.until_collision
     time = float(np.fmin.reduce(traces.lane_time_to_collision[rows], initial=np.nan))
     v = traces.v[rows, 0]
@@ -130,13 +130,13 @@ def _driven(traces: Traces, begin: float, end: float) -> tuple[float, ...]:
 
 
 def _described(recording: Recording, begin: float, end: float) -> int:
-    """Return the first row behind a request, and before the next, that has a cause; -1 if there is none."""
+    """Return the first row with a cause after a request and before the next; -1 if there is none."""
     there = (recording.t > begin + SAME_TIME) & (recording.t < end - SAME_TIME) & (recording.cause != op.CAUSE_NONE)
     return int(np.argmax(there)) if there.any() else -1
 
 
 def takeovers_of_totals(totals: RunTotals) -> list[tuple[Takeover, ...]]:
-    """Return the takeovers of each run, at most so many as the engine keeps."""
+    """Return the takeovers of each run, up to the number that the engine stores."""
     request = totals.of_takeovers("takeover_request")
     runs, places = np.nonzero(~np.isnan(request))
     picked = {
@@ -173,7 +173,7 @@ def _assembled(
     step: float,
     places: np.ndarray[tuple[int], np.dtype[np.intp]] | None = None,
 ) -> list[Takeover]:
-    """Return takeovers of which each array has one number, (k,)."""
+    """Return k takeovers from arrays (k,) of their numbers."""
     answered = np.round((ends["response"] - request) / step) * step
     budget = np.round(until_limit / step) * step
     numbers = {

@@ -28,12 +28,12 @@ class RunTotals:
     step: float
 
     def column(self, name: str) -> Floats:
-        """Return a total of each run, (runs,), NaN if it still has its start value: what it measures was not."""
+        """Return a total of each run, (runs,); NaN if it still has its start value, because nothing was measured."""
         values = self.raw(name)
         return np.where(values == columns_of(Totals)[name].start, np.nan, values)
 
     def raw(self, name: str) -> Floats:
-        """Return a total of each run, (runs,), as it stands."""
+        """Return a total of each run, (runs,), unchanged."""
         return np.asarray(self.summaries[:, SUMMARY.index(name)])
 
     def of_takeovers(self, name: str) -> Floats:
@@ -43,12 +43,12 @@ class RunTotals:
         return np.where(values == columns_of(Totals)[name].start, np.nan, values)
 
     def code(self, name: str) -> list[int]:
-        """Return a code or number of each run."""
+        """Return a code or index of each run."""
         return [int(value) for value in self.raw(name)]
 
     @cached_property
     def times(self) -> Mapping[EventKind, Floats]:
-        """First time of each kind of event that counts in a measure, (runs,), NaN if it never happened."""
+        """First time of each kind of event that a measure uses, (runs,), s; NaN if it never occurred."""
         return {kind: self.column(f"time_{kind}") for kind in TIMED_EVENTS}
 
     @property

@@ -34,26 +34,26 @@ TIMED_EVENTS: tuple[EventKind, ...] = (
     "collision",
     "outside_domain",
 )
-"""Events whose first time counts in a measure."""
+"""Events whose first time is used in a measure."""
 
 
 Singles: TypeAlias = NDArray[np.float32]
 
 SINGLE = 1e-5
-"""Slack of bounds that are made in single precision, as a share of what they are made of: some 100 roundings."""
+"""Relative slack of bounds that are computed in single precision: about 100 roundings."""
 
 ROUNDING = 1e-4
-"""Slack of bounds of distances besides, m."""
+"""Additional slack of bounds of distances, m."""
 
 
 @dataclass(frozen=True, slots=True)
 class InputLimits:
-    """What counts as an input of the driver.
+    """The limits above which the driver's inputs count.
 
     Attributes:
-        steering: Change of the angle of the steering wheel, rad, that is more than none.
-        brake: Position of the brake pedal that is more than none.
-        steering_ratio: Angle of the steering wheel over that of the front wheels.
+        steering: Change of the steering wheel's angle, rad.
+        brake: Position of the brake pedal, 0 to 1.
+        steering_ratio: Angle of the steering wheel divided by that of the front wheels.
     """
 
     steering: float
@@ -62,27 +62,26 @@ class InputLimits:
 
 
 def input_limits(plan: Plan, parameters: Mapping[str, Value]) -> InputLimits:
-    """Return what counts as an input of the driver, at values of the plan's parameters."""
+    """Return the limits of the driver's inputs at values of the plan's parameters."""
     said = plan.takeover.inputs
     return InputLimits(*(number_value(one, parameters) for one in (said.steering, said.brake, said.steering_ratio)))
 
 
 @dataclass(frozen=True)
 class Seen:
-    """Boxes in the frame of the ego vehicle, each array (m - 1, ..., n) and NaN if one of both is absent.
+    """Boxes in the ego's frame, each array (m - 1, ..., n); NaN if one of the two entities is absent.
 
-    They serve for bounds, which say where it pays to look closely, and are of single precision: sines and all else are
-    several times faster.
+    They are only used for bounds and are in single precision, in which sines and all else are several times faster.
 
     Attributes:
-        ahead: Distance of a box's middle ahead of the ego vehicle's reference point, m.
-        left: The same to the left of it, m.
-        cos: Cosine of its heading against the ego vehicle's.
-        sin: Sine of it.
-        reach: How far it reaches from its middle forwards and backwards as the ego vehicle sees it, m.
-        slack: How far off distances may be, m.
-        apart: What its distance from the ego vehicle's box is not below, m; infinite where one of both is absent, or
-            above the other as on a bridge.
+        ahead: Distance of the box's centre ahead of the ego's reference point, m.
+        left: Distance of the box's centre to the left of the ego's reference point, m.
+        cos: Cosine of its heading relative to the ego's.
+        sin: Sine of that heading.
+        reach: Extent from its centre forwards and backwards in the ego's direction, m.
+        slack: Greatest error of distances, m.
+        apart: Lower bound of its distance from the ego's box, m; infinite if one of the two is absent, or above the
+            other as on a bridge.
     """
 
     ahead: Singles
@@ -175,19 +174,19 @@ class Traces:
     requests: Floats
 
     def between(self, begin: Floats, end: Floats | None = None) -> Booleans:
-        """Return which rows lie in [begin, end], (..., n); none where begin or a given end is NaN."""
+        """Return which rows are in [begin, end], (..., n); none if `begin` or a given `end` is NaN."""
         inside = self.t >= begin[..., None] - SAME_TIME
         return inside if end is None else inside & (self.t <= end[..., None] + SAME_TIME)
 
     def behind(self, begin: Floats) -> Booleans:
-        """Return which rows lie behind a time, (..., n); none where it is NaN."""
+        """Return which rows are after a time, (..., n); none if it is NaN."""
         return self.t > begin[..., None] + SAME_TIME
 
     @cached_property
     def driven(self) -> Booleans:
-        """Rows that the driver drove who responded first, until control was handed back, (..., n).
+        """Rows driven by the driver who responded first, until control was handed back, (..., n).
 
-        The row of the response is none of them: the automation commanded the motion up to it.
+        The row of the response is not included, because the automation commanded the motion up to it.
         """
         with np.errstate(invalid="ignore"):
             after = self.t > self.times["response"][..., None] + SAME_TIME
@@ -196,9 +195,10 @@ class Traces:
 
     @cached_property
     def turned_in_lane(self) -> tuple[Floats, Floats]:
-        """Sine and cosine of the ego vehicle's heading against its lane's direction, 0 if that is not known.
+        """Sine and cosine of the ego's heading relative to its lane's direction, each (..., n).
 
-        They are the C library's, as the engine's are: numpy's own differ in the last place. Each is (..., n).
+        An unknown heading counts as 0. They are computed with the C library, as in the engine, because numpy's differ
+        in the last place.
         """
         headings = np.nan_to_num(self.lane_heading, nan=0.0).ravel().tolist()
         sines, cosines = (np.array([turn(one) for one in headings]) for turn in (math.sin, math.cos))
@@ -229,14 +229,14 @@ class Traces:
         return Seen(ahead, left, cos, sin, reach, slack, np.where(above, np.inf, np.fmin(apart, np.inf)).astype(single))
 
     def of_others(self, values: Floats) -> Singles:
-        """Return one number of each other entity as (m - 1, ..., 1), in single precision."""
+        """Return one number of each other entity, (m - 1, ..., 1), in single precision."""
         return values[1:].astype(np.float32).reshape(-1, *[1] * self.t.ndim)
 
     @cached_property
     def curvature(self) -> Floats:
-        """The curvature that the ego vehicle drives, 1/m, positive to the left, (..., n).
+        """The curvature of the ego's motion, 1/m, positive to the left, (..., n).
 
-        From the change of heading since the row before; 0 at a standstill, NaN in the first row.
+        It is computed from the change of heading since the row before; 0 at a standstill, NaN in the first row.
         """
         turned = np.diff(self.h[..., 0], axis=-1)
         turned -= (2 * np.pi) * (turned >= np.pi)

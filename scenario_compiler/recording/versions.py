@@ -1,4 +1,4 @@
-"""Versions on which the numbers of a run depend besides its plan and seed: libraries and the processor."""
+"""The versions, besides the plan and the seed, on which the numbers of a run depend: libraries and the processor."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ LIBRARIES = {
     "pydantic": "pydantic",
     "scipy": "scipy",
 }
-"""Name of a library in a recording, and of its distribution."""
+"""Name of each library in a recording, and of its distribution."""
 
 FEATURES = ("sse4_1", "sse4_2", "avx", "f16c", "fma", "avx2", "avx512", "asimd", "sve", "neon")
-"""Beginnings of the names of features by which NumPy and OpenCV choose among forms of one function."""
+"""Prefixes of the names of processor features by which NumPy and OpenCV choose among implementations of a function."""
 
 
 @lru_cache(maxsize=1)
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of the libraries that a run's numbers pass through, by name."""
+    """Return the versions of Python and of the libraries that affect a run's numbers, by name."""
     return {"python": platform.python_version()} | {name: version(one) for name, one in LIBRARIES.items()}
 
 
 @lru_cache(maxsize=1)
 def processor() -> str:
-    """Return the processor's architecture and, as far as the system tells them, the FEATURES that it has."""
+    """Return the processor's architecture and, if the system provides them, those of FEATURES that it has."""
     return " ".join([platform.machine(), *_features(Path("/proc/cpuinfo"))])
 
 
 def _features(told: Path) -> list[str]:
-    """Return the features that Linux tells of the first processor; none on another system."""
+    """Return the features of the first processor that Linux lists; none on another system."""
     try:
         lines = told.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:

@@ -13,18 +13,18 @@ from scenario_compiler.report.run import Run
 from scenario_compiler.roads.positions import LanePosition
 
 NEAR = 6.0
-"""How far from the place where the path is blocked the box of what blocks it lies at most, m."""
+"""Greatest distance between the place where the path is blocked and the box of the blocking entity, m."""
 
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Where the path is blocked in each row, NaN if it is free.
+    """The place in each row where the path is blocked, NaN if it is free.
 
     Attributes:
         x: (n,) m; y likewise.
         y: See x.
         h: (n,) direction of the lane there, rad.
-        by: (n,) number of the entity that blocks it, -1 where none is near.
+        by: (n,) number of the blocking entity, -1 if none is near.
     """
 
     x: Floats
@@ -34,9 +34,9 @@ class Blocks:
 
 
 def blocks_of(run: Run) -> Blocks:
-    """Find where the path is blocked: as far ahead of the ego vehicle's front as was recorded, along its lane.
+    """Compute where the path is blocked: at the recorded distance from the ego's front, along its lane.
 
-    At junctions the lane that the plan's route names is followed, else the straightest.
+    At junctions the lane of the plan's route is followed, or else the straightest one.
     """
     recording = run.recording
     n = len(recording.t)
@@ -57,7 +57,7 @@ def blocks_of(run: Run) -> Blocks:
 
 
 def _ahead(run: Run, row: int, distance: float) -> LanePosition | None:
-    """Return the place a distance ahead of the ego vehicle in a row along its route, else along its lane."""
+    """Return the place a distance ahead of the ego in a row along its route, or else along its lane."""
     recording, network = run.recording, run.network
     road, lane = recording.roads[recording.road[row, 0]], int(recording.lane[row, 0])
     s = float(recording.s[row, 0])
@@ -76,12 +76,12 @@ def _ahead(run: Run, row: int, distance: float) -> LanePosition | None:
 
 
 def _holds(leg: RouteLeg, s: float) -> bool:
-    """Return whether a place along a leg's road is one of the leg's."""
+    """Return whether a place on a leg's road belongs to the leg."""
     return min(leg.s_from, leg.s_to) <= s <= max(leg.s_from, leg.s_to)
 
 
 def _nearest(run: Run, row: int, x: float, y: float) -> int:
-    """Return the entity whose box is nearest to a point, -1 where none is near."""
+    """Return the entity whose box is nearest to a point, -1 if none is near."""
     recording, best = run.recording, (NEAR, -1)
     for i, entity in enumerate(run.plan.entities[1:], start=1):
         if recording.present[row, i]:

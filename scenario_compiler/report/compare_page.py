@@ -24,15 +24,15 @@ def write_comparison(
     pictures: Sequence[Sequence[Picture]],
     path: Path,
 ) -> None:
-    """Write the page: one file that needs nothing from outside.
+    """Write the page: one file without external resources.
 
     Args:
         runs: The runs, each with at least one row.
-        names: What each is called, such as the name of its folder.
-        found: Where they differ.
-        verdict: What that comes to, in sentences.
+        names: Names of the runs, such as those of their folders.
+        found: Their differences.
+        verdict: The conclusion, in sentences.
         pictures: The first-person pictures of each, ordered by time.
-        path: Where the page is written.
+        path: Path of the page.
     """
     environment = page_environment()
     page = environment.get_template(TEMPLATE).render(

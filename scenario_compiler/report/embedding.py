@@ -1,7 +1,7 @@
 """Embeds the player's files and data into a page, which then needs no other file.
 
-Its JavaScript modules stand in `pages/` as they are and name each other as "pages/NAME.js". A page's import map gives
-each name a data URL that holds the module.
+Its JavaScript modules in `pages/` refer to each other as "pages/NAME.js". A page's import map gives each of these names
+a data URL with the module.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from scenario_compiler.report.run import Run
 
 FOLDER = Path(__file__).parent / "pages"
 MODULES = ("data.js", "map.js", "curves.js", "timeline.js", "player.js")
-"""The player's own modules; uPlot is a script of its own in `vendor/`."""
+"""The player's own modules; uPlot is a separate script in `vendor/`."""
 
 
 def player_head() -> Markup:
-    """Return what the player needs in a page's head: styles, the import map, uPlot."""
+    """Return the player's part of a page's head: styles, the import map, uPlot."""
     imports = {f"pages/{name}": _data_url(FOLDER / name) for name in MODULES}
     styles = (FOLDER / "vendor" / "uPlot.min.css", FOLDER / "player.css")
     parts = [
@@ -35,25 +35,25 @@ def player_head() -> Markup:
 
 
 def player_start() -> Markup:
-    """Return what stands at the end of a page's body and fills its places for players."""
+    """Return the end of a page's body, which starts the players."""
     return Markup('<script type="module">import "pages/player.js";</script>')
 
 
 def page_script(name: str) -> Markup:
-    """Return one of the modules that need no other as a script of a page."""
+    """Return a module without imports as a script of a page."""
     return Markup(f'<script type="module">\n{(FOLDER / name).read_text(encoding="utf-8").strip()}\n</script>')
 
 
 def player_place(
     runs: Sequence[Run], pictures: Sequence[Sequence[Picture]], anchor: str = "", names: Sequence[str] = ()
 ) -> Markup:
-    """Return a place for a player with the data of its runs; without JavaScript it says so.
+    """Return a place for a player with the data of its runs; without JavaScript it shows a note.
 
     Args:
         runs: One run, or two beside each other, each with at least one row.
         pictures: The first-person pictures of each, ordered by time.
-        anchor: Id of the run's section, by which the page's address names it; empty for the only one.
-        names: What each of two runs is called.
+        anchor: Id of the run's section in the page's address; empty for the only one.
+        names: Names of two runs.
     """
     parts = []
     for number, (run, taken) in enumerate(zip(runs, pictures, strict=True)):

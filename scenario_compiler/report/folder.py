@@ -24,16 +24,16 @@ RUN_FILES = ("plan.json", MAP_OF_RUN, "recording.parquet", "events.csv", "outcom
 def write_run_folder(run: Run, folder: Path, *, report: bool = True) -> None:
     """Write all files of a run; create the folder if it does not exist. Identical runs give identical bytes.
 
+    If the map has changed or is missing since it was read, map.xodr is left out, so that the result of a long run is
+    not lost.
+
     Args:
         run: The run.
         folder: Its folder.
         report: Whether to write report.html.
 
-    If the map has changed or is missing since it was read, map.xodr is left out, so that the result of a long run is
-    not lost.
-
     Raises:
-        OSError: They cannot be written.
+        OSError: The files cannot be written.
     """
     make_folder(folder)
     write_plan(run.plan, folder / "plan.json")
@@ -48,7 +48,7 @@ def write_run_folder(run: Run, folder: Path, *, report: bool = True) -> None:
 
 
 def _map_of(run: Run) -> bytes | None:
-    """Return the content of the map of the run; None if the file has changed or is missing."""
+    """Return the contents of the run's map; None if the file has changed or is missing."""
     try:
         content = read_file(run.network.path, MAX_BYTES)
     except OSError:

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from scenario_compiler.recording.events import EventRow
 
 LONGEST = 8
-"""Number of events in a row that may repeat together."""
+"""Greatest number of events in a repeated group."""
 
 
 @dataclass(frozen=True, slots=True)
 class Folded:
-    """An event that stands for `times` of its kind, the last of them at `until`, s."""
+    """An event that stands for `times` events of its kind, the last of them at `until`, s."""
 
     event: EventRow
     times: int
@@ -21,7 +21,7 @@ class Folded:
 
 
 def folded(events: Sequence[EventRow]) -> tuple[Folded, ...]:
-    """Return events in order; where a few in a row repeat, alike but for their times, they stand there once."""
+    """Return events in order, with each repeated group of events (equal except for their times) only once."""
     found: list[Folded] = []
     at = 0
     while at < len(events):
@@ -33,7 +33,7 @@ def folded(events: Sequence[EventRow]) -> tuple[Folded, ...]:
 
 
 def _repeat_at(events: Sequence[EventRow], at: int) -> tuple[int, int]:
-    """Return the length of the shortest group that is repeated from here on and how often it stands there; (1, 1)."""
+    """Return the length of the shortest repeated group that starts here, and the number of repetitions; else (1, 1)."""
     alike = [one.model_copy(update={"t": 0.0}) for one in events[at : at + 64 * LONGEST]]
     for length in range(1, LONGEST + 1):
         times = 1

@@ -32,31 +32,33 @@ if TYPE_CHECKING:
 TEMPLATE = "gallery.html.jinja"
 
 SHRINK = 3
-"""How many pixels of the driver's view, in each direction, become one of a thumbnail."""
+"""Number of pixels of the driver's view, in each direction, for one pixel of a thumbnail."""
 
 
 CLOSE = 32.0
-"""Distance from which the first actor ahead is seen, m; what is farther at the start is looked at from the way."""
+"""Distance from which the first actor ahead is shown, m; if it is farther away at the start, the view is from the
+route.
+"""
 
 THUMBNAIL_VIEW = math.radians(36.0)
-"""Field of view of a thumbnail at the moment: half of the driver's, so that what is far can be seen, rad."""
+"""Field of view of a thumbnail at the moment, rad: half of the driver's, so that distant things are visible."""
 
 GREYS = 4.0
-"""Steps that a thumbnail's grey levels are rounded to, so that its file is small."""
+"""Step to which a thumbnail's grey levels are rounded, so that its file is small."""
 
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """What the gallery shows of one conflict.
+    """The gallery's information on one conflict.
 
     Attributes:
-        group: Heading that it stands under.
+        group: Heading of its group.
         name: Its name.
-        summary: What happens.
-        source: Where the situation comes from.
-        command: What runs it, without a path of the machine that the page was made on.
+        summary: Its summary.
+        source: Source of the situation.
+        command: The command that runs it, without a path of the machine on which the page was made.
         map: Name of the map.
-        moment: What the picture shows.
+        moment: The contents of the picture.
     """
 
     group: str
@@ -73,8 +75,8 @@ class Moment:
     """The moment of a conflict.
 
     Attributes:
-        words: What it is and when, in a reader's words.
-        cause: Cause of the takeover request, in words; empty without one.
+        words: Its description and time, for readers.
+        cause: Cause of the takeover request, in words; empty if there is none.
         picture: The view ahead, as a PNG file.
     """
 
@@ -84,12 +86,12 @@ class Moment:
 
 
 def moment_of(plan: Plan, network: Network) -> Moment:
-    """Return the moment of a plan that needs no camera: its takeover request or collision; its start without either.
+    """Return the moment of a plan without a camera: its takeover request or collision, or else its start.
 
     Equal plans give equal bytes.
 
     Raises:
-        ValueError: No entity has a place before the run, and nothing happens in it.
+        ValueError: No entity has a start position, and nothing happens in the run.
     """
     from scenario_compiler.perception.overlay import encode_png
 
@@ -107,10 +109,10 @@ def moment_of(plan: Plan, network: Network) -> Moment:
 
 
 def start_picture(plan: Plan, network: Network) -> bytes:
-    """Return the start as a driver on the way to it sees it, as a small PNG file; equal plans give equal bytes.
+    """Return the start as seen by an approaching driver, as a small PNG file; equal plans give equal bytes.
 
     Raises:
-        ValueError: No entity has a place before the run.
+        ValueError: No entity has a start position.
     """
     from scenario_compiler.perception.overlay import DRIVER, encode_png
     from scenario_compiler.perception.road_camera import RoadCamera
@@ -127,7 +129,7 @@ def start_picture(plan: Plan, network: Network) -> bytes:
 
 
 def _viewpoint(plan: Plan, network: Network) -> StartPose:
-    """Return where the start is seen from: the first entity's start, or its way close to the first actor ahead."""
+    """Return the viewpoint of the start: the first entity's start, or its route close to the first actor ahead."""
     start = start_of(plan)
     if start is None:
         raise ValueError(f"no entity of '{plan.name}' has a place before the run")
@@ -143,7 +145,7 @@ def _viewpoint(plan: Plan, network: Network) -> StartPose:
 
 
 def shrunk(image: NDArray[np.uint8], times: int) -> NDArray[np.uint8]:
-    """Return an image (height, width, 3) at a fraction of its size: each pixel the mean of times x times."""
+    """Return an image (height, width, 3) reduced in size: each pixel is the mean of times x times."""
     height, width = image.shape[0] // times * times, image.shape[1] // times * times
     blocks = image[:height, :width].reshape(height // times, times, width // times, times, 3)
     means: NDArray[np.float64] = blocks.mean(axis=(1, 3))
@@ -151,7 +153,7 @@ def shrunk(image: NDArray[np.uint8], times: int) -> NDArray[np.uint8]:
 
 
 def write_gallery(cards: Iterable[Card], path: Path, *, title: str = "Conflicts") -> None:
-    """Write the page: one file that needs nothing from outside."""
+    """Write the page: one file without external resources."""
     groups: dict[str, list[Card]] = {}
     for card in cards:
         groups.setdefault(card.group, []).append(card)

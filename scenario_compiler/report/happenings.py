@@ -28,23 +28,23 @@ SIGNS = {
 """ASAM's rules of comparison as signs."""
 
 LEADS = {"entity": "of", "over_time": "over", "duration": "for", "master": "with", "value": "", "variable": ""}
-"""What stands before the value of an attribute where that is not the attribute's name."""
+"""Words before the value of an attribute, if they differ from the attribute's name."""
 
 COMPARED = frozenset({"below", "after", "value", "date_time"})
-"""Fields of a condition that what is watched is held to, by its rule."""
+"""Fields of a condition with the value of the comparison, by its rule."""
 
 UNSAID = frozenset({"rule", "coordinates"})
-"""Attributes that are said by a sign, or that no one looks for in a picture."""
+"""Attributes that a sign expresses, or that are not relevant in a picture."""
 
 
 @dataclass(frozen=True, slots=True)
 class Happening:
-    """Something that happens in a run, in words.
+    """An event of a run, in words.
 
     Attributes:
-        label: What happens, to whom.
+        label: What happens, to which entity.
         trigger: What it waits for.
-        time: When that is at the parameters' defaults, s; None when it depends on the run.
+        time: Its time with the parameters' defaults, s; None if it depends on the run.
     """
 
     label: str
@@ -53,7 +53,7 @@ class Happening:
 
 
 def happenings_of(plan: Plan) -> Iterator[Happening]:
-    """Yield every event of the storyboard in words, in document order, then what ends the run if a trigger does."""
+    """Yield every event of the storyboard in words, in document order, then the stop trigger if there is one."""
     values = parameter_values(plan.parameters)
     begins: dict[str, float | None] = {}
     for story in plan.storyboard.stories:
@@ -68,9 +68,9 @@ def happenings_of(plan: Plan) -> Iterator[Happening]:
 
 
 def last_known_time(plan: Plan) -> float | None:
-    """Return the last time that an event's trigger names or that the run ends at, s; None if neither is known.
+    """Return the last known time of an event's trigger or of the end of the run, s; None if none is known.
 
-    A time beside other conditions that end the run is a bound that they are to come before, and says nothing.
+    The time limit of a run that is expected to end by another condition is not used.
     """
     values = parameter_values(plan.parameters)
     stop = plan.storyboard.stop
@@ -105,7 +105,7 @@ def _condition(one: TriggerCondition, values: Mapping[str, Value]) -> str:
 
 
 def _time_of(trigger: Trigger | None, begins: Mapping[str, float | None], values: Mapping[str, Value]) -> float | None:
-    """Return when a trigger comes that waits for times, or the begin of acts with a known time, alone, s."""
+    """Return when a trigger fires that only waits for times, or for acts with a known start time, s."""
     if trigger is None:
         return 0.0
     if len(trigger.groups) != 1:
@@ -126,19 +126,19 @@ def _time_in(one: TriggerCondition, begins: Mapping[str, float | None], values: 
 
 
 def _limit(one: TriggerCondition, values: Mapping[str, Value]) -> float | None:
-    """Return the time after which a condition is true, s; None when it is about anything else."""
+    """Return the time after which a condition is true, s; None if it is not a condition on the time."""
     if not isinstance(one.condition, SimulationTimeCondition) or SIGNS[one.condition.rule] not in (">", "≥", "="):
         return None
     return number_value(one.condition.after, values) + number_value(one.delay, values)
 
 
 def said(word: Word, values: Mapping[str, Value], *, who: str = "") -> str:
-    """Return an action or a condition in a reader's words: its name, whom it is about, and what was said of it.
+    """Return an action or a condition in words: its name, its entity, and its attributes.
 
     Args:
         word: The word.
-        values: Values of the parameters that its numbers depend on.
-        who: Whom a condition is about, where the trigger says it in place of the condition.
+        values: Values of the parameters on which its numbers depend.
+        who: The entities of a condition, if the trigger states them and not the condition.
     """
     rules = grammar_of(type(word)).attributes.values()
     parts = [_name(word), f"of {who}" if who else "", *(_attribute(word, rule, values) for rule in rules)]
@@ -147,7 +147,7 @@ def said(word: Word, values: Mapping[str, Value], *, who: str = "") -> str:
 
 
 def _name(word: Word) -> str:
-    """Return the name of the element that the author wrote: ASAM's without its kind, or our own."""
+    """Return the element's name in the author's language; OpenSCENARIO's without the suffix Action or Condition."""
     element = _element_of_openscenario(word)
     if element is None:
         return word.tag().replace("_", " ")
@@ -155,7 +155,7 @@ def _name(word: Word) -> str:
 
 
 def _element_of_openscenario(word: Word) -> etree._Element | None:
-    """Return the element of OpenSCENARIO that a word was read from; None for a word of our language."""
+    """Return the OpenSCENARIO element from which a word was read; None for a word of the conflict language."""
     origin = word.origin
     if isinstance(origin, Origin) and _local(origin.document.root).lower() == "openscenario":
         return origin.element
@@ -194,7 +194,11 @@ def _attribute(word: Word, rule: AttributeRule, values: Mapping[str, Value]) -> 
 
 
 def _comparison(word: Word) -> str:
-    """Return the sign of a condition's rule; empty where there is none, or our language says `below` or `after`."""
+    """Return the sign of a condition's rule, or nothing.
+
+    There is none without a rule, and none for the default rule of the conflict language, whose `below` and `after`
+    imply it.
+    """
     rule = grammar_of(type(word)).attributes.get("rule")
     unsaid = rule is None or (rule.default == getattr(word, "rule", "") and _element_of_openscenario(word) is None)
     return "" if unsaid else SIGNS[getattr(word, "rule", "")]

@@ -31,7 +31,7 @@ TEMPLATE = "report.html.jinja"
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """The parts of one run that the template shows."""
+    """The parts of one run that the template uses."""
 
     anchor: str
     run: Run
@@ -64,7 +64,7 @@ class Report:
     title: str = ""
 
     def _repr_html_(self) -> str:
-        """Return the page in a frame of its own, so that neither its style nor its keys reach the notebook."""
+        """Return the page in a frame of its own, so that neither its style nor its key bindings affect the notebook."""
         page = escape(render(self.runs, title=self.title))
         return f'<iframe srcdoc="{page}" title="Report" style="width: 100%; height: 60rem; border: 0"></iframe>'
 
@@ -72,13 +72,15 @@ class Report:
 def write_report(
     runs: Sequence[Run], folder: Path, *, title: str = "", pictures: Sequence[Sequence[Picture]] | None = None
 ) -> Path:
-    """Write report.html to a folder and return its path; it has a section for each run, and a table of several runs.
+    """Write report.html to a folder and return its path.
+
+    The page has a section for each run, and a table of the runs if there are several.
 
     Args:
         runs: The runs.
         folder: The folder, which is created if it does not exist.
         title: Title of the page.
-        pictures: First-person pictures of each run, ordered by time; None takes those of the recordings.
+        pictures: First-person pictures of each run, ordered by time; None for those of the recordings.
 
     Raises:
         ValueError: There is no run to report.
@@ -137,6 +139,6 @@ def _section(run: Run, pictures: Sequence[Picture], anchor: str, *, alone: bool)
 
 
 def _frames(pictures: Sequence[Picture]) -> tuple[Picture, ...]:
-    """Return the first picture of each label, by time; those of a series have none."""
+    """Return the first picture of each label, by time, without those of a series."""
     first = {one.label: one for one in reversed(pictures) if one.label}
     return tuple(sorted(first.values(), key=lambda one: one.t))

@@ -13,12 +13,12 @@ from matplotlib.text import Text
 from scenario_compiler.legible import legible
 
 LETTERING: Any = {"text.parse_math": False}
-"""Settings of a drawing in which a text with dollar signs is no formula."""
+"""Settings with which a text with dollar signs is not interpreted as a formula."""
 
 
 @contextmanager
 def lettered(figure: Figure) -> Iterator[Figure]:
-    """Yield a figure to be saved: characters that cannot be seen are escapes, and letters without a glyph are boxes."""
+    """Yield a figure for saving: invisible characters are escapes, and letters without a glyph are boxes."""
     for text in figure.findobj(Text):
         lines = text.get_text().split("\n")
         text.set_text("\n".join(map(legible, lines)))

@@ -44,12 +44,12 @@ from scenario_compiler.roads.spawn_points import NamedPosition
 POINTS_PER_INCH = 72.0
 
 CLOSE_VIEW = 0.15
-"""Scale below which the roads in junctions show paths, arrows and ids, metres a point."""
+"""Scale below which the roads in junctions have paths, arrows and ids, metres per point."""
 
 
 @dataclass(frozen=True)
 class LaneLook:
-    """How lanes of some types are drawn, and what the legend calls them."""
+    """How lanes of some types are drawn, and their name in the legend."""
 
     label: str
     colour: str
@@ -99,20 +99,20 @@ def plot_map(
     size: float = 11.0,
     dpi: float = 130.0,
 ) -> None:
-    """Write a picture of a network, or of the part of it in a window.
+    """Write a picture of a network, or of a window of it.
 
     Args:
         network: The roads.
-        path: Where the picture goes; its ending (.png or .svg) says what it is.
-        window: What is shown; None shows everything.
+        path: Path of the picture; its suffix (.png or .svg) determines the format.
+        window: The part to show; None for everything.
         spawn_points: Named places to mark (`roads.spawn_points.read_spawn_points`).
-        title: Text above; None gives the network's name, number of roads and length.
+        title: Text above; None for the network's name, number of roads and length.
         size: Longer side of the picture, inches.
         dpi: Pixels per inch of a PNG.
 
     Raises:
-        ValueError: When the ending is neither .png nor .svg.
-        OSError: When the file cannot be written.
+        ValueError: The suffix is neither .png nor .svg.
+        OSError: The file cannot be written.
     """
     shown = window if window is not None else extent_of(network)
     width, height = _figure_size(shown, size)
@@ -131,11 +131,11 @@ def plot_map(
 
 
 def save_picture(figure: Figure, path: str | Path) -> None:
-    """Write a figure as a PNG or SVG file, equal figures as equal bytes.
+    """Write a figure as a PNG or SVG file; equal figures give equal bytes.
 
     Raises:
-        ValueError: When the ending is neither .png nor .svg.
-        OSError: When the file cannot be written.
+        ValueError: The suffix is neither .png nor .svg.
+        OSError: The file cannot be written.
     """
     ending = Path(path).suffix.lower()
     if ending not in (".png", ".svg"):
@@ -155,17 +155,17 @@ def draw_map(
     spawn_points: Mapping[str, NamedPosition] | None = None,
     labels: bool = True,
 ) -> list[Patch | Line2D]:
-    """Draw a network into axes, which take the window as their limits, equal scales and a scale bar.
+    """Draw a network into axes, with the window as limits, equal scales and a scale bar.
 
     Args:
-        axes: Axes of a figure whose size is set: what can be read depends on it.
+        axes: Axes of a figure whose size is set, because the readability of texts depends on it.
         network: The roads.
-        window: What to show at least; None shows everything.
+        window: The least part to show; None for everything.
         spawn_points: Named places to mark.
-        labels: Whether the ids of roads and junctions and the names of spawn points are written.
+        labels: Whether to write the ids of roads and junctions and the names of spawn points.
 
     Returns:
-        The entries of a legend for what is drawn.
+        The entries of a legend.
     """
     figure = axes.get_figure(root=True)
     box = axes.get_window_extent()
@@ -202,14 +202,14 @@ def draw_map(
 
 
 def extent_of(network: Network) -> Window:
-    """Return the part of the plane that holds all roads."""
+    """Return the part of the plane that contains all roads."""
     x0, y0, x1, y1 = network.bounds()
     margin = max(5.0, 0.03 * max(x1 - x0, y1 - y0))
     return Window(x0 - margin, y0 - margin, x1 + margin, y1 + margin)
 
 
 def _fitted(window: Window, width: float, height: float) -> Window:
-    """Return a window widened about its centre to the proportions of a box."""
+    """Return a window extended around its centre to the proportions of a box."""
     wide = max(window.x_max - window.x_min, 1.0)
     high = max(window.y_max - window.y_min, 1.0)
     wide, high = max(wide, high * width / height), max(high, wide * height / width)
@@ -218,7 +218,7 @@ def _fitted(window: Window, width: float, height: float) -> Window:
 
 
 def _figure_size(window: Window, size: float) -> tuple[float, float]:
-    """Return width and height in inches: the window's proportions within 1:3 and 1:1."""
+    """Return width and height in inches, with the window's proportions limited to 1:3 and 1:1."""
     wide = window.x_max - window.x_min
     ratio = (window.y_max - window.y_min) / wide if wide > 0.0 else 1.0
     if ratio <= 1.0:
@@ -247,7 +247,7 @@ def _draw_lanes(axes: Axes, network: Network, shapes: list[LaneShape]) -> None:
 
 
 def _draw_marks(axes: Axes, network: Network, window: Window, scale: float) -> list[mesh.Paint]:
-    """Draw every mark; return the colours drawn."""
+    """Draw every mark; return the used colours."""
     marks = mesh.road_marks(network)
     kept, lines = mark_lines(marks, window)
     colours = np.array([mpl.colors.to_rgba(_MARK_COLOURS[paint]) for paint in mesh.Paint])[marks.colour[kept]]
@@ -278,7 +278,7 @@ class _Labels:
         self._taken: list[tuple[float, float, float, float]] = []
 
     def place(self, text: str, spots: list[tuple[float, float]], size: float, colour: str, force: bool = False) -> bool:
-        """Write a text at the first spot that is free; with `force`, at the first one when none is."""
+        """Write a text at the first free place; with `force`, at the first place if none is free."""
         w, h = (0.64 * len(text) + 0.7) * size * self._scale / 2.0, 1.5 * size * self._scale / 2.0
         (left, right), (bottom, top) = self._axes.get_xlim(), self._axes.get_ylim()
         for x, y in spots:
@@ -292,7 +292,7 @@ class _Labels:
         return force
 
     def keep_free(self, window: Window) -> None:
-        """Let no text but those that are forced cover a part of the plane."""
+        """Reserve a part of the plane, so that only forced texts cover it."""
         x, y = (window.x_min + window.x_max) / 2.0, (window.y_min + window.y_max) / 2.0
         self._taken.append((x, y, window.x_max - x, window.y_max - y))
 
@@ -332,7 +332,7 @@ _SHARES = tuple(0.5 + side * k / 40.0 for k in range(0, 20, 2) for side in (1.0,
 
 
 def _beside(network: Network, road: int, share: float, side: float, scale: float) -> tuple[float, float]:
-    """Return a point on the middle of a road's lanes, or beside them."""
+    """Return a point at the centre of a road's lanes, or beside them."""
     n = network.tables
     s = share * n.road_length[road]
     x, y, h, _ = geometry.road_reference(n, road, s)
@@ -345,7 +345,7 @@ def _beside(network: Network, road: int, share: float, side: float, scale: float
 def _draw_spawn_point(
     axes: Axes, network: Network, name: str, point: NamedPosition, window: Window, placed: _Labels | None
 ) -> bool:
-    """Draw a disc at a spawn point, and its name; False for one that is not on the network or not in the window."""
+    """Draw a disc at a spawn point, and its name; return False if it is not on the network or not in the window."""
     try:
         pose = network.lane_pose(point.road, point.lane, point.s)
     except ValueError:
@@ -366,7 +366,7 @@ _AROUND = ((0, 2), (0, -2), (1, 1), (-1, 1), (1, -1), (-1, -1), (0, 4), (0, -4),
 
 
 def _draw_scale_bar(axes: Axes, window: Window, scale: float) -> Window:
-    """Draw a bar of a round length, about a sixth of the width, at the lower left; return what it covers."""
+    """Draw a bar of a round length, about a sixth of the width, at the lower left; return the area that it covers."""
     about = (window.x_max - window.x_min) / 6.0
     power = 10.0 ** math.floor(math.log10(about))
     length = max(step for step in (power, 2.0 * power, 5.0 * power) if step <= about)

@@ -19,7 +19,7 @@ Points = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class LaneShape:
-    """A lane of a lane section, as far as the window shows it: its outline (N, 2), type and road."""
+    """The part of a lane in a lane section that the window shows: its outline (N, 2), type and road."""
 
     outline: Points
     type: str
@@ -28,7 +28,7 @@ class LaneShape:
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """A place and heading where an arrow shows the direction of travel; length in m."""
+    """Position and heading of an arrow that shows the direction of travel; its length in m."""
 
     x: float
     y: float
@@ -37,7 +37,7 @@ class Arrow:
 
 
 def lane_shapes(network: Network, window: Window) -> list[LaneShape]:
-    """Return the outlines of all lanes that touch the window; the verge is left out."""
+    """Return the outlines of all lanes that touch the window, without the verge."""
     n = network.tables
     surface = mesh.road_surface(network)
     corners = surface.quads + surface.origin
@@ -64,7 +64,7 @@ def lane_shapes(network: Network, window: Window) -> list[LaneShape]:
 
 
 def turning_paths(network: Network, shapes: list[LaneShape]) -> list[Points]:
-    """Return the centre lines (N, 2) of the lanes of connecting roads that motor traffic uses."""
+    """Return the centre lines (N, 2) of the lanes for motor traffic on connecting roads."""
     paths = []
     for shape in shapes:
         if network.tables.road_junction[shape.road] >= 0 and is_drivable(LANE_TYPE_CODES[shape.type]):
@@ -96,16 +96,16 @@ def mark_lines(marks: mesh.Marks, window: Window) -> tuple[NDArray[np.bool_], Po
 
 
 def travel_arrows(network: Network, window: Window, length: float, spacing: float, junctions: bool) -> Iterator[Arrow]:
-    """Yield arrows in the lanes that motor traffic uses: one in each lane where they fit, else one a side of the road.
+    """Yield arrows in the lanes for motor traffic: one in each lane if they fit, otherwise one a side.
 
-    Those along s and those against it take turns, so that they stay apart on a narrow road.
+    Arrows along s and against s alternate, so that they do not overlap on a narrow road.
 
     Args:
         network: The roads.
-        window: What is shown.
-        length: The least length of an arrow that can be seen, m.
+        window: The part to show.
+        length: Least visible length of an arrow, m.
         spacing: Least distance between arrows along a lane, m.
-        junctions: Whether connecting roads get arrows, one a lane.
+        junctions: Whether connecting roads have arrows, one in each lane.
     """
     n = network.tables
     for section in range(len(n.section_s)):
@@ -125,7 +125,7 @@ def travel_arrows(network: Network, window: Window, length: float, spacing: floa
 
 
 def _travel_at(network: Network, road: int, rows: range, s: float, length: float) -> Iterator[tuple[float, int, float]]:
-    """Yield (t, direction, length) of arrows at s: lane by lane when the lanes are wide enough, else side by side."""
+    """Yield (t, direction, length) of arrows at s: one in each lane if the lanes are wide enough, else one a side."""
     n = network.tables
     found = []
     for row in rows:
@@ -154,7 +154,7 @@ def arrow_outline(arrow: Arrow) -> Points:
 def junction_hulls(network: Network, shapes: list[LaneShape], window: Window) -> dict[str, Points]:
     """Return the convex hull (N, 2) of each junction's connecting roads in the window, by the junction's id.
 
-    Of a junction without connecting roads (a direct one) it is the hull of the road ends that meet there.
+    For a junction without connecting roads (a direct one) it is the hull of the adjacent road ends.
     """
     n = network.tables
     corners: dict[int, list[Points]] = {}

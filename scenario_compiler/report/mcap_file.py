@@ -1,7 +1,7 @@
 """Writes a run as an MCAP file for Foxglove: boxes, the takeover, measured values, events, pictures.
 
-Messages are JSON in Foxglove's own schemas where it has one (https://docs.foxglove.dev/docs/sdk/schemas), else in
-schemas that stand in the file. Times count from the start of the run. Axes are OpenDRIVE's, x east, y north, z up, in
+Messages are JSON in Foxglove's own schemas if it has one (https://docs.foxglove.dev/docs/sdk/schemas), otherwise in
+schemas that the file contains. Times count from the start of the run. Axes are OpenDRIVE's, x east, y north, z up, in
 the frame "map".
 """
 
@@ -29,7 +29,7 @@ VALUES = (
     *("confidence_left", "confidence_right", "sensor_health", "sigma", "blocked_distance", "lane_end_distance"),
     *("v", "a", "throttle", "brake", "steer"),
 )
-"""Columns of the topic /values; those of entities are the first one's."""
+"""Columns of the topic /values; those of entities are for the first entity."""
 
 LEVELS = {"warning": 3, "request": 4, "escalation": 4, "collision": 5, "minimum_risk": 4}
 """Level of an event in Foxglove's log: 2 information, 3 warning, 4 error, 5 fatal."""
@@ -42,7 +42,7 @@ def write_mcap(run: Run, path: Path, pictures: tuple[Picture, ...]) -> None:
     """Write a run and its first-person pictures as an MCAP file; equal runs give equal bytes.
 
     Raises:
-        OSError: It cannot be written.
+        OSError: The file cannot be written.
     """
     content = io.BytesIO()
     writer = Writer(content)
@@ -60,7 +60,7 @@ def write_mcap(run: Run, path: Path, pictures: tuple[Picture, ...]) -> None:
 
 
 def _topics() -> dict[str, tuple[str, dict[str, Any]]]:
-    """Return the schema of each topic: its name, and what it is."""
+    """Return name and contents of the schema of each topic."""
     units = {column.name: column for column in COLUMNS}
     numbers = {
         name: {"type": "number", "description": f"{units[name].description} Unit: {units[name].unit or 'none'}."}

@@ -1,7 +1,7 @@
 """Colours and words of a report.
 
-The colours are those of Okabe and Ito (2008), which readers with any common colour vision tell apart, and stand-ins for
-the page's own, which differ between light and dark.
+The colours are those of Okabe and Ito (2008), which readers with any common colour vision can distinguish, and
+placeholders for the page's own colours, which differ between light and dark.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ THEME = {
     PAINT: "var(--paint)",
     EGO: "var(--ego)",
 }
-"""Colours that plots are drawn in, and the page's variables that take their place."""
+"""Colours with which plots are drawn, and the page's variables that replace them."""
 
 STATE_COLOURS: dict[StateName, str] = {
     "automated": SKY,
@@ -72,4 +72,4 @@ WORDS = {
     "response": "driver takes over",
     "collision": "collision",
 }
-"""States and moments in a reader's words."""
+"""Names of states and moments for readers."""

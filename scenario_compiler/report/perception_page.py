@@ -22,15 +22,15 @@ SHOWN = (
 """Situations whose pictures the page shows."""
 
 AREA, ERROR, LARGEST, WRONG, FAR_OFF = 0.96, 0.04, 0.08, 0.04, 0.005
-"""Aims for maps that the confidence was not fitted to; see `Worth`."""
+"""Targets for maps that were not part of the confidence's fit; see `Worth`."""
 
 MISLEADING = 0.1
-"""Greatest share of confident and wrong boundaries that a situation of the bank should have."""
+"""Target for the greatest share of confident and wrong boundaries in a situation of the bank."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """How the figures were measured.
+    """Conditions of the measurement.
 
     Attributes:
         detector: The detector's name.
@@ -99,7 +99,7 @@ def _page(figures: Figures, measured: Measured, stem: str) -> str:
 
 
 def _missed(figures: Figures) -> str:
-    """Return which aims are missed, for each map, separately for single images and for driving."""
+    """Return which targets are missed, for each map, separately for single images and for driving."""
     aims = (
         f"an area of at least {AREA}, an expected error of at most {ERROR}, a largest error of at most {LARGEST}, "
         + f"and, of the sides with a confidence over 0.8, at most {WRONG:.0%} wrong and {FAR_OFF:.1%} by over 1 m"

@@ -1,8 +1,8 @@
 """Draws first-person pictures of a recorded run, at any time, from the rows of the recording.
 
-Everybody stands where the recording says. What a recording does not hold (weather on its way, the states of traffic
-signals, who is invisible) comes from the engine, which goes through the run again with the first vehicle moved along
-its recorded way.
+All poses are those of the recording. Facts that a recording does not contain (changing weather, the states of traffic
+signals, invisible entities) come from the engine, which executes the run again with the first vehicle at its recorded
+poses.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ if TYPE_CHECKING:
     from scenario_compiler.perception.stage import Stage
 
 PER_SECOND = 5.0
-"""Pictures of a second of the run, in a page."""
+"""Number of pictures for each second of the run, in a page."""
 
 DOWN = math.radians(-60.0)
-"""Pitch below which a camera looks down onto the vehicle that carries it, rad."""
+"""Pitch below which a camera looks down onto its own vehicle, rad."""
 
 
 def camera_pictures(run: Run, per_second: float = PER_SECOND, *, width: int = 640) -> tuple[Picture, ...]:
-    """Draw pictures of a run for a page, at even times and at its moments; WebP, without writing in them."""
+    """Draw pictures of a run for a page, at regular times and at its moments; WebP, without texts."""
     from scenario_compiler.perception.overlay import encode_webp
 
     recording = run.recording
@@ -57,26 +57,26 @@ def camera_pictures(run: Run, per_second: float = PER_SECOND, *, width: int = 64
 
 
 def even_times(run: Run, per_second: float) -> list[float]:
-    """Return times of a run, s, so many each second, from its first row to its last at most."""
+    """Return regular times of a run, s, from its first row to its last at most."""
     begin, end = float(run.recording.t[0]), float(run.recording.t[-1])
     return [begin + k / per_second for k in range(math.floor((end - begin) * per_second + 1e-6) + 1)]
 
 
 def row_at(run: Run, t: float) -> int:
-    """Return the last row that is not after a time, the first one for times before the run."""
+    """Return the last row that is not after a time; the first one for times before the run."""
     times = run.recording.t
     return max(0, int((times <= t + 1e-6).sum()) - 1)
 
 
 @dataclass(frozen=True, slots=True)
 class Still:
-    """A row of a recording as a picture needs it.
+    """A row of a recording, for a picture.
 
     Attributes:
         row: Its number.
-        there: Of each entity that can be seen its number, the pose of its reference point, and whether it brakes.
+        there: For each visible entity its number, the pose of its reference point, and whether it brakes.
         weather: The weather.
-        signals: State of each traffic signal that the scenario names, empty for unknown.
+        signals: State of each traffic signal that the scenario names, empty if unknown.
     """
 
     row: int
@@ -86,10 +86,10 @@ class Still:
 
 
 class Sights:
-    """The driver's view of a recorded run, with what blocks the path outlined."""
+    """The driver's view of a recorded run, with an outline of what blocks the path."""
 
     def __init__(self, run: Run, width: int = 960, fov: float | None = None) -> None:
-        """Prepare pictures of a width, pixels, half as high, and a field of view, rad; None for the driver's."""
+        """Prepare pictures with a width, pixels, half as high, and a field of view, rad; None for the driver's."""
         from scenario_compiler.perception.overlay import DRIVER
 
         self._run = run
@@ -102,9 +102,9 @@ class Sights:
         """Return the driver's view of a row, (width / 2, width, 3) uint8, BGR.
 
         Args:
-            still: The row, as `stills` gives it; the first vehicle must be there.
-            caption: Whether state, speed and messages are written into it.
-            labelled: Whether it is written beside what blocks the path.
+            still: The row, as from `stills`; the first vehicle must be present.
+            caption: Whether to write state, speed and messages.
+            labelled: Whether to write a text beside what blocks the path.
         """
         from scenario_compiler.perception.overlay import annotate
 
@@ -114,7 +114,7 @@ class Sights:
         return image
 
     def draw_from(self, still: Still, camera: Camera, *, labelled: bool = True) -> NDArray[np.uint8]:
-        """Return the view of any camera on the first vehicle; that vehicle is outlined where the camera sees it."""
+        """Return the view of any camera on the first vehicle; that vehicle is outlined if the camera sees it."""
         from scenario_compiler.perception.overlay import RED, WHITE, outline_box, write_above
 
         poses = {number: pose for number, pose, _ in still.there}
@@ -173,7 +173,7 @@ class Sights:
 
 
 def said_at(run: Run, t: float) -> list[str]:
-    """Return the messages that the driver is given at a time: those that have begun and whose reason has not ended."""
+    """Return the messages to the driver at a time: those that have begun and whose reason has not ended."""
     shown: dict[tuple[str, str], None] = {}
     for event in run.recording.events:
         if event.t <= t + 1e-6 and event.kind == "message":
@@ -184,7 +184,7 @@ def said_at(run: Run, t: float) -> list[str]:
 
 
 def stills(run: Run, rows: Iterable[int]) -> Iterator[Still]:
-    """Yield rows of a recording as pictures need them, in ascending order."""
+    """Yield rows of a recording for pictures, in ascending order."""
     wanted = sorted(set(rows))
     plan, recording = run.plan, run.recording
     program = lowered(plan, run.network, posed=plan.controller is not None)
@@ -199,7 +199,7 @@ def stills(run: Run, rows: Iterable[int]) -> Iterator[Still]:
 
 
 def _follow(simulation: Simulation, run: Run, row: int) -> None:
-    """Step the engine to a row, with the first vehicle and what its camera told taken from the recording."""
+    """Advance the engine to a row, with the first vehicle and its camera's results from the recording."""
     st, recording = simulation.state, run.recording
     if run.plan.controller is not None:
         st.conf_left[0] = float(recording.confidence_left[row])
@@ -215,7 +215,7 @@ def _follow(simulation: Simulation, run: Run, row: int) -> None:
 
 
 def _still(st: State, program: Lowered, run: Run, row: int) -> Still:
-    """Return what pictures need of a row: where everybody is from the recording, the rest from the engine."""
+    """Return the data of a row for pictures: poses from the recording, everything else from the engine."""
     recording, there = run.recording, []
     for i in range(len(run.plan.entities)):
         visible = st.present[i] == 0 or st.visible[i] & op.SEEN_IN_PICTURES != 0
@@ -236,5 +236,5 @@ def _still(st: State, program: Lowered, run: Run, row: int) -> Still:
 
 
 def _number(value: float) -> float:
-    """Return 0 for what a recording does not know, as one that was made from a trajectory."""
+    """Return 0 for a value that a recording lacks, such as one made from a trajectory."""
     return 0.0 if math.isnan(value) else value

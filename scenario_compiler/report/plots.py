@@ -1,6 +1,6 @@
 """Draws the pictures of a report with matplotlib as SVG, in the colours of the page.
 
-Equal runs give equal text: ids are hashed with a fixed salt and no date is written.
+Equal runs give equal text: ids are hashed with a fixed salt, and there is no date.
 """
 
 from __future__ import annotations
@@ -70,28 +70,28 @@ WIDTH = 9.0
 """Width of every picture, inches; the page scales it."""
 
 CLOSE_UP = 50.0
-"""How far ahead of the request a close-up reaches at least, m; at most three times as far."""
+"""Least distance ahead of the request that a close-up shows, m; at most three times as much."""
 
 HIGHEST = 7.0
-"""Greatest height of a map, inches; a higher one is drawn narrower than `WIDTH`."""
+"""Greatest height of a map, inches; a higher one is narrower than `WIDTH`."""
 
 FURNITURE = 30.0
-"""Height of the strip below a map for its scale and its axes, points."""
+"""Height of the strip below a map with its scale and its axes, points."""
 
 ARROW = 11.0
 """Length of the arrows that show the axes, points."""
 
 HEALTHY = 0.98
-"""Sensor health from which on it is not worth a line."""
+"""Sensor health from which it is not plotted."""
 
 NEAR = 60.0
-"""Distance from the ego vehicle's way at which other entities are still brought into a map, m."""
+"""Distance from the ego's path within which other entities extend a map, m."""
 
 
 def timeline_plot(run: Run, prefix: str) -> str:
     """Return an SVG of the takeover's states, lane confidence, speed and distance to the limit over time.
 
-    Without an automated vehicle it is the speed alone.
+    Without an automated vehicle it contains only the speed.
     """
     if run.plan.controller is None:
         return _speed_plot(run, prefix)
@@ -201,7 +201,7 @@ def _metres_per_second(speed: Any) -> Any:
 
 
 def overview_map(run: Run, prefix: str) -> str:
-    """Return an SVG map of the whole run, turned so that the ego vehicle's way runs to the right."""
+    """Return an SVG map of the whole run, rotated so that the ego's path runs to the right."""
     there = run.recording.present[:, 0]
     x, y = run.recording.x[there, 0], run.recording.y[there, 0]
     turn = _principal_direction(x, y) if len(x) > 1 else float(run.recording.h[there, 0][0])
@@ -228,7 +228,7 @@ def close_up_map(run: Run, prefix: str) -> str:
 
 
 def _others_near(run: Run, way: Floats, turn: float, row: int) -> Floats:
-    """Return where other entities stand in a row, as far as they are near a way, in axes turned by `-turn`, (k, 2)."""
+    """Return the positions of other entities near a path in a row, in axes turned by `-turn`, (k, 2)."""
     recording = run.recording
     there = recording.present[row, 1:]
     places = np.stack([recording.x[row, 1:][there], recording.y[row, 1:][there]], axis=-1)
@@ -238,7 +238,7 @@ def _others_near(run: Run, way: Floats, turn: float, row: int) -> Floats:
 
 
 def _map(run: Run, prefix: str, turn: float, frame: Floats, margin: tuple[float, float]) -> str:
-    """Draw what lies within `frame`, points in axes turned by `-turn`, and a margin along and across."""
+    """Draw the area of the points `frame`, in axes turned by `-turn`, with a margin along and across."""
     low, high = frame.min(axis=0) - margin, frame.max(axis=0) + margin
     across = max(high[1] - low[1], 0.07 * (high[0] - low[0]))
     middle = 0.5 * (low[1] + high[1])
@@ -271,7 +271,7 @@ def _map(run: Run, prefix: str, turn: float, frame: Floats, margin: tuple[float,
 def _without_empty_bands(
     around: Surroundings, turn: float, frame: Floats, low: Floats, high: Floats
 ) -> tuple[float, float]:
-    """Return how far across a map has roads or points of its frame, with room for a line of text, from and to."""
+    """Return the range across a map with roads or points of its frame, with room for a line of text."""
     points = np.concatenate([frame, *(_turned(strip.outline, -turn) for strip in around.strips)])
     across = points[((points >= low) & (points <= high)).all(axis=-1), 1]
     text = 14.0 / 72 / WIDTH * float(high[0] - low[0])
@@ -279,7 +279,7 @@ def _without_empty_bands(
 
 
 def _draw_legend(figure: Figure, axis: Axes) -> float:
-    """Draw a legend at the foot of a figure in as few rows as its width takes, and return its height, points."""
+    """Draw a legend at the bottom of a figure in as few rows as possible, and return its height, points."""
     handles, labels = axis.get_legend_handles_labels()
     for rows in range(1, len(handles) + 1):
         legend = figure.legend(
@@ -370,7 +370,7 @@ def _draw_way(axis: Axes, x: Floats, y: Floats, turn: float, colour: str, label:
 
 
 def _draw_scale(strip: Axes, turn: float, points_per_metre: float) -> None:
-    """Draw a bar of a round length and the directions of OpenDRIVE's axes, in axes whose unit is made a point."""
+    """Draw a bar of a round length and the directions of OpenDRIVE's axes, in axes whose unit is set to a point."""
     width = WIDTH * 72
     strip.set_xlim(0.0, width)
     strip.set_ylim(0.0, FURNITURE)
@@ -397,7 +397,7 @@ def _round_length(wanted: float) -> float:
 
 
 def _principal_direction(x: Floats, y: Floats) -> float:
-    """Return the direction in which points spread most, pointing from the first to the last, rad."""
+    """Return the direction of the greatest variance of points, from the first to the last, rad."""
     centred = np.stack([x - x.mean(), y - y.mean()])
     _, vectors = np.linalg.eigh(centred @ centred.T)
     direction = vectors[:, -1]
@@ -416,15 +416,18 @@ def _row_at(t: Floats, time: float) -> int:
 
 
 def svg_of(figure: Figure, prefix: str) -> str:
-    """Return the figure as an SVG element whose ids begin with `prefix`, to stand in a page with others.
+    """Return the figure as an SVG element whose ids begin with `prefix`, for a page with several pictures.
 
-    What it shows is said by the element that it stands in.
-
-    Matplotlib names clip paths by addresses in memory; they are numbered, so that equal figures give equal text.
+    Its description is on the enclosing element. Matplotlib names clip paths by addresses in memory; here they are
+    numbered, so that equal figures give equal text.
     """
     text = io.StringIO()
     FigureCanvasSVG(figure)
     with lettered(figure):
+        layout = figure.get_layout_engine()
+        if layout is not None:  # with an engine of its own, matplotlib draws the figure twice
+            layout.execute(figure)
+            figure.set_layout_engine(None)
         figure.savefig(text, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
     svg = text.getvalue()
     svg = svg[svg.index("<svg") :]

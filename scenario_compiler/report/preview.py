@@ -1,4 +1,4 @@
-"""Draws a plan before it runs: the starts of the entities, the route, and when what happens.
+"""Draws a plan before it runs: the starts of the entities, the route, and the times of the events.
 
 Equal plans give equal bytes with one version of matplotlib.
 """
@@ -34,32 +34,32 @@ from scenario_compiler.roads.positions import LanePosition
 from scenario_compiler.vocabulary.scenario import parameter_values
 
 SPACING = 4.0
-"""Distance between two points of the way ahead, m."""
+"""Distance between two points of the route ahead, m."""
 
 MARGIN = 30.0
-"""How much is shown around what matters, m."""
+"""Width of the surroundings that are shown, m."""
 
 INSET = 1.0e-6
-"""How far within the ends of a leg of the route its first and last point lie, m."""
+"""Distance of the first and last point of a leg of the route from the leg's ends, m."""
 
 REACH = 400.0
-"""How far the way ahead is drawn without a destination, m."""
+"""Length of the route ahead that is drawn without a destination, m."""
 
 MORE = 1.15
-"""How much longer than up to the last known time the axis of time is."""
+"""Length of the time axis relative to the last known time."""
 
 AWAY = 12.6
-"""How far from an entity's middle its label stands, points."""
+"""Distance of an entity's label from its centre, points."""
 
 COLOURS = {"ego": BLUE, "static": VERMILION, "dynamic": ORANGE}
 
 
 def draw_preview(plan: Plan, network: Network, path: Path, *, size: float = 11.0, dpi: float = 110.0) -> None:
-    """Draw a plan into a PNG or SVG file: the map's section with actors and route, and the triggers over time.
+    """Draw a plan into a PNG or SVG file: the part of the map with actors and route, and the triggers over time.
 
     Raises:
-        ValueError: When the ending is neither .png nor .svg.
-        OSError: When the file cannot be written.
+        ValueError: The suffix is neither .png nor .svg.
+        OSError: The file cannot be written.
     """
     happenings = list(happenings_of(plan))
     rows = max(1, len(happenings))
@@ -81,11 +81,11 @@ def draw_preview(plan: Plan, network: Network, path: Path, *, size: float = 11.0
 
 
 def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, dpi: float = 110.0) -> None:
-    """Draw the ego vehicle's way on the map into a PNG or SVG file.
+    """Draw the ego's route on the map into a PNG or SVG file.
 
     Raises:
-        ValueError: When the ending is neither .png nor .svg.
-        OSError: When the file cannot be written.
+        ValueError: The suffix is neither .png nor .svg.
+        OSError: The file cannot be written.
     """
     window = _around(way_ahead(plan, network)) or extent_of(network)
     share = (window.y_max - window.y_min) / (window.x_max - window.x_min)
@@ -101,7 +101,7 @@ def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, 
 
 
 def section_of(plan: Plan, network: Network) -> Window:
-    """Return the part of the map that holds every start and the way to the farthest actor ahead; else all of it."""
+    """Return the part of the map with every start and the route to the farthest actor ahead, or else all of it."""
     starts = [(pose.x, pose.y) for pose in plan.derived.values()]
     ego = start_of(plan)
     if ego is None:
@@ -112,7 +112,7 @@ def section_of(plan: Plan, network: Network) -> Window:
 
 
 def start_of(plan: Plan) -> StartPose | None:
-    """Return where the first entity starts that has a place before the run; None where none has."""
+    """Return the start of the first entity with a start position; None if there is none."""
     return next((plan.derived[one.id] for one in plan.entities if one.id in plan.derived), None)
 
 
@@ -124,7 +124,10 @@ def _around(points: list[tuple[float, float]]) -> Window | None:
 
 
 def way_ahead(plan: Plan, network: Network) -> list[tuple[float, float]]:
-    """Return points along the first vehicle's route, or along its lane straight on, (x, y) in m; none without one."""
+    """Return points (x, y), m, along the first vehicle's route, or along its lane if it has no route.
+
+    The list is empty if the vehicle's start is unknown, and has the start alone if that is on no lane.
+    """
     if plan.route:
         # A later leg without length changes the lane at once: its neighbours show that.
         legs = [leg for k, leg in enumerate(plan.route) if k == 0 or leg.s_from != leg.s_to]
@@ -143,7 +146,7 @@ def way_ahead(plan: Plan, network: Network) -> list[tuple[float, float]]:
 
 
 def _leg_points(network: Network, leg: RouteLeg) -> Iterator[tuple[float, float]]:
-    """Yield points along a leg, its ends a little within: beyond its section's border another lane has the number."""
+    """Yield points along a leg, slightly within its ends, because beyond its section another lane may have its id."""
     length = leg.s_to - leg.s_from
     inset = math.copysign(min(INSET, 0.5 * abs(length)), length)
     count = max(1, math.ceil(abs(length) / SPACING))
@@ -153,7 +156,7 @@ def _leg_points(network: Network, leg: RouteLeg) -> Iterator[tuple[float, float]
 
 
 def draw_section(axes: Axes, plan: Plan, network: Network, window: Window) -> None:
-    """Draw a part of the map into axes, the way ahead, and who starts there with their paths and labels."""
+    """Draw a part of the map into axes, the route ahead, and the starts of entities with their paths and labels."""
     draw_map(axes, network, window)
     way = way_ahead(plan, network)
     axes.plot([x for x, _ in way], [y for _, y in way], color=BLUE, linewidth=2.2, alpha=0.55, zorder=6)
@@ -170,9 +173,9 @@ def draw_section(axes: Axes, plan: Plan, network: Network, window: Window) -> No
 
 
 def own_path(plan: Plan, network: Network, entity: Entity) -> list[tuple[float, float]]:
-    """Return the corners of the path that an entity moves on from its start, (x, y) in m; none without one.
+    """Return the corners of an entity's path from its start, (x, y) in m; none if it has none.
 
-    Points that lie relative to what stands nowhere before the run are left out.
+    Points relative to an entity without a start position are left out.
     """
     if entity.path is None:
         return []
@@ -186,7 +189,7 @@ def own_path(plan: Plan, network: Network, entity: Entity) -> list[tuple[float, 
 
 
 def labels_of(names: Iterable[str]) -> dict[str, str]:
-    """Return what is written beside entities: of a row or a repetition the first alone, without its number."""
+    """Return the labels of entities; of a row or a repetition only the first has one, without its number."""
     labels: dict[str, str] = {}
     for name in names:
         label = re.sub(r"\.\d+(?=\.|$)", "", name)
@@ -196,7 +199,7 @@ def labels_of(names: Iterable[str]) -> dict[str, str]:
 
 
 def _draw_entity(axes: Axes, plan: Plan, entity: Entity, wide: float) -> Bbox:
-    """Draw an entity, grown where it would be too small to see, and return what it covers, pixels."""
+    """Draw an entity, enlarged if it would be too small to see, and return the area that it covers, pixels."""
     pose, vehicle = plan.derived[entity.id], entity.vehicle
     x, y = center_from_reference(pose.x, pose.y, pose.heading, vehicle.center)
     grown = max(1.0, wide * 0.011 / max(vehicle.length, 1.2))
@@ -211,9 +214,9 @@ def _draw_entity(axes: Axes, plan: Plan, entity: Entity, wide: float) -> Bbox:
 
 
 def _write_label(axes: Axes, plan: Plan, entity: Entity, label: str, side: int, taken: list[Bbox]) -> None:
-    """Write a label on a side of an entity, 1 the left and -1 the right, on the other, above or below.
+    """Write a label on a side of an entity (1 left, -1 right), on the other side, above or below.
 
-    It stands at the first of these where it is whole and covers nothing that is `taken`, or nowhere.
+    It is at the first of these places where it is complete and covers nothing that is `taken`, or nowhere.
     """
     pose, vehicle = plan.derived[entity.id], entity.vehicle
     left, up = (-math.sin(pose.heading), math.cos(pose.heading)), (0.0, 1.0)
@@ -239,9 +242,9 @@ def _write_label(axes: Axes, plan: Plan, entity: Entity, label: str, side: int, 
 
 
 def _draw_times(axes: Axes, plan: Plan, happenings: list[Happening]) -> None:
-    """Draw a row a happening: a mark at its time, or what it waits for over the whole of the time that is shown.
+    """Draw a row for each event: a mark at its time, or its trigger over the whole time axis.
 
-    The axis ends after the last time that is known; where no time is known, it is not labelled.
+    The axis ends after the last known time; if no time is known, it has no labels.
     """
     last = last_known_time(plan)
     end = min(plan.duration, MORE * last) if last else plan.duration

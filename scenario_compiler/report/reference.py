@@ -107,7 +107,7 @@ Off every road, `road,lane,s,off` is `-1,0,0,0`.
 
 
 def run_folder_page() -> str:
-    """Return the page on the files that a run leaves."""
+    """Return the page on the files of a run."""
     parts = [
         _HEAD,
         "## plan.json\n",
@@ -136,7 +136,7 @@ def run_folder_page() -> str:
 
 
 def _recorded() -> Iterable[tuple[str, str, str, str]]:
-    """Yield the columns as the file has them: `name` in place of the flag that an entity is present."""
+    """Yield the columns as in the file: `name` instead of the flag that an entity is present."""
     for column in COLUMNS:
         if column.name == "present":
             yield "`name`", "", "entity", "The entity's id."

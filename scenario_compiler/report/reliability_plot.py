@@ -16,7 +16,7 @@ TITLES = ("geometry right", "paint there", "confidence: both")
 
 
 def write_reliability_plot(figures: Figures, path: Path) -> None:
-    """Write a PNG with a panel for each output; circles hold at least `COUNTED` looks."""
+    """Write a PNG with a panel for each output; circles are bins with at least `COUNTED` observations."""
     with mpl.rc_context({"font.size": 9.0, "axes.spines.top": False, "axes.spines.right": False}):
         figure = Figure(figsize=(10.0, 3.6), layout="constrained")
         panels = figure.subplots(1, len(OUTPUTS), sharex=True, sharey=True)

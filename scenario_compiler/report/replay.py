@@ -1,7 +1,8 @@
-"""The data of a run for the player in a page: motion, curves, events and roads as small whole numbers.
+"""The data of a run for the player in a page: motion, curves, events and roads as small integers.
 
-A column is rounded to a step, of a centimetre for places, and held as the differences from row to row, which are small
-where motion is smooth; the whole is JSON, compressed by gzip and written in base64. Equal runs give equal text.
+A column is rounded to multiples of a step, such as a centimetre for positions, and stored as the differences between
+rows, which are small where motion is smooth. The whole is JSON, compressed by gzip and encoded in base64. Equal runs
+give equal text.
 """
 
 from __future__ import annotations
@@ -39,10 +40,10 @@ from scenario_compiler.roads.positions import Pose, SecondaryLine
 from scenario_compiler.vocabulary.word import number_value
 
 TIME_STEP, PLACE_STEP = 1e-4, 0.01
-"""What times and places are rounded to, s and m."""
+"""Steps of times and positions, s and m."""
 
 ENTITY_STEPS = {"x": PLACE_STEP, "y": PLACE_STEP, "h": 1e-3, "v": 0.01, "a": 0.01, "lane": 1.0, "road": 1.0, "s": 0.1}
-"""Columns of each entity and what they are rounded to, in their units."""
+"""Columns of each entity and their steps, in their units."""
 
 RUN_STEPS = {
     "confidence_left": 1e-3,
@@ -51,28 +52,28 @@ RUN_STEPS = {
     "blocked_distance": 0.01,
     "lane_end_distance": 0.01,
 }
-"""Columns of the run and what they are rounded to, in their units."""
+"""Columns of the run and their steps, in their units."""
 
 EGO_STEPS = {"throttle": 1e-3, "brake": 1e-3, "steer": 1e-3}
-"""Columns that are shown of the ego vehicle alone and what they are rounded to, in their units."""
+"""Columns that are only shown for the ego, and their steps, in their units."""
 
 SPACING = 2.0
-"""Distance between two samples of a road's reference line at most, m, in a section of up to a kilometre."""
+"""Greatest distance between two samples of a road's reference line, m, in a section of up to a kilometre."""
 
 FLATNESS = 0.02
-"""How far a line of the map may run beside the samples that it is made of, m."""
+"""Greatest distance of a line of the map from the samples from which it is made, m."""
 
 MARGIN = 80.0
-"""How far the map reaches beyond the places of the ego vehicle, m."""
+"""Distance beyond the ego's positions that the map covers, m."""
 
 LARGEST = 2.0**50
-"""Steps that a number of a page has at most: JavaScript counts exactly up to 2^53."""
+"""Greatest number of steps of a value in a page: JavaScript counts exactly up to 2^53."""
 
 HEALTHY = 0.98
-"""Sensor health from which on it is not worth a line."""
+"""Sensor health from which it is not plotted."""
 
 MARK_COLOURS = {"yellow": ORANGE, "orange": ORANGE, "blue": BLUE, "red": VERMILION, "green": GREEN, "violet": PURPLE}
-"""Colours of marks; those not named are drawn in the page's colour for paint."""
+"""Colours of marks; others have the page's colour for paint."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,7 @@ class Picture:
 
     Attributes:
         t: Time, s.
-        label: The kind of the event that it shows the moment of; empty for one of a series.
+        label: The kind of the event at its moment; empty for a picture of a series.
         type: Its media type, such as "image/png".
         data: The file.
     """
@@ -93,7 +94,7 @@ class Picture:
 
 
 def pictures_of(run: Run) -> tuple[Picture, ...]:
-    """Return the pictures that the recording holds, ordered by time."""
+    """Return the pictures in the recording, ordered by time."""
     return tuple(Picture(one.t, one.label, "image/png", one.png) for one in run.recording.frames)
 
 
@@ -104,11 +105,11 @@ def packed(data: object) -> str:
 
 
 def replay_of(run: Run, name: str, *, pictured: bool) -> dict[str, Any]:
-    """Return what the player shows of a run, as JSON.
+    """Return the player's data of a run, as JSON.
 
     Args:
         run: The run, with at least one row.
-        name: What it is called.
+        name: Its name.
         pictured: Whether the player has a pane for first-person pictures.
     """
     recording = run.recording
@@ -149,7 +150,7 @@ def replay_of(run: Run, name: str, *, pictured: bool) -> dict[str, Any]:
 
 
 def _origin(run: Run) -> tuple[float, float]:
-    """Return the point that places are counted from: that of the first entity's first row, on whole metres."""
+    """Return the origin of positions: that of the first entity in its first row, rounded to metres."""
     there = np.nonzero(run.recording.present)
     if not len(there[0]):
         return 0.0, 0.0
@@ -158,9 +159,9 @@ def _origin(run: Run) -> tuple[float, float]:
 
 
 def _differences(values: NDArray[Any], step: float) -> list[int | None]:
-    """Return values as multiples of a step: each as its difference from the one before that is shown, others as null.
+    """Return values as multiples of a step: each as its difference from the previous shown one, others as null.
 
-    Shown is what is finite, and not so large that a page could not count it.
+    Shown are finite values that are not too large for a page to count.
     """
     finite = np.isfinite(values) & (np.abs(np.nan_to_num(values)) < step * LARGEST)
     whole = np.round(values[finite] / step).astype(np.int64)
@@ -171,7 +172,7 @@ def _differences(values: NDArray[Any], step: float) -> list[int | None]:
 
 
 def _columns(run: Run, origin: tuple[float, float]) -> dict[str, Any]:
-    """Return the columns by name: unit, description, step, and a list of differences of each entity or of the run."""
+    """Return the columns by name: unit, description, step, and a list of differences for each entity or for the run."""
     recording, declared = run.recording, {column.name: column for column in COLUMNS}
     shift = {"x": origin[0], "y": origin[1]}
     found: dict[str, Any] = {}
@@ -195,14 +196,14 @@ def _columns(run: Run, origin: tuple[float, float]) -> dict[str, Any]:
 
 
 def _unwrapped(heading: Floats) -> Floats:
-    """Return headings without jumps of a full turn."""
+    """Return headings without jumps by a full turn."""
     finite, out = np.isfinite(heading), heading.copy()
     out[finite] = np.unwrap(heading[finite])
     return out
 
 
 def _states(run: Run) -> list[tuple[float, float, str, str]]:
-    """Return the takeover's states as (begin, end, words, colour), s."""
+    """Return the takeover's states as (start, end, words, colour), s."""
     if run.plan.controller is None:
         return []
     known = set(TAKEOVER_STATES.values())
@@ -273,9 +274,9 @@ def roadmap(
     Args:
         plan: The plan, which changes the paint.
         network: Its map.
-        window: What is shown.
-        origin: The point that places are counted from, m.
-        starts: Where each entity starts; empty where that is not known.
+        window: The part to show.
+        origin: The origin of positions, m.
+        starts: Start of each entity; empty if unknown.
     """
     size = max(window.x_max - window.x_min, window.y_max - window.y_min)
     painted = network.with_mark_quality(mark_stretches(plan))
@@ -300,7 +301,7 @@ def roadmap(
 
 
 def _window(run: Run) -> Window:
-    """Return the part of the plane around the ego vehicle's way."""
+    """Return the part of the plane around the ego's path."""
     recording = run.recording
     there = recording.present[:, 0] if recording.present[:, :1].any() else recording.present.any(axis=1)
     x, y = (one[there, :1] if recording.present[:, :1].any() else one[there] for one in (recording.x, recording.y))
@@ -318,7 +319,7 @@ def _kind(lane_type: str, drivable: bool) -> str:
 
 
 def starts_of(recording: Recording) -> list[Pose]:
-    """Return where each entity is in the first row; nothing for a recording without rows."""
+    """Return the pose of each entity in the first row; none for a recording without rows."""
     if not len(recording.t):
         return []
     columns = (recording.x, recording.y, recording.z, recording.h)
@@ -333,7 +334,7 @@ def _points_of(network: Network, line: SecondaryLine) -> Floats:
 
 
 def _line(points: Floats, origin: tuple[float, float]) -> list[int]:
-    """Return a line as whole steps: x and y of the first point from the origin, then of each from the one before."""
+    """Return a line as integers: x and y of the first point from the origin, then of each from the previous one."""
     whole = np.round((points - np.array(origin)) / PLACE_STEP).astype(np.int64)
     steps: list[int] = np.diff(whole, axis=0, prepend=np.zeros((1, 2), np.int64)).ravel().tolist()
     return steps

@@ -27,7 +27,7 @@ def write_rerun(run: Run, path: Path, pictures: tuple[Picture, ...]) -> None:
     """Write a run and its first-person pictures as a .rrd file, on the timeline "t" from the start of the run.
 
     Raises:
-        OSError: It cannot be written.
+        OSError: The file cannot be written.
     """
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "run.rrd"

@@ -1,4 +1,4 @@
-"""`Run`: one run with everything that a report needs."""
+"""`Run`: one run with everything that a report uses."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOMENTS: tuple[EventKind, ...] = (
     "collision",
     "standstill",
 )
-"""Events that pictures mark at their first time."""
+"""Kinds of events whose first occurrence has a picture."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class Run:
 
     @property
     def moments(self) -> tuple[tuple[EventKind, float], ...]:
-        """The first of each of `MOMENTS` that occurred, ordered by time: (kind, s)."""
+        """The first event of each of `MOMENTS` that occurred, ordered by time: (kind, s)."""
         first: dict[EventKind, float] = {}
         for event in self.recording.events:
             if event.kind in MOMENTS:
@@ -42,7 +42,7 @@ class Run:
 
     @property
     def focus(self) -> tuple[str, float]:
-        """The moment of the close-up as (words, s): the request, else the collision, else the end of the run."""
+        """The moment of the close-up as (words, s): the request, or the collision, or the end of the run."""
         moments = dict(self.moments)
         for kind in ("request", "collision"):
             if kind in moments:

@@ -13,10 +13,10 @@ from scenario_compiler.roads.lane_types import LANE_TYPES, LAST_DRIVABLE
 from scenario_compiler.roads.network import Network
 
 QUALITY_STEPS = 10
-"""Number of steps in which the quality of a mark is drawn."""
+"""Number of steps of the drawn quality of a mark."""
 
 END = 1e-6
-"""How far before a lane section's end the last sample lies, so that it is still of that section, m."""
+"""Distance of the last sample from a lane section's end, so that it belongs to that section, m."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,13 @@ class Window:
 
 @dataclass(frozen=True, slots=True)
 class Strip:
-    """A stretch of a lane: the standard's word for its type, if motor traffic may use it, its outline (k, 2), m."""
+    """A stretch of a lane.
+
+    Attributes:
+        type: The standard's word for the lane's type.
+        drivable: Whether motor traffic may use it.
+        outline: (k, 2) outline, m.
+    """
 
     type: str
     drivable: bool
@@ -40,7 +46,14 @@ class Strip:
 
 @dataclass(frozen=True, slots=True)
 class MarkLine:
-    """A stretch of a mark of one look: the standard's words for type and colour, quality 0 to 1, points (k, 2), m."""
+    """A stretch of a road mark with a constant appearance.
+
+    Attributes:
+        type: The standard's word for its type.
+        colour: The standard's word for its colour.
+        quality: 0 to 1.
+        points: (k, 2) points, m.
+    """
 
     type: str
     colour: str
@@ -50,7 +63,7 @@ class MarkLine:
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """The lanes and marks that lie in a window or reach into it."""
+    """The lanes and marks that lie in a window or extend into it."""
 
     strips: tuple[Strip, ...]
     marks: tuple[MarkLine, ...]

@@ -1,6 +1,6 @@
-"""The page of a sweep: rates with their intervals, distributions, heat maps, the worst cases and how to repeat them.
+"""The page of a sweep: rates with their intervals, distributions, heat maps, the worst cases and the repeating command.
 
-It takes plain tables: rows by column, as the sweep's Parquet file holds them, and runs of the cases that are shown.
+Its input is plain tables: rows by column, as in the sweep's Parquet file, and runs of the shown cases.
 """
 
 from __future__ import annotations
@@ -40,31 +40,31 @@ SHOWN = (
     "maximum_lateral_offset",
     "collision_speed",
 )
-"""Measures whose distributions are drawn."""
+"""Measures with a distribution plot."""
 
 MOST_MAPS = 6
-"""Pairs of parameters with a heat map, at most."""
+"""Greatest number of pairs of parameters with a heat map."""
 
 MOST_CONDITIONS = 4
-"""Parameters with boxes, and with scatter, at most."""
+"""Greatest number of parameters with box plots, and with scatter plots."""
 
 MOST_GROUPS = 8
-"""Values up to which a parameter's are conditions that are compared by boxes."""
+"""Greatest number of values of a parameter whose values are compared by box plots."""
 
 MOST_POINTS = 1000
-"""Runs that are drawn as points, at most."""
+"""Greatest number of runs that are drawn as points."""
 
 Rows = Mapping[str, Sequence[Any]]
 
 
 @dataclass(frozen=True)
 class Rate:
-    """How often something happened.
+    """The frequency of an outcome.
 
     Attributes:
-        name: What.
-        hits: How often.
-        count: Of how many runs.
+        name: The outcome.
+        hits: Number of runs with it.
+        count: Number of runs.
         low: Lower end of the 95 % interval.
         high: Upper end.
     """
@@ -83,13 +83,13 @@ class Rate:
 
 @dataclass(frozen=True)
 class Case:
-    """A variant that is shown.
+    """A shown variant.
 
     Attributes:
         index: Its index.
         parameters: Its parameters by name.
         command: The command that repeats it.
-        run: Its run, for the pictures; None for a row of the table alone.
+        run: Its run, for the pictures; None to show only the row of the table.
     """
 
     index: int
@@ -100,17 +100,17 @@ class Case:
 
 @dataclass(frozen=True)
 class SweepPage:
-    """What the page of a sweep shows.
+    """The contents of a sweep's page.
 
     Attributes:
         title: Name of the scenario.
-        summary: What happens in it.
+        summary: Its summary.
         rows: The table, by column.
-        parameters: Name of each varying parameter and how it is distributed.
+        parameters: Name of each varying parameter and its distribution.
         units: Unit of each varying parameter that has one.
-        facts: Further lines on how the sweep was made: (what, value).
+        facts: Further lines on the sweep: (what, value).
         cases: The worst cases, the worst first.
-        command: The command that makes the sweep again.
+        command: The command that repeats the sweep.
     """
 
     title: str
@@ -123,28 +123,28 @@ class SweepPage:
     command: str
 
     def titled(self, name: str) -> str:
-        """Return what a parameter's axis or column is called: its name and unit."""
+        """Return the title of a parameter's axis or column: its name and unit."""
         return with_unit(name, self.units.get(name, ""))
 
     @property
     def judged(self) -> bool:
-        """Whether the runs have criteria to be judged by; so unless a case that is shown has none."""
+        """Whether the runs have criteria; assumed unless a shown case has none."""
         return all(case.run is None or case.run.plan.criteria for case in self.cases)
 
     @property
     def references(self) -> tuple[str, ...]:
-        """The reference drivers of the shown cases' criteria, whose collisions are drawn beside those of the runs."""
+        """The reference drivers in the shown cases' criteria, whose collisions are drawn beside those of the runs."""
         plans = [case.run.plan for case in self.cases if case.run is not None]
         return tuple(dict.fromkeys(name for plan in plans for name in references_in(plan.criteria)))
 
     @property
     def automated(self) -> bool:
-        """Whether an automated vehicle drives, whose takeover requests count; so unless a shown case has none."""
+        """Whether an automated vehicle drives, whose takeover requests count; assumed unless a shown case has none."""
         return all(case.run is None or case.run.plan.controller is not None for case in self.cases)
 
 
 def write_sweep_report(page: SweepPage, folder: Path) -> Path:
-    """Write report.html into a folder and return its path; equal sweeps give equal bytes."""
+    """Write report.html to a folder and return its path; equal sweeps give equal bytes."""
     environment = page_environment()
     environment.filters["percent"] = lambda share: f"{100 * share:.3g} %"
     text = environment.get_template(TEMPLATE).render(
@@ -164,9 +164,9 @@ def write_sweep_report(page: SweepPage, folder: Path) -> Path:
 
 
 def rates_of(rows: Rows, *, judged: bool = True, automated: bool = True) -> list[Rate]:
-    """Return how often runs collided, broke a criterion, requested a takeover, and how the requests ended.
+    """Return how often runs collided, violated a criterion, requested a takeover, and how the requests ended.
 
-    Requests that were still open when their runs ended are left out of the last.
+    Requests that were still open at the end of their runs are not included in the last.
     """
     sound = [k for k, result in enumerate(rows["result"]) if result != "error"]
     requested = [k for k in sound if rows["resolution"][k] != "no_request"]
@@ -191,7 +191,7 @@ def rates_of(rows: Rows, *, judged: bool = True, automated: bool = True) -> list
 
 
 def _still_open(rows: Rows) -> int:
-    """Return how many requests the rates leave out, since nothing had come of them when the run ended."""
+    """Return the number of requests that the rates leave out because they were still open at the end of the run."""
     return sum(
         end == "open" and result != "error" for end, result in zip(rows["resolution"], rows["result"], strict=True)
     )
@@ -199,7 +199,7 @@ def _still_open(rows: Rows) -> int:
 
 @dataclass(frozen=True)
 class Condition:
-    """What runs are compared by: the names of its values, in order, and each run's."""
+    """A grouping of runs: the names of its values, in order, and the value of each run."""
 
     names: Sequence[str]
     taken: Sequence[str]
@@ -207,10 +207,10 @@ class Condition:
 
 @dataclass(frozen=True)
 class Pictures:
-    """The pictures of a page, each as SVG, and what is left out of them.
+    """The pictures of a page, each as SVG, and notes on what is left out.
 
     Attributes:
-        distributions: Histograms of the measures; empty where none has a value.
+        distributions: Histograms of the measures; empty if none has a value.
         boxes: Measures by condition: (parameter, picture).
         scatter: Measures over a parameter: (parameter, picture).
         along: Rates along a parameter: (parameter, picture).
@@ -283,9 +283,9 @@ def _pictures(page: SweepPage) -> Pictures:
 
 
 def _axes(page: SweepPage, sound: Booleans, left_out: list[str]) -> tuple[dict[str, Floats], dict[str, Condition]]:
-    """Return the parameters that are numbers, and those whose few values are conditions, by the names of these.
+    """Return the numeric parameters, and those with few values as conditions, by their names.
 
-    A parameter that is neither, or has one value alone, is named in `left_out`.
+    A parameter that is neither, or has only one value, is named in `left_out`.
     """
     axes: dict[str, Floats] = {}
     conditions: dict[str, Condition] = {}
@@ -309,7 +309,7 @@ def _axes(page: SweepPage, sound: Booleans, left_out: list[str]) -> tuple[dict[s
 
 
 def _thinned(runs: int) -> tuple[int, Integers]:
-    """Return how many of so many runs are drawn as points, and which: evenly chosen."""
+    """Return the number of runs that are drawn as points, and which ones, evenly chosen."""
     picked = np.unique(np.linspace(0, max(runs - 1, 0), min(runs, MOST_POINTS)).astype(np.int64))
     return len(picked), picked
 
@@ -339,7 +339,7 @@ def _case_pictures(case: Case) -> dict[str, Any]:
 
 
 def _errors(rows: Rows) -> list[tuple[str, int, int]]:
-    """Return each error with how often it occurred and the first variant that it is of, the most frequent first."""
+    """Return each error with its number of occurrences and its first variant, the most frequent first."""
     found: dict[str, list[int]] = {}
     for index, (result, error) in enumerate(zip(rows["result"], rows["error"], strict=True)):
         if result == "error":
@@ -348,5 +348,5 @@ def _errors(rows: Rows) -> list[tuple[str, int, int]]:
 
 
 def _numbers(values: Sequence[float | None]) -> Floats:
-    """Return numbers, NaN if there is none; those that differ by rounding alone are equal."""
+    """Return numbers, NaN if there is none; those that differ only by rounding are made equal."""
     return sweep_plots.levelled(np.array([np.nan if value is None else value for value in values], dtype=np.float64))

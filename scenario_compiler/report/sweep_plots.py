@@ -1,4 +1,4 @@
-"""Pictures of a sweep: distributions of measures, boxes by condition, scatter over parameters, and heat maps."""
+"""Plots of a sweep: distributions of measures, box plots by condition, scatter plots over parameters, and heat maps."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from scenario_compiler.report.wording import with_unit
 
 BINS = 30
 CELLS = 12
-"""Cells of a heat map along an axis whose values are not few."""
+"""Number of cells of a heat map along an axis with many values."""
 
 FEW = 16
-"""Values up to which an axis has one cell a value."""
+"""Greatest number of values for which an axis has one cell for each value."""
 
 RATES = LinearSegmentedColormap.from_list("rates", ["#f7f7f2", SKY, BLUE, "#06264a"])
 
 
 ROUNDING = 1e-9
-"""Share of a value by which another may differ and still count as the same: sums in another order differ by less."""
+"""Relative difference up to which two values count as equal: sums in another order differ by less."""
 
 Panel = tuple[str, str, Floats]
-"""A measure of a picture: its name, its unit, and its values, NaN if it has none."""
+"""A measure of a picture: its name, its unit, and its values, NaN if missing."""
 
 
 def levelled(values: Floats) -> Floats:
-    """Return values in which those that differ by rounding alone are equal: each has the least of them; NaN stays."""
+    """Return values in which those that differ only by rounding are replaced by the least of them; NaN stays."""
     order = np.argsort(values, kind="stable")
     rising = values[order]
     apart = np.abs(np.diff(rising)) > ROUNDING * np.maximum(np.abs(rising[1:]), np.abs(rising[:-1]))
@@ -45,7 +45,7 @@ def levelled(values: Floats) -> Floats:
 
 
 def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
-    """Return a figure with panels, three in a row, and these."""
+    """Return a figure, and its panels, three in a row."""
     rows = (count + 2) // 3
     figure = Figure(figsize=(WIDTH, 0.3 + height * rows), layout="constrained")
     axes = list(figure.subplots(rows, 3, squeeze=False).flat)
@@ -57,15 +57,15 @@ def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
 
 
 def boxes_plot(measures: Sequence[Panel], names: Sequence[str], taken: Sequence[str], prefix: str) -> str:
-    """Return an SVG with the boxes of each measure by condition: median, quartiles, whiskers and what lies beyond.
+    """Return an SVG with box plots of each measure by condition: median, quartiles, whiskers and outliers.
 
-    Whiskers reach to the farthest value within 1.5 times the distance of the quartiles (Tukey 1977).
+    Whiskers extend to the farthest value within 1.5 times the interquartile range (Tukey 1977).
 
     Args:
         measures: The measures, NaN if a run has no value.
         names: The conditions, in order.
         taken: Each run's condition.
-        prefix: What the ids in the SVG begin with.
+        prefix: Prefix of the ids in the SVG.
     """
     member = np.array([names.index(one) for one in taken])
     with mpl.rc_context(STYLE):
@@ -89,9 +89,9 @@ def boxes_plot(measures: Sequence[Panel], names: Sequence[str], taken: Sequence[
 
 
 def scatter_plot(x: tuple[str, Floats], measures: Sequence[Panel], collided: Floats, prefix: str) -> str:
-    """Return an SVG with each measure over a parameter, (label, values), runs with a collision (1) apart from others.
+    """Return an SVG with each measure over a parameter, (label, values); runs with a collision (1) are distinguished.
 
-    The points are one picture in it: thousands of shapes would make the file large.
+    The points are one embedded picture, because thousands of shapes would make the file large.
     """
     with mpl.rc_context(STYLE):
         figure, axes = _panels(len(measures), 1.85)
@@ -114,7 +114,7 @@ def scatter_plot(x: tuple[str, Floats], measures: Sequence[Panel], collided: Flo
 
 
 def distributions_plot(measures: Sequence[Panel], prefix: str) -> str:
-    """Return an SVG with a histogram of each measure that has values, and how many runs have one."""
+    """Return an SVG with a histogram of each measure that has values, and the number of runs with a value."""
     with mpl.rc_context(STYLE):
         figure, axes = _panels(len(measures), 1.85)
         for axis, (name, unit, values) in zip(axes, measures, strict=True):
@@ -127,7 +127,7 @@ def distributions_plot(measures: Sequence[Panel], prefix: str) -> str:
 
 
 def heat_map(x: tuple[str, Floats], y: tuple[str, Floats], values: Floats, label: str, prefix: str) -> str:
-    """Return an SVG of the mean of `values` (NaN left out) in cells of two parameters: (label, values)."""
+    """Return an SVG of the mean of `values` (without NaN) in cells of two parameters: (label, values)."""
     x_edges, y_edges = cell_edges(x[1]), cell_edges(y[1])
     good = ~np.isnan(values)
     count, _, _ = np.histogram2d(x[1][good], y[1][good], bins=(x_edges, y_edges))
@@ -170,7 +170,7 @@ def rate_plot(x: tuple[str, Floats], hits: Sequence[tuple[str, Floats]], prefix:
 
 
 def cell_edges(values: Floats) -> Floats:
-    """Return the edges of cells over values: one cell a value where they are few, else cells of equal width."""
+    """Return the edges of cells: one cell for each value if there are few, otherwise cells of equal width."""
     distinct = np.unique(values)
     if 1 < len(distinct) <= FEW:
         inner = 0.5 * (distinct[1:] + distinct[:-1])

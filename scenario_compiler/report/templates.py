@@ -32,9 +32,9 @@ _COMPILED = _Compiled()
 
 
 def page_environment(*folders: Path) -> jinja2.Environment:
-    """Return an environment that finds templates in `folders` and then beside this module.
+    """Return an environment that searches templates in `folders` and then beside this module.
 
-    What a page inserts is escaped, and a name that a template uses but nobody gives is an error.
+    Inserted texts are escaped, and an undefined name in a template is an error.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader([*folders, Path(__file__).parent]),

@@ -1,6 +1,6 @@
-"""A run as a film: the driver's view, the run from above, or both, over the takeover's timeline; MP4 or GIF, with PyAV.
+"""A run as a video, MP4 or GIF: the driver's view, the run from above, or both, with the takeover's timeline.
 
-Pictures show recorded rows, the last that is not after a picture's time; a film lasts as long as its run.
+Each picture shows the last recorded row that is not after its time; a video lasts as long as its run. PyAV encodes it.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
 
 Shows = Literal["view", "map", "both"]
 SHOWS: tuple[Shows, ...] = get_args(Shows)
-"""What a film can show."""
+"""Possible contents of a video."""
 
 RATES = {".mp4": 25, ".gif": 5}
-"""Pictures a second of a film by its ending."""
+"""Pictures per second of a video, by its suffix."""
 
 HEIGHTS = {".mp4": 480, ".gif": 240}
 """Height of its pictures above the timeline, pixels."""
@@ -43,23 +43,23 @@ BAR = 24
 """Height of the timeline, pixels."""
 
 ABOVE, AHEAD, SEEN = 90.0, 22.0, math.radians(42.0)
-"""The camera above: height over the road and distance before the vehicle, m, and its field of view, rad."""
+"""The camera above: height above the road, distance ahead of the vehicle, m, and field of view, rad."""
 
 CODECS = (
     ("libx264", {"crf": "28", "preset": "veryfast"}),
     ("libvpx-vp9", {"crf": "33", "b": "0", "deadline": "realtime"}),
 )
-"""Codecs of MP4 with their options: H.264, and VP9 where PyAV was built without it."""
+"""Codecs of MP4 with their options: H.264, and VP9 if PyAV was built without it."""
 
 Image = NDArray[np.uint8]
 
 
 def write_video(run: Run, path: Path, shows: Shows = "both") -> None:
-    """Write the film of a run; its ending, .mp4 or .gif, says what it is.
+    """Write the video of a run; its suffix, .mp4 or .gif, determines the format.
 
     Raises:
-        ValueError: The ending is another one.
-        OSError: It cannot be written.
+        ValueError: The suffix is another one.
+        OSError: The file cannot be written.
     """
     ending = path.suffix.lower()
     if ending not in RATES:
@@ -71,7 +71,7 @@ def write_video(run: Run, path: Path, shows: Shows = "both") -> None:
 
 
 def film(run: Run, rate: int, height: int, shows: Shows) -> Iterator[Image]:
-    """Yield the pictures of a film, (height + BAR, width, 3) uint8, RGB; equal runs give equal pictures."""
+    """Yield the pictures of a video, (height + BAR, width, 3) uint8, RGB; equal runs give equal pictures."""
     rows = [row_at(run, t) for t in even_times(run, rate)]
     sights = Sights(run, 2 * height)
     bar = _timeline(run, height * {"view": 2, "map": 1, "both": 3}[shows])
@@ -134,7 +134,7 @@ def _write_mp4(file: io.BytesIO, frames: Iterator[Image], rate: int) -> None:
 
 
 def _write_gif(file: io.BytesIO, frames: Iterator[Image], rate: int) -> None:
-    """Write a GIF whose palette is made from all its pictures."""
+    """Write a GIF with a palette made from all its pictures."""
     first = next(frames)
     with av.open(file, "w", format="gif") as container:
         stream = _video_stream(container, "gif", rate, first, "pal8", {})
@@ -153,7 +153,7 @@ def _write_gif(file: io.BytesIO, frames: Iterator[Image], rate: int) -> None:
 def _video_stream(
     container: OutputContainer, codec: str, rate: int, first: Image, pixels: str, options: dict[str, str]
 ) -> VideoStream:
-    """Add a stream for pictures like the first to a film."""
+    """Add a stream to a video, for pictures of the size of the first one."""
     stream = container.add_stream(codec, rate=rate, options=options)
     if not isinstance(stream, VideoStream):
         raise TypeError(f"{codec} is not a video codec")
@@ -163,7 +163,7 @@ def _video_stream(
 
 
 def _palette_graph(width: int, height: int, rate: int) -> Graph:
-    """Return filters that map pictures to the palette that suits all of them best."""
+    """Return filters that reduce pictures to their best common palette."""
     graph = Graph()
     source = graph.add_buffer(width=width, height=height, format=av.VideoFormat("rgb24"), time_base=Fraction(1, rate))
     split = graph.add("split")

@@ -34,7 +34,7 @@ STANDS: dict[StandingPlace, str] = {
     "shoulder": "stopped safely on the shoulder",
     "off_road": "stopped off the road",
 }
-"""Words for the place of a stop without a collision; a stop is safe in the own lane or on a shoulder."""
+"""Words for the place of a stop without a collision; a stop is safe in the ego's own lane or on a shoulder."""
 
 OUTCOMES: dict[str, str] = {
     "no_request": "no takeover request",
@@ -54,7 +54,7 @@ OUTCOMES: dict[str, str] = {
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """A run in one row of a table, as texts; what does not apply is a dash.
+    """A run in one row of a table, as texts, with a dash for what does not apply.
 
     Attributes:
         name: Name of the conflict.
@@ -122,7 +122,7 @@ def place_words(where: Where) -> str:
 
 
 def broken_criteria(outcome: Outcome) -> list[tuple[str, str]]:
-    """Return each criterion that failed, and a sentence on when, where and why."""
+    """Return each criterion that failed, with a sentence on when, where and why."""
     found = []
     for one in outcome.criteria:
         if not one.passed:
@@ -139,18 +139,18 @@ def measured(outcome: Outcome, name: str) -> str:
 
 
 def fixed(value: float) -> str:
-    """Return a number with two decimals, for columns of numbers."""
+    """Return a number with two decimals, for numeric columns."""
     text = f"{value:.2f}"
     return "0.00" if text == "-0.00" else text.replace("-", "−")
 
 
 def decimal(value: float) -> str:
-    """Return a number with up to two decimals, without zeros at the end."""
+    """Return a number with up to two decimals, without trailing zeros."""
     return fixed(value).rstrip("0").rstrip(".")
 
 
 def unit_words(unit: str) -> str:
-    """Return a unit as readers write it; empty for numbers without a unit."""
+    """Return a readable unit; empty for numbers without a unit."""
     return {"1": "", "deg": "°", "m/s2": "m/s²"}.get(unit, unit)
 
 
@@ -215,7 +215,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
 
 
 def _first_speed(run: Run) -> list[float]:
-    """Return the first vehicle's speed in the first row that it is in, m/s; none where it is in no row."""
+    """Return the first vehicle's speed in the first row with it, m/s; an empty list if there is none."""
     recording = run.recording
     return [float(speed) for speed in recording.v[:, :1][recording.present[:, :1]][:1]]
 

@@ -25,7 +25,9 @@ MIN_SPEED = 1e-12
 
 @compiled
 def wrap_heading(h: float) -> float:
-    """Return an angle in [0, 2 pi)."""
+    """Return an angle in [0, 2 pi); nearly all are there already."""
+    if h >= 0.0 and h < TAU:
+        return h + 0.0  # -0.0 becomes 0.0, as by the modulo
     w = h % TAU
     if w >= TAU:
         w = 0.0

@@ -12,7 +12,8 @@ from scenario_compiler.roads.tables import RoadTables
 
 MARK_COLUMNS = tuple(name for name in columns_of(RoadTables) if name.startswith("mark_") and name != "mark_line")
 LINE_COLUMNS = tuple(name for name in columns_of(RoadTables) if name.startswith("line_"))
-REPLACED = (*MARK_COLUMNS, *LINE_COLUMNS, "mark_line", "lane_mark")
+PAINT_COLUMNS = (*MARK_COLUMNS, *LINE_COLUMNS, "mark_line", "lane_mark")
+"""Columns that overrides replace: all that tells how a map is painted."""
 
 OWN_COLOUR = -1
 """Stands for the colour of the mark and of its lines."""
@@ -47,7 +48,7 @@ def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[
         for piece in pieces:
             _append(n, m, piece)
         m.lane_mark.append(len(m.mark_s))
-    return with_columns(n.in_arrays(), {name: getattr(m, name) for name in REPLACED})
+    return with_columns(n.in_arrays(), {name: getattr(m, name) for name in PAINT_COLUMNS})
 
 
 def _override(piece: Piece, stretch: MarkStretch) -> list[Piece]:

@@ -88,7 +88,7 @@ TEXTS: dict[Language, Texts] = {
             "sensor_health": "lenken und den Fahrstreifen halten",
             "path_blocked": "bremsen oder ausweichen",
             "lane_ends": "eine Lücke suchen oder vor dem Ende anhalten",
-            "no_progress": "einen Weg weiter suchen",
+            "no_progress": "einen Weg suchen, der weiterführt",
             "scheduled": "lenken und auf die Straße achten",
             "controller": "lenken und auf die Straße achten",
         },

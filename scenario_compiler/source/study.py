@@ -212,7 +212,10 @@ class Query(Word):
     word: Literal["query"] = "query"
 
     name: str = attribute("Name in the data.", pattern=IDENTIFIER)
-    about: QueryAbout = attribute("Subject of the question, whose true answer is known.")
+    about: QueryAbout = attribute(
+        "Subject of the question, and so its true answer: the own speed in km/h, the number of vehicles within 100 m, "
+        "who is in control (the automation, or I), or whether the path is blocked (yes, or no)."
+    )
     text: str = attribute("The question as the participant reads it.")
     tolerance: float = attribute(
         "speed, vehicles: greatest deviation from the true number that counts as correct.",

@@ -1,6 +1,6 @@
 """Checks whether a file of one of ASAM's XML formats has the structure of its version.
 
-What enters: a document, a `grammar.Grammar` (the format's declarations of elements, words and kinds of values) and a
-version. What leaves: diagnostics with line and column (`walk.check_elements`). Knows no format: `roads.structure`
-declares OpenDRIVE's, `openscenario.structure` OpenSCENARIO's. Imports the flat modules of the hall.
+In: a document, a `grammar.Grammar` (the format's declarations of elements, words and kinds of values) and a version.
+Out: diagnostics with line and column (`walk.check_elements`). Knows no format: `roads.structure` declares OpenDRIVE's,
+`openscenario.structure` OpenSCENARIO's. Imports the flat modules of the hall.
 """

@@ -1,8 +1,9 @@
 """The allowed order and number of an element's children, as an automaton over tags.
 
-A content model is a tree: a name, a sequence, a choice, a repetition. Its automaton is Glushkov's: one position for
-each name in the model, and for each position those that may follow. States are built when they are first met. Children
-in any order, each once, have an automaton of their own: its states are the positions that were met.
+A content model is a tree of names, sequences, choices and repetitions. Its automaton is Glushkov's: it has one position
+for each name in the model, and for each position the set of positions that may follow. States are built when they are
+first reached. Children in any order, each at most once, have an automaton of their own, whose states are the positions
+that have occurred.
 
 Source: V. M. Glushkov, The abstract theory of automata, Russian Mathematical Surveys 16 (1961).
 """
@@ -25,21 +26,21 @@ class Name:
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
-    """Parts one after the other."""
+    """Parts in this order."""
 
     parts: tuple[Model, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of the parts."""
+    """Exactly one of the parts."""
 
     parts: tuple[Model, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Repeat:
-    """A part at least `least` and at most `most` times; `most` None: without bound."""
+    """A part repeated at least `least` and at most `most` times; None for `most` is unbounded."""
 
     part: Model
     least: int
@@ -49,12 +50,12 @@ class Repeat:
 Model = Name | Sequence | Choice | Repeat
 
 State = frozenset[int]
-"""The positions that the last child may stand for; position 0 is the start."""
+"""The positions to which the last child may correspond; position 0 is the start."""
 
 
 @dataclass(slots=True)
 class _Ends:
-    """Positions that a part may begin and end with, and whether it may be empty."""
+    """Positions at which a part may begin and end, and whether it may be empty."""
 
     first: frozenset[int]
     last: frozenset[int]
@@ -83,7 +84,7 @@ class Content:
         return content
 
     def declaration(self, tag: str) -> str | None:
-        """Return the declaration of a child, None when no child has that tag."""
+        """Return the declaration of a child; None if no child has that tag."""
         return next((name.declaration for name in self.names if name.tag == tag), None)
 
     def tags(self) -> list[str]:
@@ -91,7 +92,7 @@ class Content:
         return list(dict.fromkeys(name.tag for name in self.names[1:]))
 
     def move(self, state: State, tag: str) -> State:
-        """Return the state after one more child, empty when it may not come here."""
+        """Return the state after one more child; empty if the child is not allowed there."""
         key = (state, tag)
         found = self._moves.get(key)
         if found is None:
@@ -104,11 +105,11 @@ class Content:
         return [tag for tag in self.tags() if self.move(state, tag)]
 
     def complete(self, state: State) -> bool:
-        """Tell whether the children may end here."""
+        """Return whether the children may end here."""
         return not self._last.isdisjoint(state)
 
     def fits_sorted(self, tags: Iterable[str]) -> bool:
-        """Tell whether these children, known ones, would be all that is needed if they stood in the model's order."""
+        """Return whether these children, all with known tags, would be complete in the model's order."""
         first = {name.tag: at for at, name in reversed(list(enumerate(self.names)))}
         state = self.start
         for tag in sorted(tags, key=lambda tag: first[tag]):
@@ -178,13 +179,13 @@ class Content:
 
 @dataclass
 class AnyOrder(Content):
-    """The automaton of children that stand in any order, each at most once: a state is what was met."""
+    """The automaton of children in any order, each at most once; a state is the set of those that have occurred."""
 
     _needed: frozenset[int] = frozenset()
 
     @classmethod
     def of_parts(cls, parts: Iterable[tuple[Name, bool]]) -> AnyOrder:
-        """Build it from the children, each with whether it must be there."""
+        """Build it from the children, each with whether it is required."""
         content = cls()
         needed = set()
         for name, required in parts:
@@ -195,12 +196,12 @@ class AnyOrder(Content):
         return content
 
     def move(self, state: State, tag: str) -> State:
-        """Return the state after one more child, empty when it was there before or is unknown."""
+        """Return the state after one more child; empty if the child is unknown or has already occurred."""
         at = next((at for at, name in enumerate(self.names) if at and name.tag == tag), 0)
         return state | {at} if at and at not in state else frozenset()
 
     def complete(self, state: State) -> bool:
-        """Tell whether all is there that must be."""
+        """Return whether all required children have occurred."""
         return self._needed <= state
 
     def _shortest(self, state: State, tag: str | None) -> tuple[list[str], State] | None:

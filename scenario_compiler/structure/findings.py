@@ -14,10 +14,10 @@ Mild = Callable[[Code, etree._Element], bool]
 
 
 class Findings:
-    """Reports into a sink what is wrong in one document."""
+    """Reports the faults of one document to a sink."""
 
     def __init__(self, document: Document, sink: Diagnostics, mild: Mild | None = None) -> None:
-        """Start with no finding; `mild` tells which findings are warnings here, by code and element."""
+        """Set the document and the sink; `mild` gives the codes and elements whose findings are warnings."""
         self.document = document
         self._sink = sink
         self._mild = mild
@@ -44,7 +44,7 @@ class Findings:
         self._sink.add(code, message, place, hint=hint, severity=severity)
 
     def lists(self, code: Code) -> bool:
-        """Tell whether one more finding of a code will be listed; where not, its hint need not be found."""
+        """Return whether one more finding of a code will be listed; if not, its hint need not be determined."""
         return self._counts[code.id] < MOST_OF_A_KIND
 
     def of(self, code: Code) -> int:

@@ -14,7 +14,7 @@ from scenario_compiler.structure.notation import Declaration, Notation, in_versi
 from scenario_compiler.structure.values import Kind
 
 Condition = Callable[[etree._Element], Iterator[str]]
-"""Yields what is wrong with an element."""
+"""A function that yields the faults of an element."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +108,7 @@ class Grammar:
         return self._words[key]
 
     def is_value(self, kind: str, text: str, minor: int) -> bool:
-        """Tell whether a text is a value of a kind ("" any) in a version."""
+        """Return whether a text is a value of a kind ("" any) in a version."""
         if not kind:
             return True
         if kind in self.words:

@@ -62,7 +62,7 @@ class Declaration:
 
 
 def in_versions(span: str, minor: int) -> bool:
-    """Tell whether a minor version lies in a span like "1.4", "1.4-", "-1.5", "1.4-1.6" or "" (all)."""
+    """Return whether a minor version lies in a span like "1.4", "1.4-", "-1.5", "1.4-1.6" or "" (all)."""
     if not span:
         return True
     first, dash, last = span.partition("-")
@@ -84,14 +84,14 @@ class Notation:
     """
 
     def __init__(self, minor: int, required: bool, groups: Mapping[str, Callable[[int], Model]]) -> None:
-        """Read for the version 1.`minor`."""
+        """Begin reading for version 1.`minor`."""
         self.minor = minor
         self.required = required
         self.groups = groups
         self.tokens: list[str] = []
 
     def declaration(self, name: str, text: str) -> Declaration:
-        """Return the declaration that a text gives."""
+        """Return the declaration for a text."""
         declaration = Declaration(name)
         head, *contents = _CONTENTS.split(text)
         if head.startswith("by "):
@@ -146,7 +146,7 @@ class Notation:
         declaration.content = Content.of(model)
 
     def _parts(self) -> Iterator[tuple[Name, bool]]:
-        """Yield the children that stand in any order, each with whether it must be there."""
+        """Yield the children in any order, each with whether it is required."""
         for token in self.tokens[1:]:
             bare, _, span = token.partition("@")
             if in_versions(span, self.minor):

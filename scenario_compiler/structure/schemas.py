@@ -20,7 +20,7 @@ from scenario_compiler.files import read_file
 
 @dataclass(frozen=True, slots=True)
 class Schemas:
-    """Where schemas are taken from: a folder, in it or below it; or (None) what ASAM's installed checkers bring."""
+    """The source of schemas: a folder, with its subfolders; or None for those in ASAM's installed checkers."""
 
     folder: Path | None = None
 

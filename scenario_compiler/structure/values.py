@@ -33,17 +33,17 @@ _INTEGER = re.compile(r"[+-]?\d+", re.ASCII)
 
 
 def is_number(text: str) -> bool:
-    """Tell whether a text is an xs:double."""
+    """Return whether a text is an xs:double."""
     return _NUMBER.fullmatch(text) is not None
 
 
 def is_integer(text: str) -> bool:
-    """Tell whether a text is an xs:integer."""
+    """Return whether a text is an xs:integer."""
     return _INTEGER.fullmatch(text) is not None
 
 
 def is_integer_within(text: str, low: int, high: int) -> bool:
-    """Tell whether a text is an xs:integer from `low` to `high`."""
+    """Return whether a text is an xs:integer from `low` to `high`."""
     if not is_integer(text):
         return False
     digits = text.lstrip("+-").lstrip("0") or "0"
@@ -60,7 +60,7 @@ _DAYS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
 
 
 def is_date_time(text: str) -> bool:
-    """Tell whether a text is an xs:dateTime, a day of the calendar and a time of the day."""
+    """Return whether a text is an xs:dateTime, a day of the calendar and a time of the day."""
     match = _DATE_TIME.fullmatch(text)
     if match is None or match["year"] == "0000":
         return False

@@ -47,7 +47,7 @@ class _Walk:
         self.below(root, self.grammar.root)
 
     def below(self, top: etree._Element, name: str) -> None:
-        """Check an element, by the declaration of that name, and all below it."""
+        """Check an element, by the declaration with that name, and everything below it."""
         pending = [(top, name, self.minor)]
         while pending:
             element, name, minor = pending.pop()
@@ -127,7 +127,7 @@ class _Walk:
         self.findings.report(code, f"{where} is '{value[:40]}', {expected}", element, name, hint=hint)
 
     def no_text(self, element: etree._Element, declaration: Declaration) -> None:
-        """Report text where there may be none."""
+        """Report text in an element that must not have any."""
         texts = [text for text in (element.text, *(child.tail for child in element)) if text]
         stray = next((text for text in texts if not text.isspace()), None)
         if stray is not None:
@@ -259,7 +259,7 @@ class _Children:
             self._report(self.walk.faults.missing_element, message, self.element)
 
     def _step(self, state: State, child: etree._Element, tag: str, where: str) -> State:
-        """Return the state after a child; one in a wrong place is reported, and leaves the state as it is."""
+        """Return the state after a child; a misplaced child is reported and does not change the state."""
         after = self.content.move(state, tag)
         if after:
             return after
@@ -274,7 +274,7 @@ class _Children:
         return state
 
     def _disorder(self) -> None:
-        """Report the first child that comes too early or too late, of children that are complete."""
+        """Report the first child that is too early or too late, of children that are complete."""
         state = self.content.start
         for child, tag in self.known:
             state = self.content.move(state, tag)

@@ -1,5 +1,5 @@
 """Studies with participants: their procedure, running their sessions, and their data.
 
-A session is a row of steps (`procedure`). What happens in it is written to a journal as it happens, and all tables are
-made from journals and recordings. A driver model goes through a study as a person does (`pilot`).
+A session is a sequence of steps (`procedure`). Its events are written to a journal at once, and all tables are made
+from journals and recordings. A driver model can take part in a study like a person (`pilot`).
 """

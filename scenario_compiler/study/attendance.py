@@ -1,4 +1,4 @@
-"""A participant's session in progress: the current step, the possible actions, and their journal."""
+"""A participant's current session: its step, the possible actions, and its journal."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from scenario_compiler.outputs import make_folder
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.report.run import Run
 from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem, SearchTask
-from scenario_compiler.study.dataset import Seat, answer_fault, write_dataset, write_run_tables
+from scenario_compiler.study.dataset import RunTables, Seat, answer_fault, write_dataset
 from scenario_compiler.study.journal import Journal, Record, attempts_at, read_journal, step_reached
 from scenario_compiler.study.pilot import planned_run
 from scenario_compiler.study.procedure import Step, Trial, procedure
@@ -27,26 +27,26 @@ from scenario_compiler.trust import Trust
 Presence = Literal["waiting", "started", "paused", "declined", "finished"]
 
 LONGEST_NOTE = 2000
-"""Characters of a note, or of an answer to a query, at most."""
+"""Greatest length of a note, or of an answer to a query, characters."""
 
 
 class OutOfPlaceError(ValueError):
-    """Something was sent that does not belong to where a participant is; the message says what."""
+    """Something was sent that does not fit the participant's present step; the message says what."""
 
 
 @dataclass(frozen=True)
 class Rules:
-    """What is the same for all participants.
+    """The common settings of all participants.
 
     Attributes:
         compilation: The study.
         root: Folder of its data.
-        trust: Code of the user's own that plans may name.
+        trust: The user's own code that plans may use.
         size: Width and height of the view ahead, pixels.
         world: Name of the world.
         options: Options of the world.
-        mark: Takes what happens to any participant, as it happens; None where nobody listens.
-        writing: Held by whoever writes tables of all participants.
+        mark: Receives the events of all participants at once; None if they are not streamed.
+        writing: Lock for writing tables of all participants.
     """
 
     compilation: StudyCompilation
@@ -64,15 +64,15 @@ class Attendance:
 
     Attributes:
         participant: Number of the participant.
-        seat: The session, and where its files are.
+        seat: The session, and the place of its files.
         steps: Its steps.
         journal: Its journal.
-        presence: Whether it waits for the experimenter, goes on, or is over.
-        cockpit: The wheel of the run that it has reached; None at other steps.
+        presence: Whether it waits for the experimenter, is going on, or is over.
+        cockpit: The wheel of the present step's run; None at other steps.
     """
 
     def __init__(self, rules: Rules, participant: int) -> None:
-        """Go on where the journals of the participant end."""
+        """Continue where the journals of the participant end."""
         self.rules, self.participant = rules, participant
         self.cockpit: Cockpit | None = None
         self._lock = threading.RLock()
@@ -82,7 +82,7 @@ class Attendance:
         self._open()
 
     def _open(self) -> None:
-        """Sit down to the first session that is not finished, or to the last one."""
+        """Open the first session that is not finished, or the last one."""
         study = self.rules.compilation.study
         for session in range(1, study.sessions + 1):
             self.seat = Seat(self.rules.root, self.participant, session)
@@ -90,6 +90,7 @@ class Attendance:
             if step_reached(read_journal(self.seat.journal)) < len(self.steps) - 1:
                 break
         self.journal = Journal(self.seat.journal, self._mark)
+        self._tables = RunTables(self.rules.compilation, self.seat)
         declined = any(one["kind"] == "declined" for one in self.journal.records)
         self.presence: Presence = "declined" if declined else "waiting"
         self._settle()
@@ -99,12 +100,12 @@ class Attendance:
 
     @property
     def step(self) -> Step:
-        """The step that is not done yet."""
+        """The first step that is not done."""
         return self.steps[step_reached(self.journal.records)]
 
     @property
     def token(self) -> str:
-        """A text that changes whenever the participant's page must."""
+        """A text that changes whenever the participant's page must change."""
         return f"{self.step.number}/{self.presence}"
 
     @property
@@ -114,7 +115,7 @@ class Attendance:
         return found if found is not None and found.is_alive() else None
 
     def close(self) -> None:
-        """End the run under way, which is begun again when the participant goes on, and close the journal."""
+        """End the current run, which is repeated when the participant continues, and close the journal."""
         self._closing = True
         if self._last is not None and self._last.is_alive():
             self._last.stop()
@@ -124,7 +125,7 @@ class Attendance:
     # What the experimenter does.
 
     def start(self) -> None:
-        """Let the participant begin, or go on; who has finished a session begins the next one."""
+        """Let the participant begin or continue; after a finished session the next one begins."""
         with self._lock:
             if self.presence == "finished" and self.seat.session < self.rules.compilation.study.sessions:
                 self.journal.close()
@@ -136,7 +137,7 @@ class Attendance:
                 self.session.resume()
 
     def pause(self) -> None:
-        """Let the run stand still, and the participant wait."""
+        """Stop the current run, and let the participant wait."""
         with self._lock:
             if self.presence == "started":
                 self.journal.add("paused", self.step.number, t=None if self.session is None else self.session.now)
@@ -145,19 +146,19 @@ class Attendance:
                 self.session.pause()
 
     def abort(self) -> None:
-        """End the run under way; it is marked, and the next step follows."""
+        """End and mark the current run; the next step follows."""
         if self.session is not None:
             self.journal.add("aborted", self.step.number, t=self.session.now)
             self.session.abort()
 
     def request(self) -> None:
-        """Let the automation of the run under way request a takeover now."""
+        """Let the automation of the current run request a takeover now."""
         if self.session is not None:
             self.journal.add("requested", self.step.number, t=self.session.now)
             self.session.request()
 
     def note(self, text: str) -> None:
-        """Write a note of the experimenter's."""
+        """Write a note of the experimenter."""
         if not text.strip() or len(text) > LONGEST_NOTE:
             raise OutOfPlaceError(f"a note has 1 to {LONGEST_NOTE} characters")
         self.journal.add("note", self.step.number, text=text, t=None if self.session is None else self.session.now)
@@ -165,10 +166,10 @@ class Attendance:
     # What the participant does.
 
     def go_on(self, number: int, answers: Mapping[str, str]) -> None:
-        """Take what the page of a step sends; what was sent before is left as it is.
+        """Store the answers of a step's page; answers to an earlier step have no effect.
 
         Raises:
-            OutOfPlaceError: It does not belong to the step, or an answer is missing or wrong.
+            OutOfPlaceError: They do not belong to the step, or an answer is missing or wrong.
         """
         with self._lock:
             step = self.step
@@ -193,9 +194,9 @@ class Attendance:
             self._write()
 
     def heard(self, kind: str, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Take what the page at the wheel says beyond driving; ValueError where it is no message.
+        """Process a message of the driving page that is not on driving; ValueError for an invalid one.
 
-        An answer to the secondary task gets the next picture.
+        The reply to an answer in the secondary task is the next picture.
         """
         if kind == "answers":
             self._answer(message)
@@ -240,7 +241,7 @@ class Attendance:
     # Runs.
 
     def _settle(self) -> None:
-        """Make the wheel that the step needs; without one where it needs none."""
+        """Create the cockpit for the step, or remove it if the step needs none."""
         step = self.step
         self.cockpit = None
         self._run = {}
@@ -250,7 +251,7 @@ class Attendance:
             self.cockpit = Cockpit(self._begin, may_stop=False, heard=self.heard)
 
     def drive(self) -> Drive:
-        """Return what is driven at the step."""
+        """Return the settings of the step's run."""
         trial = self.step.trial
         assert trial is not None
         planned, attempt = planned_run(self.rules.compilation, trial), self._run.get("attempt", 1)
@@ -270,7 +271,7 @@ class Attendance:
         )
 
     def _begin(self, show: Callable[[Picture], bool]) -> Session | None:
-        """Return a new run of the step, with files of its own: one that a crash has ended before is another attempt."""
+        """Return a new run of the step, with files of its own; a run after a crash is another attempt."""
         with self._lock:
             step = self.step
             if step.trial is None or self.presence != "started":
@@ -293,7 +294,7 @@ class Attendance:
         self._mark({"step": self.step.number, **event.model_dump(exclude_defaults=True)})
 
     def _keep(self, session: Session, run: Run) -> None:
-        """Write that a run has ended; called in its thread, before the page hears of it."""
+        """Record that a run has ended; called in its thread, before the page is informed."""
         if self._closing:
             return
         with self._lock:
@@ -307,12 +308,12 @@ class Attendance:
 
     def _write(self) -> None:
         with self.rules.writing:
-            write_run_tables(self.rules.compilation, self.seat)
+            self._tables.write()
             write_dataset(self.rules.compilation, self.rules.root, pilot=False)
 
 
 def _seconds(message: Mapping[str, Any]) -> float:
-    """Return the duration that a page tells, s."""
+    """Return the duration in a message, s."""
     found = float(message["seconds"])
     if not 0.0 <= found < 86_400.0:
         raise OutOfPlaceError("a duration is from 0 s to a day")
@@ -320,7 +321,7 @@ def _seconds(message: Mapping[str, Any]) -> float:
 
 
 def _typed(asked: QuestionnaireElement, answers: Mapping[str, str]) -> dict[str, int | float | str]:
-    """Return the answers to the items, of their own kinds; whatever else was sent is left out."""
+    """Return the answers to the items, with their own types; anything else is left out."""
     found: dict[str, int | float | str] = {}
     for item in asked.items:
         given = answers.get(item.name, "")

@@ -1,8 +1,8 @@
 """The data of a study in the format of BIDS 1.9: a folder for each session, and tables with a codebook.
 
 Journals and run folders are the source (`sourcedata`); all tables are made from them, and can be made again. A table is
-tab-separated, `n/a` stands for what is missing, and a JSON file beside it, or above it for all of its kind, says what
-each column holds.
+tab-separated, with `n/a` for missing values. A JSON file beside it, or above it for all tables of its kind, describes
+the columns.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ TRIAL_COLUMNS = (
 
 @dataclass(frozen=True)
 class Seat:
-    """A session of a participant, and where its files are.
+    """A session of a participant, and the place of its files.
 
     Attributes:
         root: Folder of the study's data.
@@ -127,7 +127,7 @@ class Seat:
 
 
 def seats_of(study: StudyElement, root: Path) -> list[Seat]:
-    """Return all seats of a study: each participant's sessions in their order, one participant after the other."""
+    """Return all seats of a study, by participant and then by session."""
     numbers = itertools.product(range(1, study.participants + 1), range(1, study.sessions + 1))
     return [Seat(root, participant, session) for participant, session in numbers]
 
@@ -162,7 +162,7 @@ def questionnaire_columns(asked: QuestionnaireElement) -> tuple[Column, ...]:
 
 
 def scores_of(asked: QuestionnaireElement, answers: Mapping[str, Any]) -> dict[str, float]:
-    """Return the scores that answers come to; a reversed item counts as least + most - answer."""
+    """Return the scores for answers; a reversed item counts as least + most - answer."""
     counted: dict[str, float] = {}
     for item in asked.items:
         if isinstance(item, ScaleItem):
@@ -179,7 +179,7 @@ def scores_of(asked: QuestionnaireElement, answers: Mapping[str, Any]) -> dict[s
 
 
 def answer_fault(asked: QuestionnaireElement, answers: Mapping[str, str]) -> str:
-    """Return what is wrong with the answers to a questionnaire, as texts by item; empty when nothing is."""
+    """Return the fault of the answers (texts by item) to a questionnaire; empty if there is none."""
     for item in asked.items:
         given = answers.get(item.name, "")
         if isinstance(item, TextItem):
@@ -200,58 +200,72 @@ def answer_fault(asked: QuestionnaireElement, answers: Mapping[str, str]) -> str
 
 
 LONGEST_TEXT = 4000
-"""Characters of an answer in words at most."""
+"""Greatest length of a free answer, characters."""
 
 
 def condition_of(compilation: StudyCompilation, step: Step) -> dict[str, str]:
-    """Return the level of each factor in a trial; none in practice and foils."""
+    """Return the level of each factor in a trial; empty for practice and foils."""
     assert step.trial is not None
     return compilation.conditions[step.trial.what][0].levels if step.trial.role == "trial" else {}
 
 
-def write_run_tables(compilation: StudyCompilation, seat: Seat) -> None:
-    """Write the tables of a session from its journal: events of each run, and one row a run."""
-    study = compilation.study
-    records = read_journal(seat.journal)
-    rows = []
-    for step in procedure(study, seat.participant, seat.session):
-        ended = next((one for one in records if one["kind"] == "driven" and one["step"] == step.number), None)
-        if step.trial is None or ended is None:
-            continue
-        folder = seat.run_folder(step.trial.number, ended["attempt"])
-        own = [one for one in records if one["step"] == step.number and one.get("attempt") == ended["attempt"]]
+class RunTables:
+    """The tables of a session's runs: the events of each run, and one row a run.
+
+    What a run that has ended leaves does not change any more, so its recording is read once, however often the tables
+    are written.
+    """
+
+    def __init__(self, compilation: StudyCompilation, seat: Seat) -> None:
+        """Prepare the tables of a session; nothing is read yet."""
+        self._compilation, self._seat = compilation, seat
+        self._rows: dict[int, Row] = {}
+
+    def write(self) -> None:
+        """Write the tables from the session's journal and its run folders."""
+        study, seat = self._compilation.study, self._seat
+        records = read_journal(seat.journal)
+        ended = {one["step"]: one for one in reversed(records) if one["kind"] == "driven"}
+        for step in procedure(study, seat.participant, seat.session):
+            if step.number in ended and step.number not in self._rows:
+                own = [one for one in records if one["step"] == step.number]
+                self._rows[step.number] = self._row(step, ended[step.number], own)
+        write_table(seat.table(study.name, "beh"), TRIAL_COLUMNS, (self._rows[k] for k in sorted(self._rows)))
+
+    def _row(self, step: Step, ended: Record, records: Sequence[Record]) -> Row:
+        """Write the events of a run; return its row."""
+        assert step.trial is not None
+        seat, trial = self._seat, step.trial
+        folder = seat.run_folder(trial.number, ended["attempt"])
+        own = [one for one in records if one.get("attempt") == ended["attempt"]]
         recording = read_recording(folder / "recording.parquet")
         outcome = Outcome.model_validate_json((folder / "outcome.json").read_text(encoding="utf-8"))
-        events, sums = _events(compilation, recording, own)
-        write_table(seat.table(study.name, "events", step.trial.number), EVENT_COLUMNS, events)
-        measured = {name: one.value for name, one in outcome.measures.items()}
-        rows.append(
-            {
-                "participant_id": seat.sub,
-                "session_id": seat.ses,
-                "run": step.trial.number,
-                "role": step.trial.role,
-                "condition": step.trial.what,
-                **condition_of(compilation, step),
-                "attempt": ended["attempt"],
-                "marks": " ".join(ended["marks"]) or None,
-                "driven_by": ended["driven_by"],
-                "seed": step.trial.seed,
-                "plan_digest": outcome.plan_digest,
-                "result": outcome.result,
-                "resolution": outcome.resolution,
-                "cause": outcome.cause or None,
-                "override_time": next((one.t for one in recording.events if one.kind == "override"), None),
-                "recording": str(folder.relative_to(seat.root)),
-                **measured,
-                **sums,
-            }
-        )
-    write_table(seat.table(study.name, "beh"), TRIAL_COLUMNS, rows)
+        events, sums = _events(self._compilation, recording, own)
+        write_table(seat.table(self._compilation.study.name, "events", trial.number), EVENT_COLUMNS, events)
+        return {
+            "participant_id": seat.sub,
+            "session_id": seat.ses,
+            "run": trial.number,
+            "role": trial.role,
+            "condition": trial.what,
+            **condition_of(self._compilation, step),
+            "attempt": ended["attempt"],
+            "marks": " ".join(ended["marks"]) or None,
+            "driven_by": ended["driven_by"],
+            "seed": trial.seed,
+            "plan_digest": outcome.plan_digest,
+            "result": outcome.result,
+            "resolution": outcome.resolution,
+            "cause": outcome.cause or None,
+            "override_time": next((one.t for one in recording.events if one.kind == "override"), None),
+            "recording": str(folder.relative_to(seat.root)),
+            **{name: one.value for name, one in outcome.measures.items()},
+            **sums,
+        }
 
 
 def _events(compilation: StudyCompilation, recording: Recording, own: Sequence[Record]) -> tuple[list[Row], Row]:
-    """Return the events of a run, ordered by time, and what its probe and secondary task add up to."""
+    """Return the events of a run, ordered by time, and the results of its probe and secondary task."""
     study = compilation.study
     rows: list[Row] = [
         {
@@ -290,12 +304,12 @@ def _events(compilation: StudyCompilation, recording: Recording, own: Sequence[R
 
 
 def write_dataset(compilation: StudyCompilation, root: Path, *, pilot: bool) -> None:
-    """Write all that is about the study as a whole: its description, its participants, questionnaires, codebook.
+    """Write everything on the study as a whole: its description, participants, questionnaires, codebook.
 
     Args:
         compilation: The study.
         root: Folder of the data.
-        pilot: Whether driver models take the place of participants.
+        pilot: Whether the participants are driver models.
     """
     study = compilation.study
     make_folder(root)
@@ -343,7 +357,7 @@ def write_dataset(compilation: StudyCompilation, root: Path, *, pilot: bool) -> 
 
 
 def _answered(seat: Seat, steps: Sequence[Step], records: Iterable[Record]) -> Iterable[tuple[str, Row]]:
-    """Yield the file of each questionnaire that was answered in a session, and the row of its answers."""
+    """Yield the file and the row of each answered questionnaire of a session."""
     first = next((one.number for one in steps if one.trial is not None and one.trial.role != "practice"), len(steps))
     for one in records:
         step = steps[one["step"]]
@@ -393,7 +407,7 @@ sourcedata/                   journals and run folders (plan, recording in Parqu
 
 
 def sidecar(columns: Iterable[Column]) -> dict[str, dict[str, str]]:
-    """Return what a JSON file beside a table says of its columns."""
+    """Return the contents of the JSON file with descriptions of a table's columns."""
     found = {}
     for one in columns:
         described = {"Description": one.definition}

@@ -1,13 +1,13 @@
-"""The effects that a pilot lets expect: means by condition, differences within participants, and power.
+"""The effects to expect from a pilot: means by condition, differences within participants, and power.
 
 The participant is the unit of analysis. Trials of one participant are not independent of each other, so those of a
 condition are averaged first, and each participant counts once, with one number: a summary measure (Matthews et al.
 1990, BMJ 300:230-235). Counting trials instead is pseudoreplication (Hurlbert 1984).
 
-For two levels of a factor each participant gives one difference: that of the means of the two levels where all other
-factors are the same, averaged over these. A cell without a value thus leaves both of its sides out. The interval of
-the mean difference is Student's, the effect size is d_z (mean over standard deviation of the differences), and power
-is that of the two-sided paired t test at 5 %, from the noncentral t distribution (Cohen 1988).
+For two levels of a factor each participant contributes one difference: that of the means of the two levels with all
+other factors equal, averaged over these. A cell without a value thus excludes both of its sides. The interval of the
+mean difference is Student's, the effect size is d_z (mean over standard deviation of the differences), and power is
+that of the two-sided paired t test at 5 %, from the noncentral t distribution (Cohen 1988).
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.report.templates import page_environment
+from scenario_compiler.report.wording import fixed, unit_words
 from scenario_compiler.study.dataset import seats_of
 from scenario_compiler.study.tables import MISSING, read_table
 
@@ -36,12 +37,12 @@ SHOWN = (
 """Measures of the page."""
 
 FACTORS = ("scenario", "hmi", "setting")
-"""Columns whose levels make the conditions."""
+"""Columns whose levels define the conditions."""
 
 ALPHA, POWER = 0.05, 0.8
 
 MOST = 1000
-"""Number of participants up to which one that gives the power is looked for."""
+"""Greatest number of participants for which the power is computed."""
 
 
 @dataclass(frozen=True)
@@ -57,14 +58,14 @@ class Mean:
 
 @dataclass(frozen=True)
 class Condition:
-    """What the trials of a condition give.
+    """The result of a condition's trials.
 
     Attributes:
         name: The condition.
         trials: Number of its trials that have a value.
         missing: Number of its trials that have none.
         mean: The mean of the participants' means.
-        within: Standard deviation of the trials of one participant, pooled over participants; NaN where nobody has two.
+        within: Standard deviation of the trials of one participant, pooled over participants; NaN if nobody has two.
     """
 
     name: str
@@ -76,14 +77,14 @@ class Condition:
 
 @dataclass(frozen=True)
 class Difference:
-    """How much a measure differs between two levels of a factor, within participants.
+    """The difference of a measure between two levels of a factor, within participants.
 
     Attributes:
         factor: The factor.
-        levels: The two levels; the second less the first is meant.
+        levels: The two levels; the difference is the second minus the first.
         mean: The mean difference, with its interval of 95 %.
         effect: Effect size d_z; NaN if the differences do not vary.
-        power: Power of the test with as many participants as there are.
+        power: Power of the test with the present number of participants.
         needed: Number of participants for a power of 80 %; None above `MOST`.
     """
 
@@ -96,7 +97,7 @@ class Difference:
 
 
 def mean_of(values: Sequence[float]) -> Mean:
-    """Return the mean of values, one a participant, with Student's interval."""
+    """Return the mean of values, one for each participant, with Student's interval."""
     count = len(values)
     if not count:
         return Mean(0, *[math.nan] * 4)
@@ -109,7 +110,7 @@ def mean_of(values: Sequence[float]) -> Mean:
 
 
 def deviation_within(groups: Iterable[Sequence[float]]) -> float:
-    """Return the standard deviation within groups of values, pooled over the groups; NaN where none has two values."""
+    """Return the standard deviation within groups of values, pooled over the groups; NaN if no group has two values."""
     repeated = [one for one in groups if len(one) > 1]
     degrees = sum(len(one) - 1 for one in repeated)
     squares = sum((len(one) - 1) * float(np.var(one, ddof=1)) for one in repeated)
@@ -135,7 +136,7 @@ Rows = Sequence[Mapping[str, str]]
 
 
 def by_condition(rows: Rows, measure: str) -> list[Condition]:
-    """Return what the trials of each condition give, each participant counting once."""
+    """Return the result of each condition, in which each participant counts once."""
     found = []
     for name in sorted({row["condition"] for row in rows}):
         own = [row for row in rows if row["condition"] == name]
@@ -165,7 +166,7 @@ def differences(rows: Rows, factor: str, measure: str) -> list[Difference]:
 
 
 def _values(rows: Rows, keys: Sequence[str], measure: str) -> dict[tuple[str, ...], list[float]]:
-    """Return the values of a measure in rows that agree in columns; what has no value is left out."""
+    """Return the values of a measure by the values of some columns, without missing ones."""
     found: dict[tuple[str, ...], list[float]] = {}
     for row in rows:
         if row[measure] != MISSING:
@@ -194,7 +195,7 @@ def write_effects(compilation: StudyCompilation, root: Path) -> Path:
             found = [one for factor in factors for one in differences(rows, factor, name)]
             measured.append((units[name], conditions, found, _axis([one.mean for one in conditions])))
     environment = page_environment(Path(__file__).parent)
-    environment.filters["number"] = lambda value: "–" if not math.isfinite(value) else f"{value:.2f}"
+    environment.filters |= {"number": lambda value: fixed(value) if math.isfinite(value) else "–", "shown": unit_words}
     page = environment.get_template("effects.html.jinja")
     people = len({row["participant_id"] for row in rows})
     file = root / "expected.html"
@@ -203,7 +204,7 @@ def write_effects(compilation: StudyCompilation, root: Path) -> Path:
 
 
 def _axis(means: Sequence[Mean]) -> tuple[float, float]:
-    """Return the least and the greatest number of a plot of means."""
+    """Return the least and the greatest number on a plot of means."""
     ends = [end for one in means for end in (one.mean, one.low, one.high) if math.isfinite(end)]
     low, high = min(ends), max(ends)
     room = 0.08 * (high - low or 1.0)

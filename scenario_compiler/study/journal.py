@@ -13,13 +13,13 @@ from typing import Any
 from scenario_compiler.outputs import make_folder
 
 Record = dict[str, Any]
-"""A line of a journal: `kind` says what happened, `step` at which step of the session."""
+"""A line of a journal: `kind` is the kind of event, `step` the step of the session."""
 
 
 def read_journal(path: Path) -> list[Record]:
-    """Return the records of a journal; none where there is no file.
+    """Return the records of a journal; none if there is no file.
 
-    A last line that a power cut has left without its end is left out.
+    An incomplete last line, as after a power failure, is left out.
     """
     return [json.loads(line) for line in _whole_lines(path).split(b"\n") if line]
 
@@ -30,10 +30,10 @@ def _whole_lines(path: Path) -> bytes:
 
 
 class Journal:
-    """A journal that is written on; whoever opens one goes on behind what is there."""
+    """A journal for writing; opening an existing one appends to it."""
 
     def __init__(self, path: Path, heard: Callable[[Record], None] | None = None) -> None:
-        """Open the journal of a file, which is made where there is none; `heard` is called with what is written."""
+        """Open the journal of a file, which is created if it does not exist; `heard` is called with each record."""
         self._heard = heard
         make_folder(path.parent)
         self.records = read_journal(path)
@@ -43,7 +43,7 @@ class Journal:
         self._lock = threading.Lock()
 
     def add(self, kind: str, step: int, **values: Any) -> None:
-        """Write what happened at a step; it is on the disk when this returns."""
+        """Write an event at a step; it is on the disk when this returns."""
         record = {"kind": kind, "step": step, **values}
         with self._lock:
             self._file.write(json.dumps(record, ensure_ascii=False).encode() + b"\n")
@@ -64,5 +64,5 @@ def step_reached(records: Iterable[Record]) -> int:
 
 
 def attempts_at(records: Iterable[Record], step: int) -> int:
-    """Return how often the run of a step has been begun."""
+    """Return how often the run of a step has been started."""
     return Counter(one["step"] for one in records if one["kind"] == "begun")[step]

@@ -20,7 +20,7 @@ class StudyError(Exception):
 
 
 def manifest_of(compilation: StudyCompilation, *, pilot: bool) -> dict[str, Any]:
-    """Return what decides a study's data: its words, its questionnaires and pages, and the digests of its plans."""
+    """Return what determines a study's data: its words, its questionnaires and pages, and the digests of its plans."""
     named = {name: done.plan.digest for name, (_, done) in compilation.conditions.items()}
     named |= {name: done.plan.digest for name, done in compilation.others.items()}
     parts = [compilation.study.model_dump_json()]
@@ -38,10 +38,10 @@ def manifest_of(compilation: StudyCompilation, *, pilot: bool) -> dict[str, Any]
 
 @contextmanager
 def study_folder(root: Path, compilation: StudyCompilation, *, pilot: bool) -> Iterator[None]:
-    """Own the folder of a study's data as long as the context lasts; what is there is gone on with.
+    """Own the folder of a study's data in this context; existing data are continued.
 
     Raises:
-        StudyError: The folder holds something else, another study, or is in use.
+        StudyError: The folder contains something else, another study, or is in use.
         OSError: It cannot be written.
     """
     manifest = manifest_of(compilation, pilot=pilot)

@@ -1,7 +1,7 @@
 """The events of a study as a stream of the Lab Streaming Layer, for recording together with other devices.
 
-One stream of markers, each a JSON object: the participant and the session, and then a record of the journal or an event
-of a run, as it stands in their files. The layer puts its own time to each.
+It is one stream of markers. Each is a JSON object with the participant and the session, and a record of the journal or
+an event of a run as in their files. The layer adds its own time to each.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ CONTENT = "Markers"
 
 
 class MarkerOutlet:
-    """Sends markers to whoever in the network listens."""
+    """Sends markers to receivers in the network."""
 
     def __init__(self, name: str) -> None:
-        """Open the stream of a study; `name` is the stream's and its source's."""
+        """Open the stream of a study; `name` is the name of the stream and of its source."""
         info = pylsl.StreamInfo(name, CONTENT, 1, pylsl.IRREGULAR_RATE, "string", f"scenario-compiler {name}")
         self._outlet = pylsl.StreamOutlet(info)
 

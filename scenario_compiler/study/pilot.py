@@ -1,7 +1,7 @@
 """Takes driver models through a study: the same steps and the same files as for people.
 
-The driver of each trial is drawn again: what lasts in a person from one trial to the next is not part of it. Answers to
-questionnaires and probes are drawn evenly, so that tables have their form; they mean nothing. A model does no
+The driver of each trial is drawn anew, without properties of a person that persist from one trial to the next. Answers
+to questionnaires and probes are drawn uniformly, so that tables have their form; they have no meaning. A model does no
 secondary task.
 """
 
@@ -17,7 +17,7 @@ from scenario_compiler.report.folder import write_run_folder
 from scenario_compiler.report.run import Run
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.source.study import ChoiceItem, NumberItem, Query, QuestionnaireElement, ScaleItem
-from scenario_compiler.study.dataset import Seat, seats_of, write_dataset, write_run_tables
+from scenario_compiler.study.dataset import RunTables, Seat, seats_of, write_dataset
 from scenario_compiler.study.journal import Journal, step_reached
 from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.situation import CHOICES
@@ -38,13 +38,13 @@ def run_pilot(
     trust: Trust | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Let driver models go through a study, and write its data; what is there already is not done again.
+    """Take driver models through a study, and write its data; existing data are not made again.
 
     Args:
-        compilation: The study, whose plans a driver model answers in.
+        compilation: The study, whose plans must have a driver model.
         root: Folder of the data.
-        trust: Code of the user's own that plans may name.
-        progress: Called with the number of sessions that are done, and of all.
+        trust: The user's own code that plans may use.
+        progress: Called with the number of finished sessions, and of all.
     """
     study = compilation.study
     seats = seats_of(study, root)
@@ -55,7 +55,7 @@ def run_pilot(
                 _go_through(compilation, seat, step, journal, trust)
         finally:
             journal.close()
-        write_run_tables(compilation, seat)
+        RunTables(compilation, seat).write()
         if progress is not None:
             progress(count, len(seats))
     write_dataset(compilation, root, pilot=True)
@@ -85,7 +85,7 @@ def _go_through(compilation: StudyCompilation, seat: Seat, step: Step, journal: 
 
 
 def _answers(asked: QuestionnaireElement, seed: int, participant: int, stream: str) -> dict[str, int | float | str]:
-    """Return answers that are drawn evenly; words are left out."""
+    """Return uniformly drawn answers; free texts are left out."""
     found: dict[str, int | float | str] = {}
     for item in asked.items:
         share = uniform(seed, participant, f"{stream}/{item.name}")

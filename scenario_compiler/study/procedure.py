@@ -28,9 +28,9 @@ class Trial:
     """A run that a participant drives.
 
     Attributes:
-        number: Its number among the runs of the session, from 1 on; `run` of BIDS.
+        number: Its number among the runs of the session, from 1; `run` of BIDS.
         role: Whether it is a trial, a practice or a foil.
-        what: Name of the condition; the target of a practice or foil.
+        what: Name of the condition, or the target of a practice or foil.
         seed: Seed of the run.
         probe_at: Time at which it is frozen for questions, s; None if it is not.
     """
@@ -44,14 +44,14 @@ class Trial:
 
 @dataclass(frozen=True)
 class Step:
-    """What a participant goes through before they go on.
+    """A step of a session.
 
     Attributes:
-        number: Its number in the session, from 0 on.
-        kind: What it is.
+        number: Its number in the session, from 0.
+        kind: Its kind.
         file: File of its page or questionnaire.
-        trial: What is driven.
-        about: The trial that a questionnaire is asked after; None before and after all.
+        trial: Its run.
+        about: The trial after which a questionnaire is asked; None before and after all trials.
         least: Least duration, s.
     """
 
@@ -64,10 +64,10 @@ class Step:
 
 
 def square_row(count: int, row: int) -> list[int]:
-    """Return a row of the balanced Latin square of so many conditions, as their indices (Williams 1949).
+    """Return a row of the balanced Latin square for a number of conditions, as their indices (Williams 1949).
 
-    Each condition stands once in each place, and follows each other one equally often: for an even number in `count`
-    rows, for an odd one in twice as many, of which the second half is the first one reversed.
+    Each condition is in each position once, and follows each other one equally often: with an even number in `count`
+    rows, with an odd one in twice as many, of which the second half is the first one reversed.
     """
     shift = row % square_rows(count)
     first = [(k + 1) // 2 if k % 2 else (count - k // 2) % count for k in range(count)]
@@ -76,12 +76,12 @@ def square_row(count: int, row: int) -> list[int]:
 
 
 def order_of(study: StudyElement, participant: int, session: int) -> list[str]:
-    """Return the names of the conditions in the order in which a participant meets them in a session.
+    """Return the names of the conditions in the order of a participant's session.
 
     Args:
         study: The study.
-        participant: Number of the participant, from 1 on.
-        session: Number of the session, from 1 on.
+        participant: Number of the participant, from 1.
+        session: Number of the session, from 1.
     """
     names = [one.name for one in conditions_of(study)]
     found: list[str] = []
@@ -105,7 +105,7 @@ def driven(study: StudyElement, participant: int, session: int) -> list[tuple[Ro
 
 
 class _Steps:
-    """Gathers the steps of a session."""
+    """Collects the steps of a session."""
 
     def __init__(self, study: StudyElement, participant: int, session: int) -> None:
         self.study, self.participant, self.session = study, participant, session
@@ -141,12 +141,12 @@ class _Steps:
 
 
 def procedure(study: StudyElement, participant: int, session: int) -> tuple[Step, ...]:
-    """Return the steps of a participant's session, the last of them its end.
+    """Return the steps of a participant's session; the last one is its end.
 
     Args:
         study: The study.
-        participant: Number of the participant, from 1 on.
-        session: Number of the session, from 1 on.
+        participant: Number of the participant, from 1.
+        session: Number of the session, from 1.
     """
     found = _Steps(study, participant, session)
     found.ask(study.before)

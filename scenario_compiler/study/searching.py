@@ -9,7 +9,7 @@ from scenario_compiler.randomness import hash_bits, uniform
 from scenario_compiler.source.study import SearchTask
 
 WIDTH, HEIGHT = 300.0, 100.0
-"""Size of the picture, in its own unit."""
+"""Size of the picture, in a unit of its own."""
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class SearchPicture:
     """A picture.
 
     Attributes:
-        number: Its number in the run, from 0 on.
+        number: Its number in the run, from 0.
         circles: x, y and radius of each circle.
         target: Index of the larger one.
     """
@@ -28,9 +28,9 @@ class SearchPicture:
 
 
 def search_picture(task: SearchTask, seed: int, number: int) -> SearchPicture:
-    """Return a picture of a run; it depends on the run's seed and its own number alone.
+    """Return a picture of a run; it depends only on the run's seed and its own number.
 
-    The circles stand in the cells of a grid, moved by chance, so that none touches another.
+    The circles are in the cells of a grid, at random offsets, so that none touches another.
     """
     columns = math.ceil(math.sqrt(task.items * WIDTH / HEIGHT))
     rows = math.ceil(task.items / columns)

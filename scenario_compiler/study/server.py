@@ -1,6 +1,7 @@
 """The pages of a study: those of the participants, and that of the experimenter.
 
-A participant's page is made again at each step, so that a page that is loaded again stands where the participant does.
+A participant's page is made anew at each step, so that a page that is loaded again shows the participant's present
+step.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ PAGES = Path(__file__).parent / "pages"
 OWN = ("study.css", "waiting.js", "step.js", "experimenter.js")
 
 LARGEST = 65_536
-"""Bytes of a form at most."""
+"""Greatest size of a form, bytes."""
 
 ACTIONS: dict[str, Callable[[Attendance], None]] = {
     "start": Attendance.start,
@@ -46,7 +47,7 @@ ACTIONS: dict[str, Callable[[Attendance], None]] = {
 
 
 class Order(BaseModel):
-    """What the experimenter's page asks for."""
+    """A request of the experimenter's page."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -59,7 +60,7 @@ class StudyServer:
     """Serves a study.
 
     Attributes:
-        attendances: The participants' sessions by their numbers, as addresses write them.
+        attendances: The participants' sessions by their numbers, as in addresses.
         app: The application.
     """
 
@@ -67,9 +68,9 @@ class StudyServer:
         """Prepare the pages.
 
         Args:
-            rules: What is the same for all participants.
-            door: Decides who comes to the participants' pages.
-            desk: Decides who comes to the experimenter's.
+            rules: The common settings of all participants.
+            door: Controls access to the participants' pages.
+            desk: Controls access to the experimenter's page.
         """
         self.rules, self.door, self.desk = rules, door, desk
         study = rules.compilation.study
@@ -96,12 +97,12 @@ class StudyServer:
         )
 
     def close(self) -> None:
-        """End all runs under way, and close the journals."""
+        """End all current runs, and close the journals."""
         for one in self.attendances.values():
             one.close()
 
     def _own(self, request: Request) -> Response:
-        """Return a file of the pages, to whoever may come to either kind of them."""
+        """Return a file of the pages, if access to either kind of page is allowed."""
         who = self.desk if self.door.refusal(request) else self.door
         return who.file(request, PAGES, OWN)
 
@@ -231,9 +232,9 @@ class StudyServer:
 
 
 def _row(one: Attendance) -> dict[str, Any]:
-    """Return what the experimenter sees of a participant."""
+    """Return a participant's row on the experimenter's page."""
     step, session, trial = one.step, one.session, one.step.trial
-    what = step.kind if trial is None else f"{trial.role} {trial.what}"
+    what = f"{step.kind} {step.file}".strip() if trial is None else f"{trial.role} {trial.what}"
     return {
         "participant": one.participant,
         "id": one.seat.sub,
@@ -279,19 +280,20 @@ def serve_study(
     mark: Callable[[dict[str, Any]], None] | None = None,
     told: Callable[[str, str], None],
 ) -> None:
-    """Serve a study until the program is interrupted; what its folder holds is gone on with.
+    """Serve a study until the program is interrupted; existing data in its folder are continued.
 
     Args:
-        compilation: The study, whose plans a person answers in.
+        compilation: The study, whose plans must have a person as the driver.
         root: Folder of its data, which the caller owns.
-        host: Address to serve; on another than this machine's own, participants and the experimenter need a token each.
-        port: Its port; 0 takes a free one.
-        trust: Code of the user's own that plans may name.
+        host: Address to serve; on an address other than this machine's own, participants and the experimenter need a
+            token each.
+        port: Its port; 0 for a free one.
+        trust: The user's own code that plans may use.
         size: Width and height of the view ahead, pixels.
         world: Name of the world.
         options: Options of the world.
-        mark: Takes what happens to any participant, as it happens.
-        told: Is given the participants' address and the experimenter's, once they can be opened.
+        mark: Receives the events of all participants at once.
+        told: Called with the participants' address and the experimenter's, once they can be opened.
 
     Raises:
         OSError: The address cannot be served.

@@ -14,7 +14,7 @@ AROUND = 100.0
 """Distance within which vehicles are counted, m."""
 
 CHOICES: dict[QueryAbout, tuple[str, ...]] = {"control": ("automation", "me"), "blocked": ("yes", "no")}
-"""Answers to choose from, of the queries that are not answered with a number."""
+"""Possible answers to queries that are not answered with a number."""
 
 
 def true_answer(about: QueryAbout, recording: Recording, t: float) -> float | str:
@@ -32,7 +32,7 @@ def true_answer(about: QueryAbout, recording: Recording, t: float) -> float | st
 
 
 def is_right(query: Query, given: str, true: float | str) -> bool:
-    """Return whether an answer, as it was given, is right."""
+    """Return whether a given answer is right."""
     if isinstance(true, str):
         return given == true
     try:

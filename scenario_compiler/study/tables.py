@@ -15,14 +15,14 @@ from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.study.keeping import MANIFEST, StudyError
 
 PLACES = ("", "before.", "trial.", "after.")
-"""What stands before the columns of a questionnaire in the tidy table: where it is asked, if at several places."""
+"""Prefixes for the columns of a questionnaire in the tidy table, if it is asked at several places."""
 
 MISSING = "n/a"
-"""What stands in a table for a value that is missing, after BIDS."""
+"""Text for a missing value in a table, after BIDS."""
 
 
 def write_table(path: Path, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> None:
-    """Write a tab-separated table; `MISSING` stands for what a row does not have."""
+    """Write a tab-separated table, with `MISSING` for values that a row does not have."""
     make_folder(path.parent)
     text = io.StringIO()
     writer = csv.writer(text, delimiter="\t", lineterminator="\n", quoting=csv.QUOTE_MINIMAL)
@@ -41,7 +41,7 @@ def _cell(value: Any) -> str:
 
 
 def read_table(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a tab-separated table; none where there is no file."""
+    """Return the rows of a tab-separated table; none if there is no file."""
     if not path.is_file():
         return []
     with path.open(encoding="utf-8", newline="") as file:
@@ -49,14 +49,14 @@ def read_table(path: Path) -> list[dict[str, str]]:
 
 
 def tidy_rows(root: Path) -> list[dict[str, str]]:
-    """Return one row a run of all participants, with the answers and scores that belong to the run, to the session.
+    """Return one row for each run of all participants, with the answers and scores of the run and of the session.
 
-    The columns of a questionnaire begin with its name and a point: answers given after a run stand in the run's row,
-    those given once in a session in each of its rows. Of one that is asked at several places the place follows, as in
-    `sickness.before.nausea`.
+    The columns of a questionnaire begin with its name and a point. Answers after a run are in the run's row; those
+    given once in a session are in each of its rows. If a questionnaire is asked at several places, the place follows,
+    as in `sickness.before.nausea`.
 
     Raises:
-        StudyError: The folder holds no study.
+        StudyError: The folder contains no study.
     """
     if not (root / MANIFEST).is_file():
         raise StudyError(f"{root} holds no study")
@@ -78,7 +78,7 @@ def tidy_rows(root: Path) -> list[dict[str, str]]:
 
 
 def _task(root: Path) -> str:
-    """Return the task whose tables hold the runs: the name of the study."""
+    """Return the task of the tables with the runs: the name of the study."""
     return str(json.loads((root / MANIFEST).read_text(encoding="utf-8"))["study"])
 
 
@@ -87,12 +87,12 @@ def _key(row: Mapping[str, str]) -> tuple[str, str, str]:
 
 
 def write_tidy(root: Path, output: Path) -> int:
-    """Write the tidy table of a study as CSV, an absent value as an empty cell; return the number of its rows.
+    """Write the tidy table of a study as CSV, with empty cells for missing values; return the number of its rows.
 
-    A JSON file beside it says what the columns hold.
+    A JSON file beside it describes the columns.
 
     Raises:
-        StudyError: The folder holds no study, or no run yet.
+        StudyError: The folder contains no study, or no run yet.
         OSError: The table cannot be written.
     """
     rows = tidy_rows(root)

@@ -83,7 +83,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "choose": "Ditt deltagarnummer",
         "optional": "får lämnas tomt",
         "run": "Körning",
-        "automation": "automationen",
+        "automation": "automatiken",
         "me": "jag",
         "yes": "ja",
         "no": "nej",

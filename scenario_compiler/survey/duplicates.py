@@ -13,16 +13,17 @@ from scenario_compiler.expressions import Expression
 from scenario_compiler.plan.model import Plan
 
 UNSAID = ("name", "summary", "classifications", "origins", "derived", "digest", "parameters")
-"""Parts of a plan that are not about what happens."""
+"""Parts of a plan that do not affect what happens."""
 
 Numbers = Mapping[str, float]
-"""Numbers of a plan, by where they stand."""
+"""Numbers of a plan by their paths in it."""
 
 
 def likeness(plan: Plan) -> tuple[str, Numbers]:
-    """Return a digest of all that a plan says but its numbers, and the numbers by where they stand.
+    """Return a digest of a plan without its numbers, and the numbers by their paths.
 
-    Ids of entities do not count: what stands where does. A number that depends on parameters counts by its expression.
+    The names of entities do not count, only their positions in the plan. A number that depends on parameters counts as
+    its expression.
     """
     ids = {entity.id: f"#{number}" for number, entity in enumerate(plan.entities)}
     content = {name: value for name, value in vars(plan).items() if name not in UNSAID}
@@ -39,14 +40,14 @@ def likeness(plan: Plan) -> tuple[str, Numbers]:
 
 
 def differences(some: Mapping[str, Numbers]) -> dict[str, dict[str, float]]:
-    """Return where the numbers of like plans differ, each with its value in each plan by the plan's name."""
+    """Return the numbers that differ between similar plans: by path, the value in each plan by the plan's name."""
     places = dict.fromkeys(where for numbers in some.values() for where in numbers)
     values = {where: {name: numbers[where] for name, numbers in some.items() if where in numbers} for where in places}
     return {where: found for where, found in values.items() if len(set(found.values())) > 1}
 
 
 def _leaves(value: Any, where: str) -> Iterator[tuple[str, Any]]:
-    """Yield every value that holds no other, with where it stands."""
+    """Yield the path and the value of every value that contains no others."""
     if isinstance(value, Expression):
         yield where, value.text
     elif isinstance(value, BaseModel):

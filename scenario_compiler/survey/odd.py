@@ -40,8 +40,8 @@ class Term:
 
     Attributes:
         tag: Its name there.
-        words: What it says.
-        group: Where it stands in the tree, outermost first.
+        words: Its meaning.
+        group: Its path in the tree, outermost first.
     """
 
     tag: str
@@ -103,25 +103,25 @@ NOT_LOOKED_FOR = (
     "kinds of surface and its damage, smoke, ash and marine particulates, connectivity, special vehicles, volume and "
     "flow of traffic"
 )
-"""Branches of the tree that plans and maps say nothing of here."""
+"""Branches of the tree on which plans and maps here have no information."""
 
 Tags = dict[str, tuple[tuple[str, float], ...]]
-"""Tags with what belongs to each: pairs of what is measured, with its unit, and the value."""
+"""Tags with their values: pairs of a quantity with its unit and its value."""
 
 REACH, STEP = 400.0, 10.0
-"""How far ahead the road is looked at where there is no route, and how often, m."""
+"""Distance ahead for which the road is examined without a route, and the interval, m."""
 
 CURVED = 1.0 / 2000.0
-"""Curvature from which a road is called curved, 1/m. Our choice."""
+"""Least curvature of a curved road, 1/m. Our choice."""
 
 SLOPE = 0.01
-"""Grade from which a road is called sloped. Our choice."""
+"""Least grade of a sloped road. Our choice."""
 
 NOTABLE = 10.0
-"""Share, percent, above which wind, fog and clouds are spoken of: CARLA's clear noon has wind of 10. Our choice."""
+"""Least percentage of wind, fog and clouds that gives a tag: CARLA's clear noon has wind of 10. Our choice."""
 
 DEEP = 50.0
-"""Share of puddles in percent from which water stands. Our choice."""
+"""Least percentage of puddles that counts as standing water. Our choice."""
 
 LOW_SUN = 6.0
 """Elevation of the sun, degrees, below which daylight counts as low. Our choice."""
@@ -158,7 +158,7 @@ def tags_of(plan: Plan, network: Network) -> Tags:
 
 
 def way(plan: Plan, network: Network) -> list[LanePosition]:
-    """Return places along the route of the first entity, or along its lane ahead; none where it starts nowhere."""
+    """Return places along the route of the first entity, or ahead along its lane; none if it has no start."""
     if plan.route:
         places = []
         for leg in plan.route:
@@ -201,7 +201,7 @@ def _road(plan: Plan, network: Network) -> Found:
 
 
 def _section(network: Network, place: LanePosition) -> Found:
-    """Yield the tags of the road at a place: its lanes, their types, the marks of the lane that is driven in."""
+    """Yield the tags of the road at a place: its lanes, their types, and the marks of the lane."""
     n, road = network.tables, network.road_index(place.road)
     mine = lane_direction(n, road, place.lane)
     if LANE_TYPES[lane_type(n, road, place.lane, place.s)] in SLIP:
@@ -288,7 +288,7 @@ def _motions(plan: Plan) -> Found:
 
 
 def _motion(action: object, speeds: list[float], values: Mapping[str, float | bool | str]) -> Found:
-    """Yield what an action lets its actors do; what is relative to another entity is not looked at."""
+    """Yield the tags of an action's motion; motion relative to another entity is ignored."""
     if isinstance(action, LaneChangeAction) and speeds and action.by != 0 and not action.of:
         yield "MotionLaneChangeLeft" if action.by > 0 else "MotionLaneChangeRight", ()
     if isinstance(action, SpeedAction):

@@ -44,7 +44,7 @@ def _text(value: str) -> dict[str, object]:
 
 
 def _data(values: tuple[tuple[str, float], ...]) -> dict[str, object]:
-    """Return what belongs to a tag: a number alone, or of several the least and the greatest as a range."""
+    """Return the values of a tag: a single number, or the least and the greatest of several as a range."""
     if not values:
         return {}
     name = values[0][0]

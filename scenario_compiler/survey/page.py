@@ -45,13 +45,13 @@ def page_of(found: Survey) -> str:
 
 
 def _short(target: str) -> str:
-    """Return the name of a scenario, of a file with one the file's."""
+    """Return the name of a scenario in a target, or the file's name if the target has none."""
     path, name = split_target(target)
     return name or Path(path).stem
 
 
 def _ranges(one: ConditionCoverage) -> str:
-    """Return what belongs to a condition, with its least and greatest value."""
+    """Return the quantities of a condition with their least and greatest values."""
     parts = (
         f"{name}: {low:g}" if low == high else f"{name}: {low:g} to {high:g}"
         for name, (low, high) in one.values.items()

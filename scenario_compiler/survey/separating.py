@@ -1,7 +1,7 @@
 """Runs a library's scenarios with four drivers, to see whether their results differ.
 
-A scenario that ends well whoever drives says nothing about takeovers. The runs have the seed 1, and ideal perception
-unless the camera is asked for; nothing but the driver differs.
+A scenario that ends well with every driver shows nothing about takeovers. The runs have the seed 1, and ideal
+perception unless the camera is requested; they differ only in the driver.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ ATTENTIVE = 2.4
 """Takeover time of the attentive driver, s: the median of the catalog's `study_means`, after Zhang et al. 2019."""
 
 SLOW = 6.061
-"""That of the slow driver, s: the median of drivers who were busy reading, Eriksson and Stanton 2017."""
+"""Takeover time of the slow driver, s: the median of drivers who were busy reading, Eriksson and Stanton 2017."""
 
 DRIVERS: dict[str, Driver] = {
     "attentive": Driver(takeover_time=ATTENTIVE),
@@ -43,11 +43,11 @@ DRIVERS: dict[str, Driver] = {
     "absent": Driver(preset="absent"),
     "reference": Driver(preset="fuzzy_safety_model"),
 }
-"""The four drivers, as a scenario would name them."""
+"""The four drivers as words of a scenario."""
 
 
 class Driven(BaseModel):
-    """What came of a scenario with one of the drivers."""
+    """The result of a scenario with one of the drivers."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -61,7 +61,7 @@ class Driven(BaseModel):
 
 
 class Separated(BaseModel):
-    """A scenario with the four drivers."""
+    """The results of a scenario with the four drivers."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -78,7 +78,7 @@ class Separated(BaseModel):
 
     @property
     def asks(self) -> bool:
-        """Whether the automation asks anybody."""
+        """Whether the automation requests a takeover in any of the runs."""
         return any(one.cause for one in self.drivers.values())
 
 
@@ -119,7 +119,7 @@ def _counted(
 def separate(
     target: str, maps: Sequence[Path] = (), templates: Sequence[Path] = (), perception: Perception = "ideal"
 ) -> Separated:
-    """Run a scenario with the four drivers; why it cannot be compiled is part of what is returned."""
+    """Run a scenario with the four drivers; if it cannot be compiled, the result has the reason."""
     sink = Diagnostics()
     name = split_target(target)[1] or Path(target).stem
     with templates_from(templates):
@@ -143,7 +143,7 @@ def separate(
 
 
 def _driven(plan: Plan, network: Network, driver: Driver | DriverModel) -> Driven:
-    """Run a plan with a driver in place of its own."""
+    """Run a plan with another driver."""
     changed = plan.model_copy(update={"takeover": plan.takeover.model_copy(update={"driver": driver})})
     with open_world("kinematic", changed, network) as world:
         outcome = judge(changed, run(changed, world, SEED))

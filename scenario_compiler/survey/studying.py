@@ -22,11 +22,11 @@ from scenario_compiler.survey.odd import Tags, tags_of
 from scenario_compiler.vocabulary.scenario import Classification
 
 FEW = 4
-"""Number of scenarios up to which no other process is started."""
+"""Number of scenarios up to which no worker process is started."""
 
 
 class Ran(BaseModel):
-    """What came of one run with ideal perception."""
+    """The result of one run with ideal perception."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -37,7 +37,7 @@ class Ran(BaseModel):
 
 
 class Studied(BaseModel):
-    """What is known of one scenario."""
+    """The results for one scenario."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -68,14 +68,14 @@ def study_all(
     maps: Sequence[Path] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[Studied]:
-    """Yield what is known of each scenario, in order.
+    """Yield the results for each scenario, in order.
 
     Args:
         targets: FILE#name of each.
         runs: Number of runs of each, with ideal perception and the seeds from 1 on.
-        processes: Number of processes to spread them over.
-        maps: Folders that maps are looked for in first.
-        progress: Called with how many are done, and of how many.
+        processes: Number of processes.
+        maps: Folders in which maps are looked for first.
+        progress: Called with the number of finished scenarios and the total.
     """
     task = partial(study, runs=runs, maps=tuple(maps), templates=templates_given())
     few = processes < 2 or len(targets) <= FEW
@@ -86,7 +86,7 @@ def study_all(
 
 
 def _spread(targets: Sequence[str], task: Task, processes: int) -> Iterator[Studied]:
-    """Yield the results of processes of which any may die: what was lost is tried again alone, and given up then."""
+    """Yield results from worker processes. If one dies, its scenario is tried again alone, and then given up."""
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         waiting = [pool.submit(task, target) for target in targets]
         for target, future in zip(targets, waiting, strict=True):
@@ -110,7 +110,7 @@ def _given_up(target: str, fault: str) -> Studied:
 
 
 def study(target: str, runs: int = 0, maps: Sequence[Path] = (), templates: Sequence[Path] = ()) -> Studied:
-    """Return what is known of one scenario; why it could not be compiled is part of that."""
+    """Return the results for one scenario; if it cannot be compiled, they have the reason."""
     sink = Diagnostics()
     with templates_from(templates):
         compilation = compile_target(

@@ -23,7 +23,7 @@ class _Part(BaseModel):
 
 
 class Situation(_Part):
-    """A situation of a taxonomy and who shows it."""
+    """A situation of a taxonomy, and the scenarios that show it."""
 
     place: str = Field(description="Its number or name in the taxonomy.")
     meaning: str = Field(description="What it is; empty for one that the taxonomy's public part does not have.")
@@ -31,7 +31,7 @@ class Situation(_Part):
 
 
 class TaxonomyCoverage(_Part):
-    """What of a taxonomy a library shows."""
+    """The part of a taxonomy that a library shows."""
 
     scheme: str = Field(description="Short name of the taxonomy.")
     title: str = Field(description="Its name.")
@@ -41,7 +41,7 @@ class TaxonomyCoverage(_Part):
 
 
 class ConditionCoverage(_Part):
-    """A condition of the operational design domain and where it occurs."""
+    """A condition of the operational design domain, and where it occurs."""
 
     tag: str = Field(description="OpenLABEL's tag.")
     words: str = Field(description="What it says.")
@@ -51,14 +51,14 @@ class ConditionCoverage(_Part):
 
 
 class Alike(_Part):
-    """Scenarios whose plans are equal but for numbers."""
+    """Scenarios whose plans differ only in numbers."""
 
     scenarios: tuple[str, ...] = Field(description="FILE#name of each.")
     differ: dict[str, dict[str, float]] = Field(description="Numbers that differ, with their value in each scenario.")
 
 
 class Survey(_Part):
-    """What a library covers."""
+    """The coverage of a library."""
 
     format: Literal["scenario-compiler/library/1"] = Field(
         default="scenario-compiler/library/1", description="Version of this format."
@@ -120,9 +120,9 @@ def survey(
 
 
 def used_templates(folder: Path) -> dict[str, tuple[str, ...]]:
-    """Return the templates that can be named, and those that the files hold, each with the files that use it.
+    """Return the templates that can be named and those in the files, each with the files that use it.
 
-    A template that another uses is used by the files that use that one.
+    A template that is used by another one counts as used by that one's files.
     """
     quiet = Diagnostics()
     uses: dict[str, set[str]] = {}
@@ -192,7 +192,7 @@ def _alike(studied: Iterable[Studied]) -> Iterator[Alike]:
 
 
 def missing(found: Survey) -> Iterator[str]:
-    """Yield what a library lacks, each in a sentence."""
+    """Yield what a library lacks, one sentence each."""
     for taxonomy in found.taxonomies:
         absent = [f"{one.place} ({one.meaning})" for one in taxonomy.situations if not one.scenarios]
         if len(absent) == len(taxonomy.situations):

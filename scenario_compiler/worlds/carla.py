@@ -90,7 +90,7 @@ STAND_INS: dict[Category, str] = {
     "sign": "static.prop.trafficwarning",
     "prop": "static.prop.barrel",
 }
-"""Blueprint by category that replaces one that the server's library lacks."""
+"""Blueprint by category that is used for one that the server's library does not have."""
 
 LONGEST_STEP = 0.1
 """Longest time step of CARLA's physics, s."""
@@ -99,7 +99,7 @@ LIFTED = 0.3
 """Height above its start at which the ego is spawned, so that it does not touch the road, m."""
 
 ASIDE = 5000.0
-"""Position at which others are spawned before they are moved to their places, m: nothing else is there."""
+"""Position, far from all else, at which other entities are spawned before they are moved to their places, m."""
 
 SAME_PLACE = 0.25
 """Greatest distance between the server's lanes and the plan's, m."""
@@ -122,13 +122,13 @@ SIGNALS = {"red": "Red", "yellow": "Yellow", "green": "Green", "off": "Off"}
 """CARLA's states of traffic lights by the words of scenarios."""
 
 YELLOW, PURPLE = (255, 200, 0), (190, 40, 210)
-"""Colours of the route and of the predicted path, red, green, blue."""
+"""Colours of the route and of the predicted path: red, green, blue."""
 
 LIFTED_LINE, LINE_WIDTH, DISPLAY_WIDTH = 0.3, 0.1, 2.0
 """Height of drawn lines above the road, m, and their width in the world, m, and on the server's display, pixels."""
 
 PATH_STEP = 2.0
-"""Least length of the pieces of the predicted path, m."""
+"""Least length of the segments of the predicted path, m."""
 
 TAKEN: set[tuple[str, int]] = set()
 """Addresses of the servers in use by runs of this program: each server serves one run at a time."""
@@ -159,7 +159,7 @@ class CarlaWorld:
     Options: ClassVar[type[WorldOptions]] = CarlaOptions
 
     def __init__(self, plan: Plan, network: Network, options: WorldOptions | None = None) -> None:
-        """Connect, load the map and take the clock over.
+        """Connect, load the map and set the server to synchronous mode.
 
         Raises:
             WorldError: CARLA cannot be used for the plan; the code's page says why.
@@ -186,7 +186,7 @@ class CarlaWorld:
         self._connect()
 
     def _choose_camera(self) -> bool:
-        """Return whether the automation sees CARLA's pictures."""
+        """Return whether the automation gets CARLA's images."""
         if self.plan.perception != "camera":
             return False
         if self.options.camera is not None:
@@ -313,7 +313,7 @@ class CarlaWorld:
 
     @contextlib.contextmanager
     def _answering(self) -> Iterator[None]:
-        """Make what the client raises a WorldError."""
+        """Turn exceptions of the client into a WorldError."""
         try:
             yield
         except RuntimeError as fault:
@@ -413,7 +413,7 @@ class CarlaWorld:
         return self._carla.Transform(self._carla.Location(x, y, z), self._carla.Rotation(*turned))
 
     def _mirror(self, snapshot: Snapshot) -> None:
-        """Put the others where the engine has them; who is new is spawned, who has vanished destroyed."""
+        """Move the other entities to the engine's positions; spawn new ones and destroy those that have vanished."""
         command, orders = self._carla.command, []
         new = [k for k, one in enumerate(snapshot.entities) if k > 0 and one.shown and k not in self._actors]
         if new:
@@ -498,7 +498,10 @@ class CarlaWorld:
         self._draw(points, PURPLE, ONCE * self.plan.step)
 
     def _draw(self, points: Sequence[tuple[float, float, float]], colour: tuple[int, int, int], lasts: float) -> None:
-        """Draw a line; where CARLA's camera would see it, on the server's display, which clients before 0.9.16 lack."""
+        """Draw a line; if the automation sees CARLA's images, only on the server's display.
+
+        Clients before 0.9.16 cannot draw on the display, and then no line is drawn.
+        """
         carla, debug = self._carla, self._world.debug
         draw = getattr(debug, "draw_hud_line", None) if self._carla_sees else debug.draw_line
         if draw is None:
@@ -534,7 +537,7 @@ class CarlaWorld:
             return self._ego_state(ego) if self.moves_ego else None
 
     def _pedals(self, ego: Entity, speed: float, command: EgoCommand) -> tuple[float, float]:
-        """Return throttle and brake that make up for what slows CARLA's vehicles down, which the engine's are not."""
+        """Return throttle and brake that compensate for CARLA's resistances, which the engine does not model."""
         lost = self._slowing.at(speed)
         if command.brake > 0.0:
             return command.throttle, max(command.brake - lost / ego.vehicle.max_deceleration, 0.0)
@@ -552,7 +555,7 @@ class CarlaWorld:
         return EgoState(pose, speed, steering, control.throttle, control.brake)
 
     def _look(self) -> None:
-        """Take the picture of the tick."""
+        """Take the image of the tick."""
         if not self._carla_sees:
             return
         import numpy as np

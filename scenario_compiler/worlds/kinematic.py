@@ -99,7 +99,7 @@ class KinematicWorld:
 
     @property
     def versions(self) -> dict[str, str]:
-        """Versions on which the pictures of a run with a camera depend."""
+        """Versions on which the images of a run with a camera depend."""
         if self.plan.perception != "camera":
             return {}
         from scenario_compiler.perception.machine import drawn_by

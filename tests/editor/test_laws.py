@@ -61,7 +61,7 @@ def short(path: Path) -> str:
 @pytest.mark.parametrize("path", SOME, ids=lambda path: path.stem)
 def test_a_file_can_be_written_character_by_character(path: Path) -> None:
     text = short(path)
-    assert sum(everything_asked(text[:end], end) for end in range(0, len(text) + 1, 3)) > 100
+    assert sum(everything_asked(text[:end], end) for end in range(0, len(text) + 1, 7)) > 100
 
 
 @pytest.mark.slow
@@ -84,6 +84,15 @@ def test_damaged_text_is_asked_in_vain_but_safely(data: st.DataObject) -> None:
     text = TEXT[:at] + put + TEXT[at + gone :]
     everything_asked(text, data.draw(st.integers(0, len(text))))
     laid_out(text)
+
+
+@pytest.mark.parametrize("written", ["\nspacing", "sp&#97;cing"])
+def test_a_name_is_found_however_it_is_written(written: str) -> None:
+    text = TEXT.replace('name="spacing"', f'name="{written}"')
+    analysis = analysed(text, HERE / "draft.xml")
+    mention = analysis.mention_at(text.index(written))
+    assert mention is not None
+    assert mention in [one.mention for one in uses_of(mention.symbol, [analysis])]
 
 
 @given(st.data())

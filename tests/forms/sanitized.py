@@ -1,7 +1,8 @@
-"""Runs the two-form programs on a build that checks indices, overflows, undefined behaviour and addresses.
+"""Runs the two-form programs on a build that checks indices and overflows, and what the compiler's sanitizers check.
 
-`python tests/forms/sanitized.py FOLDER` builds it there. The process starts itself anew with the sanitizers'
-library loaded first, which Python itself is not linked with.
+`python tests/forms/sanitized.py FOLDER [-fsanitize=...]` builds it there, with the compiler's options that are given.
+With some, the process starts itself anew with the address sanitizer's library loaded first, which Python itself is not
+linked with.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = 12
-FLAGS = ("-O0", "-DENGINE_CHECKED", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+FLAGS = ("-O0", "-DENGINE_CHECKED")
 
 
 def start_with_sanitizer() -> None:
@@ -23,7 +24,7 @@ def start_with_sanitizer() -> None:
     os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, **settings})
 
 
-def main(folder: Path) -> int:
+def main(folder: Path, *sanitizers: str) -> int:
     """Build, run, compare; return the exit code."""
     from scenario_compiler.engine.columns.state import make_draws
     from scenario_compiler.engine.simulation import Simulation
@@ -35,7 +36,7 @@ def main(folder: Path) -> int:
     from tests.engine.test_two_forms import STEPS, VARIANTS, random_draft, variants_of
 
     path = folder / "checked.so"
-    made_by = build(translated(marked_functions(), entries()), path, *FLAGS)
+    made_by = build(translated(marked_functions(), entries()), path, *FLAGS, *sanitizers)
     note = Note.read()
     assert note is not None
     checked = MachineCode(path, note.entries, made_by)
@@ -54,7 +55,7 @@ def main(folder: Path) -> int:
 
 
 if __name__ == "__main__":
-    if "LD_PRELOAD" not in os.environ:
+    if len(sys.argv) > 2 and "LD_PRELOAD" not in os.environ:
         start_with_sanitizer()
     sys.path.insert(0, str(ROOT))
-    sys.exit(main(Path(sys.argv[1])))
+    sys.exit(main(Path(sys.argv[1]), *sys.argv[2:]))

@@ -88,9 +88,19 @@ def test_the_interpreted_form_serves_without_a_library(repository: Path, tmp_pat
     assert "the engine's machine code has not been built" in done.stderr
 
 
-def test_no_index_leaves_its_column_and_nothing_is_undefined(repository: Path, tmp_path: Path) -> None:
+SANITIZERS = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+
+
+@pytest.mark.parametrize(
+    "sanitizers",
+    [pytest.param((), id="the engine's own checks"), pytest.param(SANITIZERS, id="sanitizers", marks=pytest.mark.slow)],
+)
+def test_no_index_leaves_its_column_and_nothing_is_undefined(
+    repository: Path, tmp_path: Path, sanitizers: tuple[str, ...]
+) -> None:
+    """The engine itself checks indices and overflows; the sanitizers check addresses and all that C leaves open."""
     done = subprocess.run(
-        [sys.executable, str(repository / "tests" / "forms" / "sanitized.py"), str(tmp_path)],
+        [sys.executable, str(repository / "tests" / "forms" / "sanitized.py"), str(tmp_path), *sanitizers],
         capture_output=True,
         text=True,
         check=False,

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.source import templates
 from scenario_compiler.source.conflict import DEEPEST_INCLUDE
 from scenario_compiler.validation import validate_file
 from tests.command import call
@@ -39,6 +40,12 @@ MOST_WORDS = 60_000
 """Most characters that a command says of one of these files."""
 
 
+@pytest.fixture
+def few_items(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tenth of the items that may come together; tests/source/test_small_and_costly.py reaches the whole number."""
+    monkeypatch.setattr(templates, "MOST_ITEMS", templates.MOST_ITEMS // 10)
+
+
 def commands_for(path: Path) -> list[str]:
     """Return the commands that make sense for a file, each with a plan's options left out."""
     if path.suffix == ".xodr":
@@ -50,6 +57,7 @@ def commands_for(path: Path) -> list[str]:
     return chosen
 
 
+@pytest.mark.usefixtures("few_items")
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_every_command_ends_cleanly(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
@@ -72,6 +80,7 @@ def test_every_command_ends_cleanly(
     assert [one for one in tmp_path.rglob("*") if ".tmp" in one.name] == []
 
 
+@pytest.mark.usefixtures("few_items")
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 @pytest.mark.parametrize("form", ["json", "sarif", "github"])
 def test_every_format_holds(path: Path, form: str, capfd: pytest.CaptureFixture[str]) -> None:

@@ -46,6 +46,9 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.word import Word
 from tests.openscenario.words import ENTITIES, OPEN, node_of, words
 
+EXAMPLES = settings().max_examples
+"""Number of examples that a property is tried with."""
+
 NEWEST: Version = (1, 3)
 
 _NAME = st.sampled_from(["A1", "way home"])
@@ -107,7 +110,10 @@ def _settled(word: Word) -> Word:
 
 
 @pytest.mark.parametrize("kind", SAID, ids=lambda kind: kind.__name__)
-@settings(max_examples=12, suppress_health_check=[HealthCheck.too_slow, HealthCheck.large_base_example])
+@settings(
+    max_examples=EXAMPLES // 4,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.large_base_example],
+)
 @given(data=st.data())
 def test_what_is_written_is_read_back(kind: type[Word], data: st.DataObject) -> None:
     word = _settled(data.draw(words(kind, FIXED)))
@@ -120,7 +126,10 @@ def test_what_is_written_is_read_back(kind: type[Word], data: st.DataObject) -> 
 
 
 @pytest.mark.parametrize("kind", SAID, ids=lambda kind: kind.__name__)
-@settings(max_examples=6, suppress_health_check=[HealthCheck.too_slow, HealthCheck.large_base_example])
+@settings(
+    max_examples=EXAMPLES // 8,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.large_base_example],
+)
 @given(data=st.data(), version=st.sampled_from(VERSIONS[:-1]))
 def test_what_an_older_version_cannot_say_is_told(kind: type[Word], data: st.DataObject, version: Version) -> None:
     word = _settled(data.draw(words(kind, FIXED)))

@@ -80,11 +80,16 @@ def hilly(corpus: Path) -> tuple[Scene, Network]:
     return scene_of(town), town
 
 
-def agreement(scene: Scene, camera: Camera, pose: Pose, boxes: list[Box]) -> tuple[float, float, float, float]:
-    """Return the shares of pixels, away from edges, whose depth, kind and number rays find too; and their share."""
+def agreement(
+    scene: Scene, camera: Camera, pose: Pose, boxes: list[Box], every: int = 3
+) -> tuple[float, float, float, float]:
+    """Return the shares of pixels, away from edges, whose depth, kind and number rays find too; and their share.
+
+    Every so many-th pixel of each row and column is looked at.
+    """
     looking = RoadCamera(scene, camera, box_offset=0.0)
     labels = looking.draw(pose, boxes, CLEAR)
-    rows, columns = np.mgrid[2 : camera.height - 2 : 3, 2 : camera.width - 2 : 3]
+    rows, columns = np.mgrid[2 : camera.height - 2 : every, 2 : camera.width - 2 : every]
     rows, columns = rows.ravel(), columns.ravel()
     view = looking.view(pose)
     quads = quads_of(scene, boxes, view)
@@ -133,7 +138,7 @@ def test_labels_are_what_rays_meet_among_hills_and_bridges(name: str, number: st
     scene, town = hilly(corpus)
     lane = next(one.lane for one in town.lanes_at(number, s) if one.type == "driving")
     pose = town.lane_pose(number, lane, s)
-    depth, tag, instance, share = agreement(scene, CAMERAS[name], pose, around(pose)[:3])
+    depth, tag, instance, share = agreement(scene, CAMERAS[name], pose, around(pose)[:3], every=6)
     assert share > 0.5
     assert depth > 0.98
     assert tag > 0.98

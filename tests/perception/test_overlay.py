@@ -3,7 +3,8 @@ import pytest
 
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.lane_detector import Boundary, LaneResult
-from scenario_compiler.perception.overlay import DRIVER, GREEN, PURPLE, Caption, compose, encode_png
+from scenario_compiler.perception.overlay import DRIVER, GREEN, PURPLE, Caption, compose, encode_png, outline_box
+from scenario_compiler.roads import Pose
 
 VIEW = np.full((DRIVER.height, DRIVER.width, 3), 90, np.uint8)
 CAMERA = np.full((256, 512, 3), 70, np.uint8)
@@ -45,6 +46,15 @@ def test_nothing_detected_is_drawn_as_nothing() -> None:
 @pytest.mark.parametrize("path", [np.empty((0, 2)), np.array([[np.nan, 0.0], [1e9, 1e9], [-5.0, 0.0]])])
 def test_strange_paths_do_no_harm(path: np.ndarray) -> None:
     assert compose(VIEW, CAMERA, LANE, path, CAPTION).shape == VIEW.shape
+
+
+@pytest.mark.parametrize(("x", "y", "seen"), [(30.0, 0.0, True), (30.0, 60.0, False), (-30.0, 0.0, False)])
+def test_a_box_is_outlined_where_the_picture_has_it(x: float, y: float, seen: bool) -> None:
+    picture = VIEW.copy()
+    corner = outline_box(
+        picture, DRIVER.view(Pose(0, 0, 0, 0, 0, 0)), Pose(x, y, 0, 0, 0, 0), (4.0, 1.8, 1.5, 1.4), GREEN
+    )
+    assert (corner is not None, has(picture, GREEN)) == (seen, seen)
 
 
 def test_a_png_is_the_same_each_time() -> None:

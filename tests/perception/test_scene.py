@@ -1,11 +1,15 @@
 import math
+from pathlib import Path
 
 import numpy as np
 
 from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.road_camera import scene_of
 from scenario_compiler.perception.scene import QuadGrid, Scene, Uprights, field_of_view, joined_marks
 from scenario_compiler.roads.mesh import Material, Surface
+from scenario_compiler.roads.positions import MarkStretch, SecondaryLine
 from tests.perception.scenery import bend, two_lanes
+from tests.roads.make import lane, network, road, section
 
 STRAIGHT = bend(0.0)
 QUAD = np.array([[[40, 2, 0], [60, 2, 0], [60, -2, 0], [40, -2, 0]]], np.float32)
@@ -115,3 +119,17 @@ def test_marks_of_two_sources_are_put_together() -> None:
     marks = two_lanes(STRAIGHT).marks
     both = joined_marks(marks, marks)
     assert len(both.quads) == len(both.colour) == 2 * len(marks.quads)
+
+
+def test_a_scene_is_kept_for_the_next_camera_on_the_same_map_and_paint(tmp_path: Path) -> None:
+    painted = road(
+        length=120, lanes=section(lane(1), lane(-1), centre='<roadMark sOffset="0" type="solid" width="0.15"/>')
+    )
+    plain = network(tmp_path, painted)
+    worn = plain.with_mark_quality([MarkStretch("1", None, 0.0, 60.0, 0.5, 0.5)])
+    line = SecondaryLine("1", 0.0, 20.0, 1.0, "yellow", False, 0.12, 1.0)
+    kept = scene_of(plain)
+    assert scene_of(network(tmp_path, painted)) is kept
+    assert (scene_of(worn).marks.quality == 0.5).any()
+    assert len(scene_of(plain, [line]).marks.quads) > len(kept.marks.quads)
+    assert (scene_of(plain).marks.quality == kept.marks.quality).all()

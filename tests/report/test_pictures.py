@@ -119,6 +119,17 @@ def test_a_film_lasts_as_long_as_its_run(rain: Run, tmp_path: Path, ending: str,
         assert darker > 20
 
 
+def test_a_film_is_vp9_where_there_is_no_encoder_of_h264(
+    rain: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(av, "codecs_available", av.codecs_available - {"libx264"})
+    write_video(rain, tmp_path / "film.mp4", "map")
+    with av.open(str(tmp_path / "film.mp4")) as film:
+        assert film.streams.video[0].codec_context.name == "vp9"
+    first, *_, last = decoded(tmp_path / "film.mp4")
+    assert first[:480].mean() - last[:480].mean() > 20
+
+
 def decoded(path: Path) -> list[NDArray[np.uint8]]:
     with av.open(str(path)) as film:
         return [np.asarray(frame.to_ndarray(format="rgb24"), np.uint8) for frame in film.decode(video=0)]

@@ -172,7 +172,7 @@ def test_two_runs_have_one_clock(browser: Browser, network: Network, tmp_path: P
     path = tmp_path / "both.html"
     write_comparison(runs, ("one", "other"), found, ["They are alike."], [pictures_of(one) for one in runs], path)
     with opened_page(browser, f"{path.as_uri()}#t=6.4") as page:
-        expect(page.locator(".pane h3")).to_have_text(["1: one", "2: other"])
+        expect(page.locator(".pane h2")).to_have_text(["1: one", "2: other"])
         expect(page.locator(".values").nth(0)).to_contain_text("driver in control")
         expect(page.locator(".values").nth(1)).to_contain_text("driver in control")
         assert page.locator(".view").count() == 1

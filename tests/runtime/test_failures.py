@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -16,6 +14,7 @@ from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.recording.store import read_recording
 from scenario_compiler.worlds.kinematic import KinematicWorld
+from tests.command import call
 
 CONFLICT = Path(__file__).parents[2] / "library" / "conflicts" / "obstacle_ahead.xml"
 
@@ -72,16 +71,23 @@ def deeper(values):
         ("NeedsAFile", "controller 'failing:NeedsAFile', failing.py:33: FileNotFoundError: [Errno 2]", 0.0),
     ],
 )
-def test_a_controller_that_fails_is_a_diagnostic(tmp_path: Path, name: str, message: str, least: float) -> None:
+def test_a_controller_that_fails_is_a_diagnostic(
+    tmp_path: Path,
+    name: str,
+    message: str,
+    least: float,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     (tmp_path / "failing.py").write_text(CONTROLLER, encoding="utf-8")
-    command = [sys.executable, "-m", "scenario_compiler", "run", str(CONFLICT), "--controller", f"failing:{name}"]
-    command += ["--duration", "3", "-o", str(tmp_path / "out"), "--format", "json"]
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=tmp_path)
-    assert done.returncode == 1, done.stderr
-    found = [one for one in json.loads(done.stdout) if one["code"] == "SC521"]
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "failing", raising=False)
+    controller = ("--controller", f"failing:{name}", "--duration", "1")
+    assert call("run", CONFLICT, *controller, "-o", tmp_path / "out", "--format", "json") == 1
+    told = capsys.readouterr()
+    found = [one for one in json.loads(told.out) if one["code"] == "SC521"]
     assert [one["message"].startswith(message) for one in found] == [True]
-    assert "Traceback" not in done.stderr
+    assert "Traceback" not in told.err
     recording = read_recording(tmp_path / "out" / "recording.parquet")
     assert recording.stop_reason == "controller_failed"
     assert recording.t[-1] >= least

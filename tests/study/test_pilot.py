@@ -10,10 +10,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser
 
 from scenario_compiler.study.dataset import TRIAL_COLUMNS, scores_of
 from scenario_compiler.study.effects import by_condition, differences, mean_of, needed_for, power_of
 from scenario_compiler.study.tables import read_table, tidy_rows
+from tests.browser import opened_page
 from tests.command import call
 from tests.study import made
 
@@ -96,6 +99,13 @@ def test_the_page_of_expected_effects_names_its_conditions(piloted: Path) -> Non
     page = (piloted / "data" / "expected.html").read_text()
     for text in ("blocked-tone", "blocked-text", "tone − text", "takeover time, s"):
         assert text in page
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_the_page_of_expected_effects_is_accessible(piloted: Path, browser: Browser, width: int) -> None:
+    with opened_page(browser, (piloted / "data" / "expected.html").as_uri(), width) as page:
+        assert [one["id"] for one in Axe().run(page).response["violations"]] == []
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 def test_plan_prints_who_meets_what(piloted: Path, capsys: pytest.CaptureFixture[str]) -> None:

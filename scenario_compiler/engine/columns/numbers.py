@@ -59,7 +59,9 @@ def length_of(x: float, y: float) -> float:
 
 @compiled
 def heading_in_circle(h: float) -> float:
-    """Return an angle reduced to [0, 2 pi)."""
+    """Return an angle reduced to [0, 2 pi); nearly all are there already."""
+    if h >= 0.0 and h < CIRCLE:
+        return h + 0.0  # -0.0 becomes 0.0, as by the modulo
     around = h % CIRCLE
     if around >= CIRCLE:
         return 0.0

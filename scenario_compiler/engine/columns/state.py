@@ -182,6 +182,10 @@ class State(Columns):
     """World coordinates of each position of the conflict language, m; FAR if it lies nowhere."""
     position_y: list[float] = column(POSITION, op.FAR)
 
+    destination_x: list[float] = column(RUN)
+    """The ego's destination."""
+    destination_y: list[float] = column(RUN)
+
     # Variables, traffic signals, the time of day and the road.
     variable: list[float] = column(VARIABLE)
     """Present value of each variable."""
@@ -463,6 +467,8 @@ class State(Columns):
     eye_cos: list[float] = column(RUN)
     eye_sin: list[float] = column(RUN)
     eye_reach: list[float] = column(RUN)
+    eye_view: list[float] = column(RUN, -1.0)
+    """Full angle of view, rad, and the cosine of its half."""
     eye_edge: list[float] = column(RUN)
     seen: list[int] = column(ENTITY)
     """1 if the entity is ahead on the way and the forward sensor (or the driver) sees it."""

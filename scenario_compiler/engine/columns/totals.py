@@ -144,6 +144,10 @@ class Totals(Columns):
     wheel_long_before: list[float] = column(VARIANT)
     smooth_before: list[float] = column(VARIANT)
     smooth_long_before: list[float] = column(VARIANT)
+    raw_weight: list[float] = column(VARIANT)
+    """Weights of the filter: of the raw angle, and of the filtered one in the previous row and in the one before it."""
+    smooth_weight: list[float] = column(VARIANT)
+    smooth_long_weight: list[float] = column(VARIANT)
     wheel_high: list[float] = column(VARIANT)
     """Greatest and least filtered angle since the last reversal, rad."""
     wheel_low: list[float] = column(VARIANT)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import cos, pi
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -13,6 +13,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.ahead import measure_on_way, walk, walk_route
 from scenario_compiler.engine.motion.beside import neighbour_lane
+from scenario_compiler.engine.motion.collision import face
 from scenario_compiler.engine.motion.path import preferred_road
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable
@@ -53,14 +54,17 @@ LEAST_GAP = 2.0
 def open_eye(p: Program, st: State, i: int, reach: float, view: float) -> None:
     """Set the sensor of entity i, at its front bumper and along its heading: range, m, and full angle of view, rad."""
     front = front_of(p, i)
-    c = cos(st.h[i])
-    s = sin(st.h[i])
+    face(st, i)
+    c = st.box_cos[i]
+    s = st.box_sin[i]
     st.eye_x[0] = st.x[i] + front * c
     st.eye_y[0] = st.y[i] + front * s
     st.eye_cos[0] = c
     st.eye_sin[0] = s
     st.eye_reach[0] = reach
-    st.eye_edge[0] = cos(clip(0.5 * view, 0.0, pi))
+    if view != st.eye_view[0]:
+        st.eye_view[0] = view
+        st.eye_edge[0] = cos(clip(0.5 * view, 0.0, pi))
 
 
 @compiled
@@ -83,8 +87,9 @@ def ray_free(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int
         over = along - squared if along > squared else -along
         if (over > 0.0 and over * over > within) or there_for(st, k, op.SEEN_BY_SENSORS) == 0:
             continue
-        c = cos(st.h[k])
-        s = sin(st.h[k])
+        face(st, k)
+        c = st.box_cos[k]
+        s = st.box_sin[k]
         u = 0.5 * (dx * c + dy * s)
         v = 0.5 * (dy * c - dx * s)
         base = p.entity_const[k]
@@ -115,8 +120,9 @@ def outermost_corners(p: Program, st: State, j: int, dx: float, dy: float) -> tu
     (dx, dy) is the vector from the sensor to the centre of the box. The corners belong to one side if the sensor is
     within the strip of that side; otherwise they are opposite.
     """
-    c = cos(st.h[j])
-    s = sin(st.h[j])
+    face(st, j)
+    c = st.box_cos[j]
+    s = st.box_sin[j]
     base = p.entity_const[j]
     long = 0.5 * p.const[base + slot.E_LENGTH]
     wide = 0.5 * p.const[base + slot.E_WIDTH]

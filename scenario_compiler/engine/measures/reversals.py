@@ -34,21 +34,29 @@ def least_gap(k: int) -> float:
 
 
 @compiled
-def filtered(m: Totals, k: int, angle: float, step: float) -> float:
-    """Return the filtered angle of this row, rad; before the first row the wheel is taken to have stood still."""
-    if m.driven_rows[0] == 0:
-        m.wheel_before[k] = angle
-        m.wheel_long_before[k] = angle
-        m.smooth_before[k] = angle
-        m.smooth_long_before[k] = angle
+def begin_filter(m: Totals, k: int, angle: float, step: float) -> None:
+    """Write the filter's weights; before the first row the wheel is taken to have stood still at an angle, rad."""
+    m.wheel_before[k] = angle
+    m.wheel_long_before[k] = angle
+    m.smooth_before[k] = angle
+    m.smooth_long_before[k] = angle
     turn = pi * cut_off(k) * step
     warped = sin(turn) / cos(turn) if cos(turn) > 0.0 else 0.0
     square = warped * warped
     norm = 1.0 / max(1.0 + ROOT * warped + square, 1.0)
-    weight = square * norm
+    m.raw_weight[k] = square * norm
+    m.smooth_weight[k] = 2.0 * (square - 1.0) * norm
+    m.smooth_long_weight[k] = (1.0 - ROOT * warped + square) * norm
+
+
+@compiled
+def filtered(m: Totals, k: int, angle: float, step: float) -> float:
+    """Return the filtered angle of this row, rad."""
+    if m.driven_rows[0] == 0:
+        begin_filter(m, k, angle, step)
+    weight = m.raw_weight[k]
     fed = weight * angle + 2.0 * weight * m.wheel_before[k] + weight * m.wheel_long_before[k]
-    back = 2.0 * (square - 1.0) * norm * m.smooth_before[k]
-    smooth = fed - back - (1.0 - ROOT * warped + square) * norm * m.smooth_long_before[k]
+    smooth = fed - m.smooth_weight[k] * m.smooth_before[k] - m.smooth_long_weight[k] * m.smooth_long_before[k]
     m.wheel_long_before[k] = m.wheel_before[k]
     m.wheel_before[k] = angle
     m.smooth_long_before[k] = m.smooth_before[k]

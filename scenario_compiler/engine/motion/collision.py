@@ -20,17 +20,23 @@ def reported_entity(p: Program) -> int:
 
 
 @compiled
+def face(st: State, i: int) -> None:
+    """Keep the cosine and sine of an entity's heading in `box_cos` and `box_sin`; most drive straight on."""
+    h = st.h[i]
+    if h != st.box_h[i]:
+        st.box_h[i] = h
+        st.box_cos[i] = cos(h)
+        st.box_sin[i] = sin(h)
+
+
+@compiled
 def update_boxes(p: Program, st: State) -> None:
     """Update the centre of every entity's box, and sort the entities by the left end of their boxes' x range.
 
     Insertion sort is used because they are nearly sorted. Cosine and sine are kept while a heading does not change.
     """
     for i in range(p.entity_count[0]):
-        h = st.h[i]
-        if h != st.box_h[i]:
-            st.box_h[i] = h
-            st.box_cos[i] = cos(h)
-            st.box_sin[i] = sin(h)
+        face(st, i)
         center = p.const[p.entity_const[i] + slot.E_CENTER]
         st.middle_x[i] = st.x[i] + center * st.box_cos[i]
         st.middle_y[i] = st.y[i] + center * st.box_sin[i]

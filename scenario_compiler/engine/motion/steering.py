@@ -13,6 +13,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.collision import face
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_piece_at
@@ -116,8 +117,9 @@ def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> 
     x, y = path_point(n, p, st, i, preview, preview, st.aside[0])
     dx = x - st.x[i]
     dy = y - st.y[i]
-    c = cos(st.h[i])
-    w = sin(st.h[i])
+    face(st, i)
+    c = st.box_cos[i]
+    w = st.box_sin[i]
     return aim(p, st, i, dx * c + dy * w, dy * c - dx * w, most)
 
 

@@ -17,6 +17,7 @@ from scenario_compiler.engine.moves.variables import reset_variables
 from scenario_compiler.engine.traffic.driving import prepare_traffic
 from scenario_compiler.forms.declaration import put_to_start
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_pose
 from scenario_compiler.roads.tables import RoadTables
 
 
@@ -30,6 +31,17 @@ def reset_entities(p: Program, st: State) -> None:
         st.guide[i] = p.entity_guide[i]
     if p.ego[0] >= 0:
         st.target_speed[0] = p.const[p.entity_const[p.ego[0]] + slot.E_DESIRED_SPEED]
+
+
+@compiled
+def reset_destination(n: RoadTables, p: Program, st: State) -> None:
+    """Write where the ego's destination is."""
+    road = p.destination_road[0]
+    if road >= 0:
+        s = p.const[slot.K_DESTINATION_S]
+        x, y, _, _, _, _ = lane_pose(n, road, p.destination_lane[0], s, p.const[slot.K_DESTINATION_OFFSET])
+        st.destination_x[0] = x
+        st.destination_y[0] = y
 
 
 @compiled
@@ -49,5 +61,6 @@ def reset_columns(n: RoadTables, p: Program, st: State) -> None:
     if p.traffic_count[0] > 0:
         prepare_traffic(n, p, st)
     reset_positions(n, p, st)
+    reset_destination(n, p, st)
     prepare_boxes(p, st)
     update_boxes(p, st)

@@ -32,7 +32,6 @@ from scenario_compiler.engine.story.running import run_actions
 from scenario_compiler.engine.story.storyboard import displace, run_triggers, trigger_fires
 from scenario_compiler.engine.traffic.driving import move_traffic
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_pose
 from scenario_compiler.roads.tables import RoadTables
 
 ARRIVED = 5.0
@@ -138,15 +137,12 @@ def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
 
 
 @compiled
-def at_destination(n: RoadTables, p: Program, st: State) -> int:
+def at_destination(p: Program, st: State) -> int:
     """Return 1 if the ego is near its destination."""
-    road = p.destination_road[0]
-    if road < 0:
+    if p.destination_road[0] < 0:
         return 0
-    s = p.const[slot.K_DESTINATION_S]
-    x, y, _, _, _, _ = lane_pose(n, road, p.destination_lane[0], s, p.const[slot.K_DESTINATION_OFFSET])
     ego = p.ego[0]
-    return 1 if length_of(x - st.x[ego], y - st.y[ego]) <= ARRIVED else 0
+    return 1 if length_of(st.destination_x[0] - st.x[ego], st.destination_y[0] - st.y[ego]) <= ARRIVED else 0
 
 
 @compiled
@@ -170,7 +166,7 @@ def end_step(n: RoadTables, p: Program, st: State) -> None:
         return
     if drives_ego(p) == 1:
         watch_standstill(n, p, st)
-        if st.stop[0] == op.STOP_NONE and at_destination(n, p, st) == 1:
+        if st.stop[0] == op.STOP_NONE and at_destination(p, st) == 1:
             st.stop[0] = op.STOP_DESTINATION
     if st.stop[0] == op.STOP_NONE and st.clock[0] >= p.const[slot.K_DURATION] - 1.0e-6:
         st.stop[0] = op.STOP_DURATION

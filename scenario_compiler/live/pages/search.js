@@ -8,7 +8,7 @@ export class SearchTask {
     this.box = box;
     this.tell = tell;
     this.drawn = document.createElementNS(SVG, "svg");
-    this.drawn.setAttribute("viewBox", "0 0 300 100");
+    this.drawn.setAttribute("viewBox", "-1 -1 302 102");
     this.drawn.setAttribute("role", "img");
     this.drawn.setAttribute("aria-label", words);
     box.replaceChildren(Object.assign(document.createElement("p"), { textContent: words }), this.drawn);

@@ -1,6 +1,6 @@
-"""Measures what the lane detector's confidence is worth, and fits it.
+"""Fits the lane detector's confidence, and measures how reliable it is.
 
-In: road files. `maps` drives clips along their lanes and `bank` makes up situations, both with the truth beside each
-picture; `collect` lets a detector look at them, `gather` on several cores; `fit` fits the confidence, and `figures`
-says what it is worth, with maps left out of the fit in turn. `scenario-compiler calibrate` writes the page.
+In: road files. `maps` makes clips along their lanes and `bank` makes situations, both with the truth for each picture.
+`collect` runs a detector on them, `gather` does so on several cores. `fit` fits the confidence, and `figures` measures
+its reliability, leaving out one map after the other from the fit. `scenario-compiler calibrate` writes the page.
 """

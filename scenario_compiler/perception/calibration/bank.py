@@ -1,7 +1,8 @@
-"""A bank of situations on roads made up for it: what is asked of the detector one by one.
+"""A bank of situations on artificial roads, in which the detector is tested one by one.
 
-Every situation has its own pictures: the lane's width, its marks, where the car is in the lane and what the situation
-leaves open are drawn. `drawn_situation` gives others of the kind, for the fit: with other radii, distances and draws.
+Every situation has its own pictures: the lane's width, its marks, the position of the car in the lane and everything
+else that the situation leaves open are random. `drawn_situation` makes other situations of this kind for the fit, with
+other radii, distances and random numbers.
 """
 
 from __future__ import annotations
@@ -25,29 +26,29 @@ from scenario_compiler.roads.mesh import Material
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_preset
 
 HERE = 90.0
-"""Where the car is on the road, m, give or take 10."""
+"""Position of the car on the road, m, plus or minus 10."""
 
 GRADE_RADIUS = 1000.0
 GRADE = math.radians(3.0)
-"""Radius of a change of grade, m, and by how much the grade changes, rad."""
+"""Radius of a change of grade, m, and the change of the grade, rad."""
 
 DASHES = ((0.0, 0.0), (3.0, 9.0), (6.0, 12.0), (3.0, 6.0))
 
 
 @dataclass(frozen=True)
 class Situation:
-    """What is asked.
+    """A situation.
 
     Attributes:
         name: Its name in tables.
-        radius: Radius of the road, m, left positive; 0 is straight.
-        leader: Distance to a car in the lane, m; 0 is none.
-        truck: Side on which a truck drives, 1 left, -1 right, 0 none.
-        sun: Whether a low sun stands straight ahead.
+        radius: Radius of the road, m, positive to the left; 0 for a straight road.
+        leader: Distance to a car in the lane, m; 0 for none.
+        truck: Side on which a truck drives: 1 left, -1 right, 0 for none.
+        sun: Whether a low sun is straight ahead.
         weather: Name of the weather.
         sigma: Noise, grey levels.
         pitch: Pitch of the body, degrees, positive with the nose down.
-        grade: 1 if the road bends up ahead or below the car, -1 if it bends down, 0 none.
+        grade: 1 if the road bends up ahead or below the car, -1 if it bends down, 0 for neither.
         paint: Quality of the paint.
     """
 
@@ -63,7 +64,7 @@ class Situation:
     paint: float = 1.0
 
     def light(self, heading: float = 0.0) -> Weather:
-        """Return the weather; a low sun stands straight ahead of a car with this heading, rad."""
+        """Return the weather; a low sun is straight ahead of a car with this heading, rad."""
         weather = weather_preset(self.weather) or Weather()
         if not self.sun:
             return weather
@@ -99,7 +100,7 @@ def pictures(situation: Situation, seed: int, count: int) -> Iterator[tuple[NDAr
 
 
 def drawn_situation(draw: np.random.Generator) -> Situation:
-    """Return a situation that is not in the bank: bends down to 25 m, leaders, pitch, grades, wear."""
+    """Return a random situation that is not in the bank: bends down to 25 m, leaders, pitch, grades, wear."""
     radius = 0.0 if draw.random() < 0.3 else float(draw.choice([-1.0, 1.0]) * math.exp(draw.uniform(3.2, 5.7)))
     weather = "ClearNoon" if draw.random() < 0.7 else list(WEATHER_PRESETS)[int(draw.integers(len(WEATHER_PRESETS)))]
     return Situation(
@@ -139,7 +140,7 @@ def picture(one: Situation, draw: np.random.Generator, texture: int = GROUND_SEE
 
 
 def _profile(one: Situation, draw: np.random.Generator, here: float) -> tuple[float, float, float]:
-    """Return where the road begins to bend up, its curvature there, and by how much its grade changes."""
+    """Return where the road begins to bend up, its curvature there, and the change of its grade."""
     begin = here + float(draw.uniform(-10.0, 25.0))
     return begin, one.grade / GRADE_RADIUS, GRADE
 

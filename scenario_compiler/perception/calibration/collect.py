@@ -1,4 +1,4 @@
-"""Lets a detector look at clips and situations, and keeps what it says beside what is true."""
+"""Runs a detector on clips and situations, and keeps its output together with the truth."""
 
 from __future__ import annotations
 
@@ -17,24 +17,25 @@ from scenario_compiler.perception.weather_look import look_of
 Floats = NDArray[np.float64]
 
 CONDITIONS = ("contrast", "sigma", "pitch", "leader", "beside", "curvature", "junction", "number")
-"""Columns of `Looks.conditions`: the contrast that the weather leaves of paint, noise in grey levels, the body's pitch
-in rad, the distance to the leader in m, whether a truck is beside, the way's curvature in 1/m, whether a junction
-is near, and the image's place in its clip."""
+"""Columns of `Looks.conditions`: the contrast of paint that the weather leaves, noise in grey levels, the body's pitch
+in rad, the distance to the leader in m, whether a truck is beside, the path's curvature in 1/m, whether a junction is
+near, and the image's index in its clip.
+"""
 
 RIGHT = 0.25
-"""Largest lateral error of a boundary that is right, m."""
+"""Largest lateral error of a boundary that counts as right, m."""
 
 
 @dataclass(frozen=True, eq=False)
 class Looks:
-    """Sides of lanes that were looked at. N of them.
+    """Observations of sides of lanes. N of them.
 
     Attributes:
-        rows: (N, features) what the confidence was made from.
-        p: (N, 3) what the detector said: that the geometry is right, that paint is there, and of both.
+        rows: (N, features) the features of the confidence.
+        p: (N, 3) the detector's probabilities: that the geometry is right, that paint is there, and of both.
         error: (N,) largest lateral error, m.
-        painted: (N,) share of the stretch on which paint is there.
-        clip: (N,) number of the clip; looks of one clip are never parted.
+        painted: (N,) painted share of the stretch.
+        clip: (N,) number of the clip; observations of one clip are never separated.
         conditions: (N, len(CONDITIONS)).
     """
 
@@ -47,16 +48,16 @@ class Looks:
 
     @staticmethod
     def joined(parts: Sequence[Looks]) -> Looks:
-        """Return all looks of several."""
+        """Return the observations of all parts."""
         return Looks(*(np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(Looks)))
 
     def only(self, chosen: NDArray[np.bool_]) -> Looks:
-        """Return some of the looks."""
+        """Return the chosen observations."""
         return Looks(*(getattr(self, one.name)[chosen] for one in fields(Looks)))
 
     @property
     def labels(self) -> Floats:
-        """(N, 3) whether the geometry was right, paint was there, and both, 0 or 1."""
+        """(N, 3) whether the geometry was right, paint was there, and both, as 0 or 1."""
         right, there = self.error < RIGHT, self.painted > SEEN_SHARE
         return np.stack([right, there, right & there], axis=1).astype(np.float64)
 
@@ -66,7 +67,7 @@ class Looks:
 
 
 class _Taker:
-    """Takes down what a detector says."""
+    """Records the output of a detector."""
 
     def __init__(self, detector: CalibratedDetector) -> None:
         self.detector = detector
@@ -76,7 +77,7 @@ class _Taker:
     def look(
         self, image: NDArray[np.uint8], state: LaneState, truth: Truth, clip: int, about: tuple[float, ...]
     ) -> LaneResult:
-        """Let the detector look at one image."""
+        """Run the detector on one image."""
         result, rows = self.detector.look(image, state)
         for side, (row, found) in enumerate(zip(rows, (result.left, result.right), strict=True)):
             self.rows.append(row)
@@ -86,14 +87,14 @@ class _Taker:
 
     @property
     def looks(self) -> Looks:
-        """What was taken down."""
+        """Return the recorded observations."""
         rest = np.array(self.rest).reshape(-1, 6 + len(CONDITIONS))
         rows = np.array(self.rows).reshape(len(rest), len(self.detector.features))
         return Looks(rows, rest[:, :3], rest[:, 3], rest[:, 4], rest[:, 5].astype(np.int64), rest[:, 6:])
 
 
 def look_at_map(roads: MapRoads, detector: CalibratedDetector, seed: int, numbers: range) -> Looks:
-    """Return the looks at the clips of some numbers, each seen in order with memory."""
+    """Return the observations of clips with the given numbers, whose images are seen in order with memory."""
     taker = _Taker(detector)
     for clip, conditions, views in roads.clips(seed, numbers):
         state = LaneState()
@@ -104,7 +105,7 @@ def look_at_map(roads: MapRoads, detector: CalibratedDetector, seed: int, number
 
 
 def look_at_bank(detector: CalibratedDetector, situation: int, seed: int, count: int) -> Looks:
-    """Return the looks at `count` pictures, without memory, of one situation of the bank."""
+    """Return the observations of `count` pictures of one situation of the bank, without memory."""
     taker = _Taker(detector)
     for number, (image, truth) in enumerate(pictures(BANK[situation], seed, count)):
         taker.look(image, LaneState(), truth, number, _of_situation(BANK[situation]))
@@ -112,7 +113,7 @@ def look_at_bank(detector: CalibratedDetector, situation: int, seed: int, count:
 
 
 def look_at_drawn(detector: CalibratedDetector, seed: int, numbers: range) -> Looks:
-    """Return the looks at pictures, without memory, of situations that are drawn."""
+    """Return the observations of pictures of random situations, without memory."""
     taker = _Taker(detector)
     for number in numbers:
         draw = np.random.default_rng([seed, number])

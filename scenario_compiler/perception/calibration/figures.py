@@ -1,4 +1,4 @@
-"""What the confidence is worth: figures of looks, with maps left out of the fit in turn."""
+"""The reliability of the confidence: figures of observations, leaving out one map after the other from the fit."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ Mask = NDArray[np.bool_]
 OUTPUTS = ("geometry", "paint", "both")
 
 SURE, CONFIDENT, FAR_OFF = 0.8, 0.6, 1.0
-"""Confidences from which a side counts as sure and as confident, and the error of one that is far off, m."""
+"""Confidences from which a side counts as sure and as confident, and the error from which one is far off, m."""
 
 REMEMBERING = 3
-"""Number of the image of a clip from which on memory has settled."""
+"""Index of the image of a clip from which the memory has settled."""
 
 FITTED = (0, 2, 4, 5)
-"""Images of a clip that are fitted to: neighbours say the same."""
+"""Images of a clip that are used for the fit; neighbouring ones are redundant."""
 
 DRAWN_WEIGHT = 5.0
 """Weight of a look at a drawn situation: there are few, and they have bends and grades that maps lack."""
@@ -33,14 +33,14 @@ DRAWN_WEIGHT = 5.0
 
 @dataclass(frozen=True)
 class Worth:
-    """What the outputs are worth over some looks.
+    """The reliability of the outputs over some observations.
 
     Attributes:
-        name: What was looked at.
-        outputs: Of each of `OUTPUTS`.
-        sure: Share of the looks with a confidence over `SURE`.
-        wrong: Share of those that are off by more than 0.25 m.
-        far_off: Share of those that are off by more than 1 m.
+        name: Name of the observations.
+        outputs: For each of `OUTPUTS`.
+        sure: Share of the observations with a confidence above `SURE`.
+        wrong: Share of those with an error above 0.25 m.
+        far_off: Share of those with an error above 1 m.
     """
 
     name: str
@@ -52,7 +52,7 @@ class Worth:
 
 @dataclass(frozen=True)
 class Asked:
-    """How a situation of the bank went.
+    """Result of a situation of the bank.
 
     Attributes:
         name: The situation's.
@@ -73,10 +73,10 @@ class Figures:
 
     Attributes:
         single: Single images of each map.
-        driving: Images of it that were seen with memory.
+        driving: Images of each map that were seen with memory.
         conditions: Images of all maps with memory, by condition.
         bank: The bank.
-        left_out: Maps that took no part in the fit that judged them.
+        left_out: Maps that were not part of the fit that was applied to them.
     """
 
     single: tuple[Worth, ...]
@@ -87,7 +87,7 @@ class Figures:
 
 
 def fitted(gathered: Gathered, without: str = "") -> Confidence:
-    """Return the confidence fitted to all looks but those at one map."""
+    """Return the confidence fitted to all observations except those on one map."""
     parts = [looks for name, looks in gathered.maps.items() if name != without]
     of_maps = Looks.joined(parts)
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
@@ -102,7 +102,7 @@ def fitted_to(of_maps: Looks, drawn: Looks) -> Confidence:
 
 
 def judged(looks: Looks, confidence: Confidence) -> Looks:
-    """Return the looks with what another confidence would have said of them; memory stays as it was."""
+    """Return the observations with the probabilities of another confidence; the memory is unchanged."""
     return replace(looks, p=confidence.all(looks.rows))
 
 
@@ -110,9 +110,9 @@ def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confiden
     """Return the figures.
 
     Args:
-        gathered: The looks.
-        left_out: Maps that are judged by a fit to all others, and of which the tables then are; all when empty.
-        confidence: What judges all else; None for what the detector said.
+        gathered: The observations.
+        left_out: Maps to which a fit to all others is applied, and which the tables contain; empty for all maps.
+        confidence: The confidence for everything else; None for the detector's own.
     """
     chosen = {name: looks for name, looks in gathered.maps.items() if not left_out or name in left_out}
     if left_out:
@@ -136,7 +136,7 @@ def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confiden
 
 
 def worth(name: str, looks: Looks) -> Worth:
-    """Return what the outputs are worth over looks."""
+    """Return the reliability of the outputs over observations."""
     labels, sure = looks.labels, looks.p[:, 2] > SURE
     count = max(int(sure.sum()), 1)
     return Worth(
@@ -149,7 +149,7 @@ def worth(name: str, looks: Looks) -> Worth:
 
 
 def conditions_of(looks: Looks) -> list[tuple[str, Mask]]:
-    """Return conditions by name, with the looks that they hold for."""
+    """Return conditions by name, with the observations to which they apply."""
     curvature, leader = looks.condition("curvature"), looks.condition("leader")
     contrast, sigma, pitch = looks.condition("contrast"), looks.condition("sigma"), np.abs(looks.condition("pitch"))
     junction = looks.condition("junction") > 0.0

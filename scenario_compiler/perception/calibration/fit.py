@@ -1,4 +1,4 @@
-"""Fits the confidence, and measures how well probabilities come true."""
+"""Fits the confidence, and measures the reliability of probabilities."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ BINS = tuple(k / 10 for k in range(11))
 """Borders of the reliability table."""
 
 COUNTED = 100
-"""Looks from which a bin counts."""
+"""Least number of observations for a bin to count."""
 
 HIDDEN, OUTPUTS = 32, 3
 """Hidden units of one fit, and outputs."""
 
 PENALTY = 2e-4
-"""On the mean of the squared weights' sum: keeps them small."""
+"""Factor of the mean squared weights in the loss, which keeps them small."""
 
 STEPS = 400
-"""Most steps of the fit."""
+"""Greatest number of steps of the fit."""
 
 SEEDS = (1, 2)
 """Of the first weights: the logits of several fits are averaged, which is less wrong than one fit on other roads."""
 
 
 def fit_confidence(rows: Floats, labels: Floats, weight: Floats | None = None) -> Confidence:
-    """Return the mean of the confidences with the least cross-entropy over looks, one for each of `SEEDS`.
+    """Return the mean of the confidences with the least cross-entropy over observations, one for each of `SEEDS`.
 
     Args:
         rows: (N, F) features.
-        labels: (N, 3) whether the geometry was right, paint was there, and both, 0 or 1.
-        weight: (N,) how much each look counts; alike when None.
+        labels: (N, 3) whether the geometry was right, paint was there, and both, as 0 or 1.
+        weight: (N,) weight of each observation; equal if None.
     """
     fits = [_fit(rows, labels, weight, seed) for seed in SEEDS]
     hidden = np.concatenate([one.hidden for one in fits])
@@ -84,16 +84,16 @@ def _fit(rows: Floats, labels: Floats, weight: Floats | None, seed: int) -> Conf
 
 @dataclass(frozen=True)
 class Reliability:
-    """How probabilities compare with what happened.
+    """Comparison of probabilities with outcomes.
 
     Attributes:
-        count: Number of looks.
-        accuracy: Share in which p > 0.5 said the right thing.
-        area: Area under the receiver operating characteristic; NaN if there was one outcome alone.
+        count: Number of observations.
+        accuracy: Share in which p > 0.5 agreed with the outcome.
+        area: Area under the receiver operating characteristic; NaN if all outcomes were equal.
         brier: Mean squared difference of probability and outcome.
-        expected_error: Mean over the looks of the difference of a bin's probability and frequency.
-        largest_error: Largest such difference over the bins with at least `COUNTED` looks.
-        bins: (from, to, looks, mean probability, observed frequency).
+        expected_error: Mean over the observations of the difference between a bin's probability and frequency.
+        largest_error: Largest such difference over the bins with at least `COUNTED` observations.
+        bins: (from, to, observations, mean probability, observed frequency).
     """
 
     count: int
@@ -125,7 +125,7 @@ def reliability(p: Floats, outcomes: Floats) -> Reliability:
 
 
 def area_under_curve(p: Floats, right: NDArray[np.bool_]) -> float:
-    """Return the share of pairs of a right and a wrong one that p tells apart; ties count half."""
+    """Return the share of pairs of a right and a wrong one that p orders correctly; ties count half."""
     from scipy.stats import rankdata
 
     yes, no = int(right.sum()), int((~right).sum())

@@ -1,4 +1,4 @@
-"""Gathers looks on several cores: at clips of maps, at the bank, and at situations that are drawn."""
+"""Gathers observations on several cores: of clips on maps, of the bank, and of random situations."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from scenario_compiler.perception.lane_detector import CalibratedDetector
 from scenario_compiler.roads import load_network
 
 PART = 24
-"""Clips of a job, which share the wear of the paint."""
+"""Number of clips of a job, which share the wear of the paint."""
 
 SEED, BANK_SEED, DRAWN_SEED = 11, 5, 23
 
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
-    """Looks by where they were taken.
+    """Observations by their source.
 
     Attributes:
-        maps: Name of a map to the looks at its clips.
-        bank: Looks at each situation of the bank, in its order.
-        drawn: Looks at situations that were drawn.
+        maps: Observations of a map's clips, by the map's name.
+        bank: Observations of each situation of the bank, in its order.
+        drawn: Observations of random situations.
     """
 
     maps: dict[str, Looks]
@@ -55,15 +55,15 @@ def gather(
     processes: int,
     progress: Callable[[int, int], None] | None = None,
 ) -> Gathered:
-    """Let a detector look.
+    """Run a detector.
 
     Args:
         detector: Its name.
-        maps: Road files; one that has no lane to drive on gives nothing.
-        clips: Clips of each map.
-        pictures: Pictures of each situation of the bank; fifteen times as many situations are drawn.
-        processes: Worker processes.
-        progress: Called with the jobs that are done and all of them.
+        maps: Road files; one without a driving lane gives nothing.
+        clips: Number of clips of each map.
+        pictures: Number of pictures of each situation of the bank; there are fifteen times as many random situations.
+        processes: Number of worker processes.
+        progress: Called with the number of finished jobs and that of all jobs.
     """
     jobs = [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
     jobs += [_Job(detector, "drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]

@@ -1,7 +1,7 @@
-"""Pictures of a map's own lanes, driven along, with the truth about the lane in each.
+"""Pictures along a map's own lanes, with the truth about the lane in each.
 
-A clip is a car that drives a few images along a lane, with the traffic, the weather, the wear, the noise and the pitch
-that are drawn for it. A clip depends on the map, the seed and its number alone.
+A clip is a few images from a car that drives along a lane, with random traffic, weather, wear, noise and pitch. It
+depends only on the map, the seed and its number.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weath
 Floats = NDArray[np.float64]
 
 IMAGES = 6
-"""Images of a clip: the first is seen without memory."""
+"""Number of images of a clip; the first is seen without memory."""
 
 PERIOD = 1.0 / 15.0
 """Time between two images, s."""
 
 LATERAL = 2.5
-"""Lateral acceleration at which bends are driven, m/s2."""
+"""Lateral acceleration in bends, m/s2."""
 
 REACH = 40
-"""Length of the way ahead of the car that is known, m."""
+"""Length of the known path ahead of the car, m."""
 
 BEHIND = 6
-"""Length of the way behind it, m."""
+"""Length of the known path behind it, m."""
 
 GAP = 13.0
-"""Longest gap between two pieces of paint that belong to one line, m."""
+"""Longest gap between two pieces of paint of the same line, m."""
 
 CLEAR_DAY = weather_preset("ClearNoon") or Weather()
 
@@ -58,8 +58,8 @@ class View:
     Attributes:
         image: (height, width, 3) uint8, BGR.
         truth: The lane's boundaries and paint.
-        way: Slope below the camera and curvature, 1/m, of the way, where a junction is in sight; else None.
-        number: Place in the clip.
+        way: Slope below the camera and curvature, 1/m, of the path if a junction is in sight; else None.
+        number: Index in the clip.
     """
 
     image: NDArray[np.uint8]
@@ -70,7 +70,7 @@ class View:
 
 @dataclass(frozen=True)
 class Conditions:
-    """What a clip was drawn with.
+    """The random conditions of a clip.
 
     Attributes:
         weather: The weather.
@@ -78,7 +78,7 @@ class Conditions:
         pitch: Pitch of the body, rad, positive with the nose down.
         leader: Distance to the vehicle ahead in the lane, m; infinite without one.
         beside: Whether a truck drives beside.
-        curvature: Greatest curvature of the way within 20 m, 1/m.
+        curvature: Greatest curvature of the path within 20 m, 1/m.
         junction: Whether a junction is within 25 m.
     """
 
@@ -110,9 +110,9 @@ class MapRoads:
         self._share = np.cumsum(lengths) / max(float(lengths.sum()), 1e-9)
 
     def clips(self, seed: int, numbers: range, per_scene: int = 24) -> Iterator[tuple[int, Conditions, Iterator[View]]]:
-        """Yield number, conditions and views of the clips of some numbers; `per_scene` share the wear of the paint.
+        """Yield number, conditions and views of the clips with some numbers; `per_scene` share the wear of the paint.
 
-        A number whose place has too short a way ahead is left out; there is none on a map without a lane to drive on.
+        A number whose place has too short a path ahead is left out. A map without a driving lane has no clips.
         """
         if not self._lanes:
             return
@@ -201,7 +201,7 @@ class MapRoads:
             yield View(image, truth, meant, number)
 
     def _way(self, here: LanePosition) -> _Way | None:
-        """Return the way from behind a place on, None if it is too short."""
+        """Return the path that starts behind a place, None if it is too short."""
         network = self.network
         back = network.previous(here, BEHIND)
         if back is None:
@@ -218,7 +218,7 @@ class MapRoads:
 
 
 class _Lines:
-    """Marks, and where along its road each line has how much paint."""
+    """Marks, and the quality of each line along its road."""
 
     def __init__(self, marks: Marks) -> None:
         self.marks = marks
@@ -246,7 +246,7 @@ class _Lines:
 
 @dataclass(frozen=True, eq=False)
 class _Way:
-    """A lane followed from junction to junction, a metre a place.
+    """A lane followed from junction to junction, with one place per metre.
 
     Attributes:
         distance: (n,) along it, m.
@@ -255,8 +255,8 @@ class _Way:
         heading: (n,) rad.
         pitch: (n,) rad, positive downhill.
         roll: (n,) rad.
-        left_line: Road and lane whose outer border the left border is, for each place, and s.
-        right_line: The same of the right border.
+        left_line: Road and lane whose outer border is the left border, for each place, and s.
+        right_line: The same for the right border.
         junction: Distance along it to the first junction, m; infinite without one.
     """
 
@@ -272,7 +272,7 @@ class _Way:
 
     @staticmethod
     def along(network: Network, places: list[LanePosition]) -> _Way:
-        """Return the way over some places."""
+        """Return the path through some places."""
         n = network.tables
         left, right, angles = [], [], []
         left_line, right_line = [], []
@@ -311,7 +311,7 @@ class _Way:
         return float(turn.max() / 5.0)
 
     def pose(self, at: float, offset: float, turn: float) -> Pose:
-        """Return the pose at a distance along the way, an offset to the left of its middle, and turned left."""
+        """Return the pose at a distance along the path, with an offset to the left of its centre, turned left."""
         middle = 0.5 * (self.left + self.right)
         x, y, z = (float(np.interp(at, self.distance, middle[:, k])) for k in range(3))
         heading, pitch, roll = (
@@ -321,7 +321,7 @@ class _Way:
         return Pose(x, y, z, heading + turn, pitch, roll)
 
     def moved(self, distance: float) -> tuple[float, float]:
-        """Return how far somebody who drives as we do has come, m."""
+        """Return the displacement of a vehicle that drives in the same way, m."""
         begin, end = self.pose(BEHIND, 0.0, 0.0), self.pose(BEHIND + distance, 0.0, 0.0)
         return end.x - begin.x, end.y - begin.y
 
@@ -335,7 +335,7 @@ class _Way:
 
 
 def _traffic(draw: np.random.Generator, way: _Way, curvature: float) -> tuple[list[Box], float, bool]:
-    """Return others near the car, the distance to the leader and whether a truck is beside."""
+    """Return the other vehicles near the car, the distance to the leader, and whether a truck is beside."""
     boxes: list[Box] = []
     leader, beside = math.inf, False
     width = float(np.hypot(*(way.left - way.right)[BEHIND, :2]))

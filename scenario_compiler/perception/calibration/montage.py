@@ -1,4 +1,4 @@
-"""Pictures of the bank, with what a detector finds in them."""
+"""Pictures of the bank with the boundaries that a detector finds in them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ACROSS, SCALE, SEED = 4, 0.75, 5
 
 
 def montage(name: DetectorName, situations: Sequence[str]) -> bytes:
-    """Return a JPEG: a picture of each situation, what the detector finds in it, and its confidence on both sides."""
+    """Return a JPEG with a picture of each situation, the detected boundaries, and the confidence in both sides."""
     detector, tiles = create_detector(name), []
     for called in situations:
         situation = next(one for one in BANK if one.name == called)

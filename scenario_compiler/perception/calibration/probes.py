@@ -1,7 +1,7 @@
-"""A few pictures by which a change of the renderer or of the detector is noticed.
+"""A few pictures that reveal a change of the renderer or of the detector.
 
-What was fitted to the detector's answers, as surrogate perception is, keeps its answers to these pictures. They are
-compared as numbers, not as a digest of files: a comment changes nothing, and another processor little.
+Anything that was fitted to the detector's output, such as surrogate perception, stores its output for these pictures.
+The comparison is numeric and not by a digest of files: a comment has no effect, and another processor little.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ SEED, AT = 5, 12.0
 """Seed of the pictures, and the distance at which a boundary is measured, m."""
 
 TOLERANCE = 0.05
-"""Greatest difference of a confidence, and of a trusted boundary's place, m, that is no change."""
+"""Greatest difference of a confidence, and of a trusted boundary's position, m, that does not count as a change."""
 
 TRUSTED = 0.5
-"""Confidence from which a boundary's place is compared: a boundary that is not there lies anywhere."""
+"""Confidence above which a boundary's position is compared; that of a missing boundary is arbitrary."""
 
 
 def probes(detector: DetectorName = "classical") -> tuple[tuple[float, ...], ...]:
-    """Return for each picture (confidence left, right, place of the left boundary, of the right one, m)."""
+    """Return for each picture (confidence left, right; position of the left boundary, of the right one, m)."""
     made, found = create_detector(detector), []
     for name in PROBES:
         image, _ = next(pictures(next(one for one in BANK if one.name == name), SEED, 1))
@@ -39,7 +39,7 @@ def probes(detector: DetectorName = "classical") -> tuple[tuple[float, ...], ...
 
 
 def changes(before: Sequence[Sequence[float]], now: Sequence[Sequence[float]]) -> list[str]:
-    """Return the situations of whose pictures the detector says something else than before."""
+    """Return the situations for whose pictures the detector's output has changed."""
     if len(before) != len(PROBES):
         return list(PROBES)
     found = []

@@ -1,4 +1,4 @@
-"""What is true about the lane in a picture, and when a detected boundary is right."""
+"""The truth about the lane in a picture, and when a detected boundary is right."""
 
 from __future__ import annotations
 
@@ -16,13 +16,15 @@ X = np.arange(6.0, 18.5, 1.0)
 """Distances ahead of the camera at which a boundary has to be right, m."""
 
 TILT_FROM, TILT_TO = 5.0, 22.0
-"""Stretch ahead of the camera through which the plane of the road is laid, m."""
+"""Stretch ahead of the camera to which the plane of the road is fitted, m."""
 
 NEAREST, FARTHEST = 2.0, 45.0
 """Depths between which pixels of boundaries are labelled, m."""
 
 SEEN, SEEN_SHARE = 0.15, 0.6
-"""Quality times the weather's contrast over which paint counts as there, and the share of the stretch that needs it."""
+"""Product of quality and the weather's contrast above which paint counts as visible, and the share of the stretch that
+needs it.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +34,9 @@ class Truth:
     Attributes:
         boundaries: y(X) of the left and the right boundary in the camera's ground frame, m; infinite where a boundary
             turns away so much that it never comes as far ahead.
-        painted: Share of the stretch on which paint is there, of the left and the right boundary.
+        painted: Share of the stretch with visible paint, of the left and the right boundary.
         pixels: (n, 2) u, v in the image, in order of travel, of points of the left and the right boundary.
-        tilt: Upward tilt of the camera, rad, beyond its mounting, against a plane through the road ahead.
+        tilt: Upward tilt of the camera relative to its mounting, rad, against a plane through the road ahead.
     """
 
     boundaries: tuple[Floats, Floats]

@@ -16,7 +16,7 @@ UNEVEN_RATE = Code(
 )
 
 SLACK = 1.0e-6
-"""Part of a control step by which a period may be off."""
+"""Largest difference between a period and a whole number of control steps, as a share of the period."""
 
 
 def check_camera(plan: Plan, network: Network, sink: Diagnostics) -> None:

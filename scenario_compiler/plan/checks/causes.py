@@ -1,4 +1,4 @@
-"""Checks that every limit of a cause or of the forward sensor belongs to its kind, and that the numbers agree."""
+"""Checks that every limit of a cause or of the forward sensor applies to its kind, and that limits are consistent."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ IMPOSSIBLE_COUNT = Code(
 
 
 def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report attributes that the kind of a cause or of the sensor does not have, and counts that are never reached."""
+    """Report attributes that do not apply to the kind of a cause or sensor, and counts that are never reached."""
     del network
     sensor = plan.forward_sensor
     for name in ("noise",) if sensor.kind == "camera" else ("headlights",):

@@ -1,4 +1,4 @@
-"""Checks that actions on controllers and lights are for entities that have them, and can be executed."""
+"""Checks that actions on controllers and lights concern entities that have them, and that they can be executed."""
 
 from __future__ import annotations
 
@@ -47,17 +47,17 @@ BAD_PROPERTY = Code(
 )
 
 DRIVING = ("acc", "alks", "default", "follow_route")
-"""Models that an actor has here, or that leave it to the storyboard as they should."""
+"""Controller models that drive an actor here, or that leave it to the storyboard as they should."""
 
 FOLLOWING = ("acc", "alks")
 LEAST = {"timeGap": 0.1, "time_gap": 0.1, "minimum_gap": 0.1, "setSpeed": 0.0, "speed": 0.0}
-"""Properties of car following that count, and the least value of each."""
+"""Properties that are used in car following, and the least value of each."""
 
 
 def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report controllers that nothing asks, actions on controllers that do nothing, and properties without a number.
+    """Report unused controllers, actions on controllers without effect, and properties that are not numbers.
 
-    With ideal perception the automation drives alone; a scenario that names no controller of its own means that.
+    With ideal perception the automation drives without a controller; this is not reported if the scenario names none.
     """
     del network
     own = plan.controller

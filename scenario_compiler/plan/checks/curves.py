@@ -23,7 +23,7 @@ MALFORMED_NURBS = Code(
 
 
 def check_curves(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report each NURBS that is no curve."""
+    """Report each NURBS whose knots, order and control points do not define a curve."""
     del network
     for word in walk(plan.storyboard):
         if isinstance(word, Nurbs):
@@ -33,7 +33,7 @@ def check_curves(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def _fault_of(curve: Nurbs) -> str:
-    """Return what keeps a NURBS from being a curve; empty where nothing does."""
+    """Return the reason why a NURBS does not define a curve; empty if it does."""
     points, order, knots = len(curve.points), curve.order, curve.knots
     if points < order:
         return f"a NURBS of the order {order} has {order} control points or more, not {points}"

@@ -21,7 +21,7 @@ IDLE_DRIVER = Code(
 
 
 def check_driver(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn of attributes of the driver that change nothing."""
+    """Warn of attributes of the driver that have no effect."""
     del network
     driver = plan.takeover.driver
     if not isinstance(driver, DriverModel):

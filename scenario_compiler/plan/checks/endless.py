@@ -27,7 +27,7 @@ KINDS = ("story", "act", "maneuverGroup", "maneuver", "event", "action")
 """Kinds of the storyboard's elements, from the outermost to the innermost."""
 
 AT_AN_END = frozenset({"completeState", "endTransition", "complete"})
-"""States and transitions that something comes to by its end."""
+"""States and transitions that an element reaches at its end."""
 
 
 def check_endless(plan: Plan, network: Network, sink: Diagnostics) -> None:
@@ -50,7 +50,7 @@ def check_endless(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def _endless(plan: Plan) -> Iterator[tuple[tuple[str, str], Word]]:
-    """Yield kind and names of every element that holds a continuous action, with the action."""
+    """Yield (kind, name) of every element that contains a continuous action, with the action."""
     for story in plan.storyboard.stories:
         for act in story.acts:
             for group in act.groups:
@@ -63,7 +63,7 @@ def _endless(plan: Plan) -> Iterator[tuple[tuple[str, str], Word]]:
 
 
 def _named(names: list[str], action: Word) -> Iterator[tuple[tuple[str, str], Word]]:
-    """Yield kind and names, from the last part to the name in full, of an action and the elements around it."""
+    """Yield (kind, name) of an action and the elements around it, with names from the last part to the full one."""
     for depth, kind in enumerate(KINDS, 1):
         for first in range(depth):
             yield (kind, "::".join(names[first:depth])), action

@@ -42,7 +42,7 @@ UNNOTICED = Code(
 UNNOTICED_KINDS = (
     *("impulse_noise", "overexposure", "dead_rows", "quantisation", "latency", "motion_blur", "misalignment"),
 )
-"""Kinds that ideal perception has no curve for."""
+"""Kinds of failures that have no effect on ideal perception."""
 
 ANGLES = Code(
     "SC408",
@@ -54,7 +54,7 @@ ANGLES = Code(
 
 
 def check_failures(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report failures, the camera's or an action's, that begin too late, end too soon, or say two things."""
+    """Report failures, from <camera> or actions, that begin too late, end too soon, or are contradictory."""
     del network
     values = parameter_values(plan.parameters)
     for failure in plan.failures:

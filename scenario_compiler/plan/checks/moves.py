@@ -39,11 +39,11 @@ NO_SUCH_LANE = Code(
 )
 
 OTHERS = {LongitudinalDistanceAction: "to", LateralDistanceAction: "to", SynchronizeAction: "master"}
-"""Actions that only another entity gives a meaning to, and the attribute that names it."""
+"""Actions that only make sense with another entity, and the attribute that names it."""
 
 
 def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report actions on speeds, lanes and distances that cannot be meant."""
+    """Report actions that refer to their own actor, give two distances, or change to a lane that does not exist."""
     lanes = set(network.tables.lane_id)
     for actor, action in plan.storyboard.actions():
         named = OTHERS.get(type(action))

@@ -26,13 +26,13 @@ NOWHERE = Code(
 )
 
 PLACING = (TeleportAction, FollowTrajectoryAction)
-"""Actions that place their actor."""
+"""Actions that give their actor a position."""
 
 
 def check_nowhere(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn of entities that are nowhere from the first to the last moment, where an automated vehicle is to meet them.
+    """Warn of entities without a position during the whole run, in scenarios with an automated vehicle.
 
-    Files of OpenSCENARIO without one rely on the origin.
+    Files of OpenSCENARIO without one rely on the origin as the position.
     """
     del network
     if plan.controller is None:
@@ -52,7 +52,7 @@ def check_nowhere(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def _placed(plan: Plan) -> Iterator[str]:
-    """Yield the ids of the entities that actions put somewhere."""
+    """Yield the ids of the entities to which an action gives a position."""
     for initial in plan.storyboard.init:
         yield from _placed_by(initial.action, (initial.entity,))
     for group, event in plan.storyboard.events():

@@ -23,11 +23,11 @@ OVERLAP = Code(
 
 
 NEAR = (-1, 0, 1)
-"""Columns and rows of the cells around one, among which all that could overlap lie."""
+"""Offsets in columns and rows from a cell to the cells whose entities can overlap with its own."""
 
 
 def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report every entity whose box overlaps an earlier one's at the start; a trailer may overlap what draws it."""
+    """Report every entity whose box overlaps an earlier one's at the start. Trailers of actions are not checked."""
     del network
     severity = None if any(entity.kind == "ego" for entity in plan.entities) else Severity.WARNING
     actions = [initial.action for initial in plan.storyboard.init]
@@ -49,7 +49,7 @@ def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def overlap_at_start(one: Entity, at: StartPose, other: Entity, there: StartPose) -> bool:
-    """Return whether the boxes of two entities overlap; those on levels 2 m apart do not."""
+    """Return whether the boxes of two entities overlap; entities on levels 2 m or more apart do not."""
     if abs(at.z - there.z) >= 2.0:
         return False
     return boxes_overlap(corners(one, at), corners(other, there))

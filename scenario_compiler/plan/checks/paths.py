@@ -26,7 +26,7 @@ PATH_TIMES = Code(
 
 
 def check_paths(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report points of paths whose times do not go together, at the parameters' values."""
+    """Report points of paths with inconsistent times, at the parameters' values."""
     del network
     values = parameter_values(plan.parameters)
     for path in _paths(plan):

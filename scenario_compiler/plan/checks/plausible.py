@@ -29,14 +29,14 @@ FASTEST = 100.0
 """Greatest speed that is plausible on a road, m/s: 360 km/h."""
 
 USABLE = 1.0e6
-"""Greatest speed that a run can do with, m/s: in an hour of such, positions keep a millimetre."""
+"""Greatest usable speed, m/s: after an hour at this speed, positions still have a resolution of a millimetre."""
 
 LONGEST_BUDGET = 60.0
 """Longest plausible time budget, s: that of a scheduled exit in studies (doi 10.1177/21695067231192422)."""
 
 
 def check_plausible(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report speeds and a time budget that can hardly be meant, at the present values of the parameters."""
+    """Report implausible speeds and an implausible time budget, at the present values of the parameters."""
     del network
     values = parameter_values(plan.parameters)
     for name, number, place in _speeds(plan):
@@ -53,9 +53,9 @@ def check_plausible(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def _speeds(plan: Plan) -> Iterator[tuple[str, Number, Place]]:
-    """Yield each commanded speed: its name, the number, its place.
+    """Yield each commanded speed as its name, its number and its place in the file.
 
-    Speeds in conditions are not included: `triggers` reports comparisons that are never true.
+    Speeds in conditions are not included, because `triggers` reports comparisons that are never true.
     """
     for entity in plan.entities:
         place = place_of(plan, f"entities/{entity.id}")

@@ -23,7 +23,7 @@ OWN_TRAILER = Code(
 
 
 def check_presence(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report an automated vehicle that is to come, go or be towed, and entities that are to tow themselves."""
+    """Report actions that add, remove or tow the automated vehicle, and entities that tow themselves."""
     del network
     ego = "" if plan.controller is None else plan.ego.id
     for actor, action in plan.storyboard.actions():

@@ -1,4 +1,4 @@
-"""The possible ranges of the quantities in conditions: a limit outside them is never met."""
+"""The possible ranges of the quantities in conditions; a condition with a limit outside its range is never true."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ MAY_GO_BACK = (
     SpeedProfileAction,
     SynchronizeAction,
 )
-"""Actions whose actor may come to a speed below 0, whatever their numbers are."""
+"""Actions that may give their actor a speed below 0, whatever their numbers are."""
 
 
 class Bounds(NamedTuple):
-    """What a condition measures: its least and greatest value, how it is compared, and which attribute limits it."""
+    """The range of a condition's quantity, the comparison, and the attribute with the limit."""
 
     attribute: str
     rule: Rule
@@ -59,7 +59,7 @@ class Bounds(NamedTuple):
 
 
 def beyond(condition: Condition, plan: Plan, values: Mapping[str, Value]) -> tuple[str, str] | None:
-    """Return the reason why a condition's limit is never met, and the attribute that gives it; None when it may be."""
+    """Return the reason why a condition is never true and the attribute with its limit; None if it may be true."""
     bounds = _bounds(condition, plan, values)
     if bounds is None or not _misses(bounds, number_value(bounds.limit, values)):
         return None
@@ -99,7 +99,7 @@ def _bounds(condition: Condition, plan: Plan, values: Mapping[str, Value]) -> Bo
 
 
 def _speeds(plan: Plan, name: str, values: Mapping[str, Value]) -> tuple[float, float]:
-    """Return the least and the greatest speed that an entity comes to; the storyboard may move an actor at any."""
+    """Return the least and greatest speed that an entity may have; the storyboard may give an actor any."""
     entity = next((one for one in plan.entities if one.id == name), None)
     if entity is None:
         return -math.inf, math.inf

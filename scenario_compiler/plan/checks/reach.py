@@ -1,4 +1,4 @@
-"""Checks that the conflict is within the run, and that the budget is enough for the minimum-risk manoeuvre."""
+"""Checks that the conflict can occur within the run, and that the budget suffices for the minimum-risk manoeuvre."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ BLIND_BUDGET = Code(
 
 @dataclass(frozen=True)
 class ObstacleBudget:
-    """The budget before an obstacle.
+    """The time budget before an obstacle.
 
     Attributes:
         time: Time budget, s.
-        speed: Speed that the car aims for, m/s.
-        place: Where the budget is written.
+        speed: The ego's desired speed, m/s.
+        place: Place in the file where the budget is written.
     """
 
     time: float
@@ -60,7 +60,7 @@ class ObstacleBudget:
 
 
 def obstacle_budget(plan: Plan) -> ObstacleBudget | None:
-    """Return the budget before an obstacle; None if there is no request for one."""
+    """Return the budget before an obstacle; None if obstacles do not cause a takeover request."""
     cause = next((one for one in plan.takeover.causes if one.kind == "path_blocked"), None)
     if plan.controller is None or cause is None:
         return None
@@ -72,7 +72,7 @@ def obstacle_budget(plan: Plan) -> ObstacleBudget | None:
 
 
 def check_range(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn when the forward sensor's range is shorter than what is driven in the budget at the desired speed."""
+    """Warn if the forward sensor's range is shorter than the distance driven in the budget at the desired speed."""
     del network
     asked = obstacle_budget(plan)
     if asked is None:
@@ -87,7 +87,7 @@ def check_range(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def check_budget(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn when a minimum-risk manoeuvre cannot stop the car within the budget before an obstacle."""
+    """Warn if a minimum-risk manoeuvre cannot stop the ego within the budget before an obstacle."""
     del network
     takeover = plan.takeover
     asked = obstacle_budget(plan)
@@ -103,7 +103,7 @@ def check_budget(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def check_reach(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn when a scenario's only conflict is what stands on the road, and all of it is out of reach."""
+    """Warn if a scenario's only conflict is with objects on the road and all of these are out of reach."""
     del network
     if plan.controller is None:
         return

@@ -19,11 +19,11 @@ RESTARTS = Code(
 )
 
 MANY = 100
-"""Executions without a trigger that are taken as meant."""
+"""Number of executions without a trigger up to which there is no warning."""
 
 
 def check_restarts(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn of events without a trigger that may run more than MANY times."""
+    """Warn of events without a trigger that may be executed more than MANY times."""
     del network
     for event in events_of(plan).values():
         free = event.start is None or not event.start.groups

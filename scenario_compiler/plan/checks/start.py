@@ -20,7 +20,7 @@ NOT_DRIVABLE = Code(
 
 
 def check_start(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn when the ego vehicle starts on a lane that is not for driving."""
+    """Warn if the ego starts on a lane that is not drivable."""
     start = None if plan.controller is None else plan.ego.start
     if not isinstance(start, LanePositionWord) or not isinstance(start.s, float):
         return

@@ -53,12 +53,12 @@ AFTER_THE_END = Code(
 
 
 AFTER_A_START = frozenset({"runningState", "completeState", "startTransition", "endTransition"})
-"""States and transitions that an event comes to by its start."""
+"""States and transitions that an event reaches by starting."""
 
 
 @dataclass(frozen=True)
 class Never:
-    """Why a condition is never true: the code and the words, and the attribute that says so."""
+    """The reason why a condition is never true: the diagnostic's code, its text, and the attribute at fault."""
 
     code: Code
     reason: str
@@ -66,7 +66,7 @@ class Never:
 
 
 def check_triggers(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report events that never come about."""
+    """Report events that never start."""
     values = parameter_values(plan.parameters)
     events = events_of(plan)
     faults = {
@@ -82,7 +82,7 @@ def check_triggers(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 
 def events_of(plan: Plan) -> dict[str, Event]:
-    """Return the storyboard's events in document order by their names in full; of two with one name the first."""
+    """Return the storyboard's events by full name, in document order; the first of several with the same name."""
     found: dict[str, Event] = {}
     for story in plan.storyboard.stories:
         for act in story.acts:
@@ -95,9 +95,10 @@ def events_of(plan: Plan) -> dict[str, Event]:
 
 
 def _impossible(events: Mapping[str, Event], faults: Mapping[tuple[int, int], Never]) -> set[str]:
-    """Return the names, in full and their last parts, of the events that cannot happen.
+    """Return the full names and last parts of names of the events that can never start.
 
-    Each event that cannot is looked at once more for every event that it waits for, so chains take linear time.
+    An event is checked again only when an event for which it waits turns out to be impossible, so that a chain of
+    events takes linear time.
     """
     left = Counter(name for path in events for name in _names(path))
     waiting: dict[str, list[str]] = {}
@@ -121,12 +122,12 @@ def _impossible(events: Mapping[str, Event], faults: Mapping[tuple[int, int], Ne
 
 
 def _names(path: str) -> set[str]:
-    """Return the names by which an event is waited for: in full, and the last part."""
+    """Return the names by which conditions refer to an event: the full one and its last part."""
     return {path, path.rpartition("::")[2]}
 
 
 def _awaited(condition: Condition) -> str:
-    """Return the name of the event that a condition waits for; empty for any other condition."""
+    """Return the name of the event for which a condition waits; empty for conditions of other kinds."""
     if isinstance(condition, ElementStateCondition):
         return condition.element if condition.kind == "event" else ""
     return condition.name if isinstance(condition, EventCondition) else ""
@@ -138,7 +139,7 @@ def conditions_of(trigger: Trigger | None) -> list[TriggerCondition]:
 
 
 def _can_fire(path: str, event: Event, impossible: set[str], faults: Mapping[tuple[int, int], Never]) -> bool:
-    """Return whether a group of the event's trigger has no condition that is never true."""
+    """Return whether the event's trigger has a group in which no condition is known to be never true."""
     if event.start is None or not event.start.groups:
         return True
     at = 0
@@ -151,9 +152,9 @@ def _can_fire(path: str, event: Event, impossible: set[str], faults: Mapping[tup
 
 
 def _waits_well(condition: Condition, path: str, impossible: set[str]) -> bool:
-    """Return whether a condition of an event waits for no event that never happens, nor for its own.
+    """Return false if a condition waits for an event that can never start, or for the condition's own event.
 
-    An event that there is not is a fault of its own.
+    Another check reports events that do not exist.
     """
     if isinstance(condition, ElementStateCondition):
         starts = condition.kind == "event" and condition.state in AFTER_A_START
@@ -166,7 +167,7 @@ def _waits_well(condition: Condition, path: str, impossible: set[str]) -> bool:
 def _report(
     path: str, event: Event, impossible: set[str], faults: Mapping[tuple[int, int], Never], sink: Diagnostics
 ) -> None:
-    """Report each place that keeps an event from happening, once."""
+    """Report each condition that keeps an event from starting, once."""
     for at, one in enumerate(conditions_of(event.start)):
         fault = faults.get((id(event), at))
         condition = one.condition
@@ -179,10 +180,10 @@ def _report(
 
 
 def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[str, Value]) -> Never | None:
-    """Return why a condition is never true before the run ends; None when it may be.
+    """Return why a condition is never true before the run ends; None if it may be true.
 
-    What it measures is held against its bounds, a way against what that speed covers in the run, a place against
-    the straight distance from the start.
+    A quantity is compared with its range, a travelled distance with the greatest possible one, and a position with the
+    straight distance from the start.
     """
     condition = one.condition
     if isinstance(condition, SimulationTimeCondition) and condition.rule.startswith("greater"):
@@ -213,7 +214,7 @@ def _top_speed(plan: Plan, entity: str) -> float:
 def _never_so_far(
     condition: ReachPositionCondition, plan: Plan, network: Network, values: Mapping[str, Value]
 ) -> Never | None:
-    """Return why the ego vehicle, which starts at a known place, does not come near a position on a lane."""
+    """Return why the ego, if its start is known, cannot get near a position on a lane; None if it may."""
     start, goal = plan.derived.get(condition.entity), condition.position
     if (
         plan.controller is None

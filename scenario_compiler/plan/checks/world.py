@@ -94,7 +94,7 @@ Paths = dict[str, set[str]]
 
 
 def check_world(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report what words of the storyboard name and is not there, and values that do not fit."""
+    """Report references of the storyboard to what does not exist, and values that do not fit."""
     _check_controllers(plan, network, sink)
     paths = _paths(plan)
     for word in walk(plan.storyboard):
@@ -140,7 +140,7 @@ def _check_phase(plan: Plan, word: Any, sink: Diagnostics) -> None:
 
 
 def _check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report delays that count from no controller, or in a circle, and states for signals that the map lacks."""
+    """Report delays of signal controllers that refer to a missing one or to themselves, and missing signals."""
     references = {one.name: one.reference for one in plan.signal_controllers}
     for one in plan.signal_controllers:
         at, seen = one.reference, {one.name}
@@ -202,7 +202,7 @@ CHECKS_OF: dict[type[Word], Callable[[Plan, Any, Diagnostics], None]] = {
 
 
 def _paths(plan: Plan) -> Paths:
-    """Return the names of the storyboard's elements in full, by their kind."""
+    """Return the full names of the storyboard's elements by kind."""
     found: Paths = {kind: set() for kind in ("story", "act", "maneuverGroup", "maneuver", "event", "action")}
     for kind, path in _elements(plan):
         found[kind].add(path)

@@ -108,7 +108,7 @@ export class Player {
     this.told = [];
     this.runs.forEach((run, number) => {
       const pane = element("div", "pane", stage);
-      if (this.runs.length > 1) element("h3", "", pane).textContent = `${number + 1}: ${run.name}`;
+      if (this.runs.length > 1) element("h2", "part", pane).textContent = `${number + 1}: ${run.name}`;
       const sights = element("div", "sights", pane);
       if (run.pictured) {
         const figure = element("figure", "view", sights);

@@ -57,7 +57,7 @@ function show(one) {
   buttons.start.disabled = one.presence === "started" || one.presence === "declined";
   buttons.pause.disabled = one.presence !== "started";
   buttons.abort.disabled = buttons.request.disabled = !one.run;
-  count.textContent = one.notes || "";
+  count.textContent = one.notes ? `${one.notes} kept` : "";
 }
 
 async function order(what) {

@@ -1,0 +1,16 @@
+"""Runs that go no further than a test looks."""
+
+from __future__ import annotations
+
+from scenario_compiler import Plan, Recording, open_world
+from scenario_compiler.roads import Network
+from scenario_compiler.runtime.loop import Execution
+
+
+def played_until(kind: str, plan: Plan, network: Network, seed: int = 1) -> Recording:
+    """Return a run up to its first event of a kind; the whole one where none comes."""
+    with open_world("kinematic", plan, network) as world:
+        execution = Execution(plan, world, seed)
+        while execution.going and kind not in {event.kind for event in execution.builder.events_since(0)}:
+            execution.advance()
+        return execution.finish()
