@@ -32,8 +32,8 @@ from training_roads import made_up, repainted
 
 from scenario_compiler.perception.calibration.bank import BANK, drawn_situation, picture, pictures
 from scenario_compiler.perception.calibration.collect import CONDITIONS, RIGHT, Looks
-from scenario_compiler.perception.calibration.figures import CONFIDENT, FITTED, REMEMBERING, judged, worth
-from scenario_compiler.perception.calibration.fit import area_under_curve, fit_confidence
+from scenario_compiler.perception.calibration.figures import CONFIDENT, FITTED, REMEMBERING, fitted_to, judged, worth
+from scenario_compiler.perception.calibration.fit import area_under_curve
 from scenario_compiler.perception.calibration.maps import MapRoads
 from scenario_compiler.perception.calibration.truth import Truth
 from scenario_compiler.perception.confidence import Confidence, confidence_text
@@ -419,9 +419,9 @@ def jobs_of_looks(paths: list[Path], scale: float, onnx: bytes) -> list[tuple[st
 
 def confidence_of(seen: list[tuple[str, Looks, NDArray[np.float64]]]) -> Confidence:
     """Return the confidence fitted to the looks at its own maps and at random situations."""
-    fitting = Looks.joined([looks for which, looks, _ in seen if is_unseen(Path(which).stem) or which == "drawn"])
-    kept = np.isin(fitting.condition("number"), FITTED)
-    return fit_confidence(fitting.rows[kept], fitting.labels[kept])
+    of_maps = Looks.joined([looks for which, looks, _ in seen if is_unseen(Path(which).stem)])
+    chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
+    return fitted_to(chosen, Looks.joined([looks for which, looks, _ in seen if which == "drawn"]))
 
 
 def figures_of(seen: list[tuple[str, Looks, NDArray[np.float64]]], confidence: Confidence) -> dict[str, object]:

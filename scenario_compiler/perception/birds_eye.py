@@ -40,8 +40,7 @@ class Ridges:
             0-8.
         contrast: (rows, columns) the same in grey levels (twice the smaller step).
         scale: (rows,) the row's deviation, grey levels.
-        green: (rows, columns) how green the greener side is, grey levels: green less the mean of red and
-            blue.
+        green: (rows, columns) greenness of the greener side, grey levels: green minus the mean of red and blue.
         ground: (rows, columns) brightness, grey levels.
     """
 

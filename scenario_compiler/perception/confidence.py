@@ -127,12 +127,12 @@ class Circumstances:
 
     Attributes:
         width: Expected width of the lane, m.
-        tilt: The tilt found, against which the ridges were looked at.
-        seen: The tilt that this image alone shows.
-        unsettled: By how much the last of the looks would still have changed the tilt, rad.
+        tilt: The detected tilt, for which the ridges were looked up.
+        seen: The tilt according to this image alone.
+        unsettled: Change of the tilt that the last look would still have made, rad.
         height: Height of the camera above the ground, m.
         noise: Noise of the image, grey levels.
-        way: Whether the planned way was given.
+        way: Whether the planned route was given.
     """
 
     width: float

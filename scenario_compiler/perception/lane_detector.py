@@ -103,8 +103,8 @@ class LaneResult:
         p_left: left.p * sensor_health.
         p_right: right.p * sensor_health.
         lane_width: Distance between the boundaries 10 m ahead, m.
-        tilt: How far the camera is tilted against the ground ahead, beyond its mounting.
-        evidence: What the detector remembers of each side beside the boundary, None where it has nothing.
+        tilt: Tilt of the camera against the ground ahead, relative to its mounting.
+        evidence: The detector's memory of each side in addition to the boundary; None if it has none.
     """
 
     left: Boundary
@@ -123,16 +123,15 @@ class LaneState:
     """The memory from one image to the next.
 
     Attributes:
-        left: Left boundary when it was trusted.
-        right: Right boundary when it was trusted.
-        width: Lane width, m, averaged over the images in which both sides were sure; None before there was
-            one.
-        way: Slope below the camera and curvature, 1/m, of the way that the car is to go, where others branch off:
-            the search begins with boundaries that go that way.
-        tilt: How far the camera was tilted against the ground ahead, beyond its mounting.
+        left: Left boundary, if it was trusted.
+        right: Right boundary, if it was trusted.
+        width: Lane width, m, averaged over the images in which both sides were sure; None before the first one.
+        way: Slope below the camera and curvature, 1/m, of the planned route where lanes branch off; the search begins
+            with boundaries along it.
+        tilt: Tilt of the camera against the ground ahead, relative to its mounting.
         last: Both boundaries of the last image, trusted or not.
-        evidence: What the detector remembers of each side beside the boundary.
-        images: Number of images that were seen.
+        evidence: The detector's memory of each side in addition to the boundary.
+        images: Number of images so far.
     """
 
     left: Boundary | None = None
@@ -220,7 +219,7 @@ class ClassicalLaneDetector:
     def look(
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
     ) -> tuple[LaneResult, tuple[Floats, Floats]]:
-        """Return what `detect` does, and the features that the left and the right side's confidence is made from."""
+        """Return the result of `detect`, and the features of the confidence in the left and the right side."""
         sigma_hat = noise_of(image)
         fits, rows, tilt = self.examine(image, prior, pitch, sigma_hat)
         health = noise_health(sigma_hat)

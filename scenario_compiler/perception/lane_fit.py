@@ -98,15 +98,15 @@ class Fit:
         painted: Share of the rows within 20 m that have a ridge within 0.25 m of the arc.
         on_curve: (rows,) strength on the refined arc itself.
         contrast: (rows,) grey levels on the refined arc itself.
-        green: How green the greener side of the arc is where there is paint, grey levels.
-        slope_deviation: Standard deviation of the arc's slope as the painted rows tell it; infinite without.
-        rivals: Largest votes of other arcs of the side that lie nearer to the car and farther from it, m 12 m ahead.
+        green: Greenness of the greener side of the arc where there is paint, grey levels.
+        slope_deviation: Standard deviation of the arc's slope, from the painted rows; infinite if there are none.
+        rivals: Largest votes of other arcs of the side, nearer to the car and farther from it 12 m ahead.
         beside: (rows,) brightness of the ground beside the arc, grey levels.
-        step: (rows,) by how much its two sides differ, grey levels.
-        stray: Share of the ridges near the arc, by their strength, that lie off it; 1 without ridges.
-        scatter: Root mean square distance of the others from it, m.
-        deviations: Standard deviations of the arc 6 and 18 m ahead, as those others tell it, m.
-        nearest: Smallest x with paint on two rows, m; the map's last row without any.
+        step: (rows,) difference in brightness between its two sides, grey levels.
+        stray: Share of the ridges near the arc, by their strength, that do not lie on it; 1 if there are none.
+        scatter: Root mean square distance of the other ridges from the arc, m.
+        deviations: Standard deviations of the arc 6 and 18 m ahead, from those other ridges, m.
+        nearest: Smallest x with paint on two rows, m; the map's last row if there is none.
         farthest: Largest x with paint on two rows, m.
     """
 
@@ -289,7 +289,7 @@ class LaneFitter:
         return y, strength[self.rows, best].astype(np.float64)
 
     def _least_squares(self, guesses: list[Floats], peaks: list[tuple[Floats, Floats]]) -> list[Floats]:
-        """Fit both arcs to the rows' ridges at once, held near the guesses and parallel to each other."""
+        """Fit both arcs to the rows' ridges at once, regularised towards the guesses and towards parallelism."""
         shape = self._shape
         blocks, values = [], []
         for side, (guess, (y, _)) in enumerate(zip(guesses, peaks, strict=True)):

@@ -91,8 +91,13 @@ def fitted(gathered: Gathered, without: str = "") -> Confidence:
     parts = [looks for name, looks in gathered.maps.items() if name != without]
     of_maps = Looks.joined(parts)
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
-    looks = Looks.joined([chosen, gathered.drawn])
-    weight = np.concatenate([np.ones(len(chosen.error)), np.full(len(gathered.drawn.error), DRAWN_WEIGHT)])
+    return fitted_to(chosen, gathered.drawn)
+
+
+def fitted_to(of_maps: Looks, drawn: Looks) -> Confidence:
+    """Return the confidence fitted to looks at maps and at drawn situations."""
+    looks = Looks.joined([of_maps, drawn])
+    weight = np.concatenate([np.ones(len(of_maps.error)), np.full(len(drawn.error), DRAWN_WEIGHT)])
     return fit_confidence(looks.rows, looks.labels, weight)
 
 

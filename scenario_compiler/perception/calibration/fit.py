@@ -33,12 +33,12 @@ SEEDS = (1, 2)
 
 
 def fit_confidence(rows: Floats, labels: Floats, weight: Floats | None = None) -> Confidence:
-    """Return the mean of the confidences with the least cross-entropy over looks, one for each of `SEEDS`.
+    """Return the mean of the confidences with the least cross-entropy over observations, one for each of `SEEDS`.
 
     Args:
         rows: (N, F) features.
-        labels: (N, 3) whether the geometry was right, paint was there, and both, 0 or 1.
-        weight: (N,) how much each look counts; alike when None.
+        labels: (N, 3) whether the geometry was right, paint was there, and both, as 0 or 1.
+        weight: (N,) weight of each observation; equal if None.
     """
     fits = [_fit(rows, labels, weight, seed) for seed in SEEDS]
     hidden = np.concatenate([one.hidden for one in fits])
