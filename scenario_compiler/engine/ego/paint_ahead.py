@@ -125,8 +125,8 @@ def begin_side(st: State, base: int) -> None:
 
 
 @compiled
-def see_piece(st: State, base: int, k: int, bright: float, quality: float, painted: float, y: float) -> None:
-    """Add a piece of a side's line to its features.
+def see_piece(st: State, base: int, k: int, bright: float, quality: float, painted: float, y: float) -> float:
+    """Add a piece of a side's line to its features; return 1 where it is in the field of view, else 0.
 
     Args:
         st: The state.
@@ -159,6 +159,7 @@ def see_piece(st: State, base: int, k: int, bright: float, quality: float, paint
         st.view[base + at.S_IN_VIEW] += in_view / NEAR_PIECES
         if k > 0:
             st.view[base + at.S_QUALITY] += quality / (NEAR_PIECES - 1.0)
+    return in_view
 
 
 @compiled
@@ -172,13 +173,8 @@ def line_tone(st: State, base: int, colour: int) -> float:
 
 
 @compiled
-def end_side(st: State, base: int) -> None:
+def end_side(st: State, base: int, in_view: float) -> None:
     """Finish what was summed up over pieces: votes count by the square root of the pieces that are in view."""
-    in_view = 0.0
-    for k in range(at.SAMPLES):
-        half = abs(way_side(st, base, k))
-        if half < EDGE_OF_VIEW * (AHEAD_FROM + AHEAD_STEP * k) - WITHIN_VIEW:
-            in_view += 1.0
     st.view[base + at.S_VOTES] /= max(safe_sqrt(in_view), 1.0)
     st.view[base + at.S_BESIDE] = way_side(st, base, 0)
     share = NEWEST if st.view_looks[0] > 0 else 1.0
@@ -204,6 +200,8 @@ def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colo
     near = 0.0
     far = 0.0
     half = 0.5 * st.lane_width[0]
+    left_in_view = 0.0
+    right_in_view = 0.0
     for k in range(at.SAMPLES):
         ahead = CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k
         road, lane, row, s, rest = path_ahead(n, p, st, ahead)
@@ -226,14 +224,21 @@ def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colo
         st.way_half[k] = half
         y_left = way_side(st, 0, k)
         y_right = way_side(st, at.SIDE_SIZE, k)
+        left = inner
+        right = outer
+        left_share = inner_share
+        right_share = outer_share
         if (lane > 0) == (lane_direction(n, road, lane) > 0):
-            see_piece(st, 0, k, left_tone * left_of_paint(outer), outer, outer_share, y_left)
-            see_piece(st, at.SIDE_SIZE, k, right_tone * left_of_paint(inner), inner, inner_share, y_right)
-        else:
-            see_piece(st, 0, k, left_tone * left_of_paint(inner), inner, inner_share, y_left)
-            see_piece(st, at.SIDE_SIZE, k, right_tone * left_of_paint(outer), outer, outer_share, y_right)
-    end_side(st, 0)
-    end_side(st, at.SIDE_SIZE)
+            left = outer
+            right = inner
+            left_share = outer_share
+            right_share = inner_share
+        left_shown = see_piece(st, 0, k, left_tone * left_of_paint(left), left, left_share, y_left)
+        left_in_view += left_shown
+        right_shown = see_piece(st, at.SIDE_SIZE, k, right_tone * left_of_paint(right), right, right_share, y_right)
+        right_in_view += right_shown
+    end_side(st, 0, left_in_view)
+    end_side(st, at.SIDE_SIZE, right_in_view)
     note_common(st, at.V_JUNCTION_NEAR, near)
     note_common(st, at.V_JUNCTION_FAR, far)
 
@@ -259,6 +264,8 @@ def see_even_lines(n: RoadTables, st: State, left_colour: int, right_colour: int
     st.view_dashed[0] = 0
     first_left = 0.0
     first_right = 0.0
+    left_in_view = 0.0
+    right_in_view = 0.0
     for k in range(at.SAMPLES):
         s = here + st.path_sense[0] * (CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k)
         st.way_half[k] = 0.5 * row_width(n, row, s)
@@ -269,10 +276,14 @@ def see_even_lines(n: RoadTables, st: State, left_colour: int, right_colour: int
             first_right = right_share
         if left_share != first_left or right_share != first_right:
             st.view_dashed[0] = 1
-        see_piece(st, 0, k, left_bright, st.even_left[0], left_share, way_side(st, 0, k))
-        see_piece(st, at.SIDE_SIZE, k, right_bright, st.even_right[0], right_share, way_side(st, at.SIDE_SIZE, k))
-    end_side(st, 0)
-    end_side(st, at.SIDE_SIZE)
+        y_left = way_side(st, 0, k)
+        y_right = way_side(st, at.SIDE_SIZE, k)
+        left_shown = see_piece(st, 0, k, left_bright, st.even_left[0], left_share, y_left)
+        left_in_view += left_shown
+        right_shown = see_piece(st, at.SIDE_SIZE, k, right_bright, st.even_right[0], right_share, y_right)
+        right_in_view += right_shown
+    end_side(st, 0, left_in_view)
+    end_side(st, at.SIDE_SIZE, right_in_view)
     inside_junction = 1.0 if n.road_junction[st.path_road[0]] >= 0 else 0.0
     note_common(st, at.V_JUNCTION_NEAR, inside_junction)
     note_common(st, at.V_JUNCTION_FAR, inside_junction)
