@@ -216,6 +216,31 @@ def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path,
     assert sorted(given) == [("speech", "file"), ("speech", "text"), ("tone", "file"), ("vibration", "gamepad")]
 
 
+def test_pictures_are_shown_in_their_order_however_long_each_takes_to_decode(
+    open_road: Path, browser: Browser
+) -> None:
+    """Two pictures may be on their way at once; one that overtook the other would tell the driver of a message twice."""
+    with (
+        served("drive", open_road, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(
+            """() => {
+              const decode = createImageBitmap;
+              let count = 0;
+              globalThis.createImageBitmap = async (file) => {
+                const image = await decode(file);
+                if (count++ % 3 === 0) await new Promise((resolve) => setTimeout(resolve, 150));
+                return image;
+              };
+            }"""
+        )
+        begun(page)
+        page.wait_for_function("page.run.t.length > 40")
+        times = page.evaluate("page.run.t")
+    assert times == sorted(times)
+
+
 @pytest.mark.slow
 def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser) -> None:
     with (

@@ -73,6 +73,7 @@ class Page {
     this.seq = 0;
     this.seen = 0;
     this.stretch = 0; // of a run without a halt; pictures of an earlier one are not shown any more
+    this.decoded = Promise.resolve(); // when the picture before is decoded
     this.samples = [];
     this.shown = [];
     this.offsets = [];
@@ -175,7 +176,7 @@ class Page {
     }
   }
 
-  /** Take a picture, and show it when both of its files are decoded. */
+  /** Take a picture, and show it when its files and those of the picture before it are decoded. */
   async deal(data) {
     const view = new DataView(data);
     const length = view.getUint32(0);
@@ -187,9 +188,14 @@ class Page {
     one("#start").hidden = true;
     const size = view.getUint32(4 + length);
     const files = [new Uint8Array(data, 8 + length, size), new Uint8Array(data, 8 + length + size)];
-    const images = await Promise.all(files.map((file) => (file.length ? createImageBitmap(new Blob([file])) : null)));
+    const decoding = Promise.all(files.map((file) => (file.length ? createImageBitmap(new Blob([file])) : null)));
+    const before = this.decoded;
+    this.decoded = Promise.allSettled([before, decoding]); // a smaller picture is decoded sooner, and must wait
+    const images = await decoding;
+    await before;
     if (!document.hidden) await new Promise(requestAnimationFrame);
-    if (stretch === this.stretch) this.show(about, images); // a run that ended or was held meanwhile shows no more
+    // a run that ended or was held meanwhile shows no more; a page that was hidden may have shown a later picture
+    if (stretch === this.stretch && !(this.latest?.run === about.run && this.latest.k > about.k)) this.show(about, images);
   }
 
   /** Blank the pictures while the run stands still: for the experimenter, or for questions. */
