@@ -100,7 +100,7 @@ class Expression:
         lengths = {name: len(new.text) for name, new in replacements.items() if isinstance(new, Expression)}
         longer = sum(lengths.get(name, 0) for name in _NAME_IN_TEXT.findall(self.text)) if lengths else 0
         if longer > MAX_LENGTH_PUT_TOGETHER:
-            raise ExpressionError("the expression becomes too long where the meaning of its names is put in")
+            raise ExpressionError("the expression becomes too long when its names are replaced by their values")
         tree = _substitute(self.tree, replacements)
         return Expression(_text(tree), tree)
 

@@ -194,7 +194,7 @@ def test_a_conflict_is_as_valid_after_an_export_beside_it(
     assert call("run", conflict, "--perception", "ideal") == 0
     copy.write_bytes(copy.read_bytes() + b"\n")
     assert call("validate", conflict) == 1
-    assert f"the map names no spawn points (the map is {copy})" in capsys.readouterr().err
+    assert f"the map has no spawn points (the map is {copy})" in capsys.readouterr().err
 
 
 def test_warnings_can_be_allowed_or_made_errors(conflict: Path) -> None:

@@ -69,7 +69,7 @@ FORM = Part(
     "scenario_compiler/openscenario/actions/__init__.py",
     (
         (
-            '    "message": "the standard has no messages to a driver",\n',
+            '    "message": "OpenSCENARIO has no messages to the driver",\n',
             '    "honk": "the standard has no horns",\n',
         ),
     ),

@@ -115,7 +115,7 @@ def test_a_valid_file_has_no_finding() -> None:
             "SC708",
             14,
             13,
-            "it belongs to OpenSCENARIO 1.3; the file says 1.2",
+            "it belongs to OpenSCENARIO 1.3; the file's version is 1.2",
         ),
         ("  <StopTrigger/>\n  </Storyboard>", "  </Storyboard>", "SC708", 9, 3, ""),
         ('"Ego"><Catalog', '"Ego" x=""><Catalog', "SC702", 7, 32, ""),

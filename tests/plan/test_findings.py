@@ -34,7 +34,7 @@ def test_a_finding_on_an_element_shows_its_line_and_the_use_that_brought_it_in(t
     assert '<static id="blocker"' in text[1]
     assert text[2].strip() == "^^^^^^^"
     assert text[3].endswith("in this use: " + str(tmp_path / "found.xml:4:1"))
-    assert text[4].startswith("      = 'blocked_lane1.blocker' stands here: ")
+    assert text[4].startswith("      = 'blocked_lane1.blocker' is placed here: ")
     assert text[5:] == text[1:3]
 
 
@@ -47,15 +47,15 @@ def test_an_overlap_points_at_the_other_entity_in_every_format(tmp_path: Path, f
     if form == "github":
         assert text.startswith("::error file=")
         assert "line=4,col=1" in text
-        assert f"'a' stands here: {tmp_path / 'found.xml'}:3:1" in text
+        assert f"'a' is placed here: {tmp_path / 'found.xml'}:3:1" in text
         return
     found = json.loads(text)
     if form == "json":
         (other,) = found[0]["related"]
-        assert (other["message"], other["line"], other["column"]) == ("'a' stands here", 3, 1)
+        assert (other["message"], other["line"], other["column"]) == ("'a' is placed here", 3, 1)
     else:
         (other,) = found["runs"][0]["results"][0]["relatedLocations"]
-        assert other["message"]["text"] == "'a' stands here"
+        assert other["message"]["text"] == "'a' is placed here"
         assert other["physicalLocation"]["region"] == {"startLine": 3, "startColumn": 1}
 
 
@@ -127,5 +127,5 @@ def test_surrogate_perception_does_not_stand_for_a_controller_of_ones_own(tmp_pa
     file = _file(tmp_path, "", '<controller model="own.py:Steering"/>')
     compile_target(file, {}, sink, overrides=Overrides(perception="surrogate"))
     assert [one.message for one in sink if one.code.id == "SC514"] == [
-        "surrogate perception does not stand for the controller 'own.py:Steering'"
+        "surrogate perception cannot replace the controller 'own.py:Steering'"
     ]

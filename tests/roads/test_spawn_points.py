@@ -18,8 +18,8 @@ POINT = '[[spawn_point]]\nname = "a"\nroad = "1"\nlane = -1\ns = 20.0\n'
     ("content", "reason"),
     [
         (POINT.replace("lane = -1\n", "").encode(), "a [[spawn_point]] has no lane"),
-        (POINT.replace("20.0", '"far"').encode(), "a [[spawn_point]] has a text where a number is due"),
-        (b"spawn_point = 3", "a [[spawn_point]] has a text where a number is due, or is no table"),
+        (POINT.replace("20.0", '"far"').encode(), "a [[spawn_point]] has a text instead of a number"),
+        (b"spawn_point = 3", "a [[spawn_point]] has a text instead of a number, or is not a table"),
         (b"[[spawn_point", "it is not TOML"),
         (b"\xff\xfe", "it is not written in UTF-8"),
     ],

@@ -269,7 +269,7 @@ def test_the_same_text_gives_the_same_scenario() -> None:
             '<when><simulationTimeCondition after="5"/><do><weather preset="ClearNoon"/></do></when>',
             "did you mean 'time'?",
         ),
-        ('<static id="a"><lane road="1" lane="-1" s="9"/></static>', "<lane> stands in <at>, which stands in <static>"),
+        ('<static id="a"><lane road="1" lane="-1" s="9"/></static>', "put <lane> into a <at> in <static>"),
         ("<zebra/>", "known: parameter, "),
     ],
     ids=["the_standards_term", "the_standards_element", "wrapper_left_out", "nothing_similar"],

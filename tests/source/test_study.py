@@ -59,8 +59,8 @@ def test_pages_that_participants_could_not_see_as_meant_are_reported(tmp_path: P
     found, wrong = page(tmp_path, text)
     assert wrong == [
         ("page.md", 3, "the picture 'gone.png' cannot be read: No such file or directory"),
-        ("page.md", 5, "'https://example.org/b.png' is no file beside the page, which is shown without a network"),
-        ("page.md", 5, "'notes.txt' is no picture: .png, .jpg, .jpeg, .gif, .webp, .svg are"),
+        ("page.md", 5, "'https://example.org/b.png' is not a file beside the page; pages are shown without a network"),
+        ("page.md", 5, "'notes.txt' is not a picture in one of the formats .png, .jpg, .jpeg, .gif, .webp, .svg"),
     ]
     assert "<script>" not in (found or "")
     assert page(tmp_path, " \n") == (None, [("study.xml", 3, "'page.md' is empty")])

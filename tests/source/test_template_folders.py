@@ -157,7 +157,7 @@ def test_the_page_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
 def test_two_files_of_a_folder_with_one_name_are_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "ours" / "again.xml").write_text(template("ours"), encoding="utf-8")
     assert call("validate", folder / "conflict.xml", "--templates", folder / "ours") == 1
-    assert "a template named 'ours' is in" in capsys.readouterr().err
+    assert "a template named 'ours' is already in" in capsys.readouterr().err
 
 
 def test_a_folder_that_is_not_there_is_wrong_use(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -133,15 +133,15 @@ def test_a_valid_file_has_no_finding() -> None:
 
 def test_what_another_version_knows_is_named() -> None:
     text = HOUSE.replace("<roof/>", '<window size="2"/><roof/>')
-    help_text = "it belongs to Houses 1.1, 1.2; the file says 1.0"
-    assert found(text, 0) == [("SC701", "<house> has no child <window>", help_text)]
-    assert found(text, 0, STRICT) == [("SC708", "<house> has no child <window>", help_text)]
+    help_text = "it belongs to Houses 1.1, 1.2; the file's version is 1.0"
+    assert found(text, 0) == [("SC701", "<window> is not allowed in <house>", help_text)]
+    assert found(text, 0, STRICT) == [("SC708", "<window> is not allowed in <house>", help_text)]
     assert [one[0] for one in found('<house name="a"><door><handle/></door></house>', 0, STRICT)] == ["SC708", "SC708"]
     assert [one[0] for one in found('<house name="a"><door><handle/></door></house>', 0)] == ["SC703", "SC706"]
 
 
 def test_a_child_of_another_version_is_walked_along_that_version() -> None:
-    outside = ("SC708", "<house> has no child <window>")
+    outside = ("SC708", "<window> is not allowed in <house>")
     round_one = HOUSE.replace("<roof/>", '<window kind="round" radius="1"/><roof/>')
     assert [one[:2] for one in found(round_one, 0, STRICT)] == [outside], "1.2 takes it as it is"
     bare = HOUSE.replace("<roof/>", "<window/><roof/>")
@@ -157,7 +157,7 @@ def test_order_and_number() -> None:
     twice = HOUSE.replace("<roof/>", "<roof/><roof/>")
     assert found(twice, 1) == [("SC705", "<roof> occurs too often or too late in <house>", "")]
     assert found(HOUSE.replace("<handle/>", "<handle/><handle/>"), 2) == [
-        ("SC705", "<handle> occurs too often or too late in <door>", "here may stand: lock, hinge")
+        ("SC705", "<handle> occurs too often or too late in <door>", "allowed here: lock, hinge")
     ]
 
 
