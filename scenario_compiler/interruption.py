@@ -38,15 +38,23 @@ def ignore_from_now_on() -> None:
 
 @contextlib.contextmanager
 def left_to_this_process() -> Iterator[None]:
-    """Start processes that pass over Ctrl-C, which a terminal sends to all: this process ends them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+    """Start processes that pass over Ctrl-C, which a terminal sends to all: this process ends them.
+
+    An interruption that comes meanwhile is held back until the end. A new process inherits that SIGINT is blocked, but
+    not a handler.
+    """
+    with put_off():
+        if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        from multiprocessing import resource_tracker
+
+        resource_tracker.ensure_running()  # its start lets SIGINT through again, so it comes first
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager
