@@ -38,15 +38,23 @@ def ignore_from_now_on() -> None:
 
 @contextlib.contextmanager
 def left_to_this_process() -> Iterator[None]:
-    """Start processes that ignore Ctrl-C, which a terminal sends to all processes; this process ends them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+    """Start processes that ignore Ctrl-C, which a terminal sends to all processes; this process ends them.
+
+    An interruption in the meantime is delayed until the context ends. A new process inherits the blocked SIGINT, but no
+    handler.
+    """
+    with put_off():
+        if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        from multiprocessing import resource_tracker
+
+        resource_tracker.ensure_running()  # it unblocks SIGINT when it starts, so it is started first
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager

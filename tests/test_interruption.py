@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import compileall
+import multiprocessing
+import os
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import pytest
 
 import scenario_compiler
+from scenario_compiler.interruption import left_to_this_process
 
 CONFLICT = """\
 <scenarios version="1">
@@ -222,6 +226,24 @@ def test_sigterm_ends_any_command_as_ctrl_c_does(place: Path) -> None:
     code, told = interrupted(place, COMMANDS["run"], 500, "SIGTERM")
     assert (code, told.splitlines()[0]) == (130, "scenario-compiler: interrupted")
     assert not (place / "out").exists()
+
+
+def test_ctrl_c_while_a_process_is_started_interrupts_the_program_and_not_the_process() -> None:
+    process = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(600,), daemon=True)
+
+    @left_to_this_process()
+    def start() -> None:
+        signal.raise_signal(signal.SIGINT)
+        process.start()
+        os.kill(process.pid or 0, signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        start()
+    os.kill(process.pid or 0, signal.SIGINT)
+    process.terminate()
+    process.join()
+    assert process.exitcode == -signal.SIGTERM
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
 def test_a_signal_number_is_what_shells_add() -> None:
