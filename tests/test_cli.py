@@ -220,14 +220,14 @@ def test_every_code_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
         ("--allow", "all", "there is no code 'all'"),
     ],
 )
-def test_a_code_that_there_is_not_is_wrong_use(
+def test_an_unknown_code_is_wrong_use(
     conflict: Path, capsys: pytest.CaptureFixture[str], option: str, code: str, hint: str
 ) -> None:
     assert call("validate", conflict, option, code) == 2
     assert hint in capsys.readouterr().err
 
 
-def test_a_code_may_be_written_in_small_letters() -> None:
+def test_a_code_may_be_written_in_lower_case() -> None:
     late = Path(__file__).parent / "cases" / "SC402_after_the_end.xml"
     assert call("validate", late) == 0
     assert call("validate", late, "--error", "sc402") == 1

@@ -66,7 +66,7 @@ def stands_for_parts(element: Element, file: Path) -> bool:
     return bool(set(element.children) & texts_of(file)) or element.name in {"OpenSCENARIO"}
 
 
-def test_what_is_not_read_says_why() -> None:
+def test_unread_parts_have_a_reason() -> None:
     assert all(UNREAD.values())
 
 
@@ -97,7 +97,7 @@ def test_exported_elements_are_elements() -> None:
             assert tag in elements()
 
 
-def test_files_are_counted_by_the_elements_that_stand_in_them(tmp_path: Path) -> None:
+def test_files_are_counted_by_their_elements(tmp_path: Path) -> None:
     (tmp_path / "a.xosc").write_text("<Act/><Act/><Event name=''/>", encoding="utf-8")
     (tmp_path / "b.py").write_text("'<Actors>'", encoding="utf-8")
     assert files_naming(sorted(tmp_path.iterdir())) == {"Act": 1, "Event": 1, "Actors": 1}

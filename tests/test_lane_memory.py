@@ -202,13 +202,13 @@ def test_a_car_without_paint_stays_in_its_bend(perception: Perception, tmp_path:
     assert one.after_4 <= WIDTH / 2
 
 
-def test_a_car_without_paint_stands_in_its_lane_at_last(tmp_path: Path) -> None:
+def test_a_car_without_paint_finally_stops_in_its_lane(tmp_path: Path) -> None:
     one = kept(tmp_path, straight(200.0), 0.0, 3, "ideal")
     assert (one.outcome.resolution, one.outcome.stands, one.outcome.result) == ("minimum_risk", "own_lane", "pass")
     assert 0.0 < one.last < WIDTH / 2
 
 
-def test_seeds_differ_in_the_odometry_alone_and_a_seed_repeats_itself(tmp_path: Path) -> None:
+def test_seeds_differ_only_in_the_odometry_and_the_same_seed_gives_the_same_run(tmp_path: Path) -> None:
     first, second, again = (kept(tmp_path, straight(200.0), 0.0, seed, "ideal") for seed in (1, 2, 1))
     assert first.last != second.last
     assert first.last == again.last

@@ -37,7 +37,7 @@ def test_a_sweep_over_fog_moves_the_request_later(kind: str, tmp_path: Path) -> 
     assert found[-1] - found[0] > 4.0
 
 
-def test_a_radar_asks_in_the_thickest_fog_as_in_none(tmp_path: Path) -> None:
+def test_with_a_radar_the_request_is_the_same_in_the_thickest_fog(tmp_path: Path) -> None:
     assert request(tmp_path, "radar", fog=100.0) == pytest.approx(request(tmp_path, "radar"), abs=STEP + 1e-6)
 
 

@@ -144,6 +144,6 @@ def test_a_word_is_four_declarations_in_four_files(repository: Path, tmp_path: P
 
 
 @pytest.mark.parametrize("forgotten", PARTS, ids=lambda part: Path(part.file).parts[1])
-def test_what_is_forgotten_fails_a_test(forgotten: Part, repository: Path, tmp_path: Path) -> None:
+def test_each_forgotten_part_fails_a_test(forgotten: Part, repository: Path, tmp_path: Path) -> None:
     _copy_with(tuple(part for part in PARTS if part is not forgotten), repository, tmp_path / "partly")
     assert _tested(tmp_path / "partly", *CHECKS).returncode != 0

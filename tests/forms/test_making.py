@@ -30,7 +30,7 @@ def test_the_tests_run_with_the_machine_code() -> None:
     assert made.made_by
 
 
-def test_the_engine_is_translated_with_the_standard_library_alone(repository: Path) -> None:
+def test_the_engine_is_translated_with_the_standard_library_only(repository: Path) -> None:
     command = [sys.executable, "-I", "-S", "-c", ONLY_STANDARD_LIBRARY, str(repository)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout == "True\n"
@@ -56,7 +56,7 @@ def test_a_changed_source_makes_a_library_stale() -> None:
     assert Note(note.made_by, note.entries, {}).is_fresh
 
 
-def test_c_that_is_wrong_leaves_no_library(tmp_path: Path) -> None:
+def test_faulty_c_leaves_no_library(tmp_path: Path) -> None:
     with pytest.raises(BuildError, match=r"engine\.c"):
         build("int broken(", tmp_path / "engine.so")
     assert list(tmp_path.iterdir()) == []

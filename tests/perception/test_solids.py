@@ -81,7 +81,7 @@ def test_the_road_below_a_car_lies_in_its_shadow(camera: RoadCamera) -> None:
     assert clear < mean(full, shade) / mean(empty, shade) < 1.0
 
 
-def test_lamps_are_on_in_the_dark_and_in_rain_unless_said_otherwise(camera: RoadCamera) -> None:
+def test_lamps_are_on_by_default_in_the_dark_and_in_rain(camera: RoadCamera) -> None:
     car = CAR._replace(x=34.0)
 
     def red(name: str, lamps: Lamp) -> int:

@@ -59,7 +59,7 @@ def test_an_overlap_points_at_the_other_entity_in_every_format(tmp_path: Path, f
         assert other["physicalLocation"]["region"] == {"startLine": 3, "startColumn": 1}
 
 
-def test_of_a_very_long_line_a_plan_keeps_no_text(tmp_path: Path) -> None:
+def test_a_plan_keeps_no_text_of_a_very_long_line(tmp_path: Path) -> None:
     sink = Diagnostics()
     done = compile_target(_file(tmp_path, "", inside=" " * 3000), {}, sink)
     assert done is not None
@@ -89,7 +89,7 @@ def test_a_stored_plan_knows_the_lines_too(tmp_path: Path) -> None:
         ("camera", OWN, None, False),
     ],
 )
-def test_a_controller_that_ideal_perception_never_asks_is_told(
+def test_a_controller_that_ideal_perception_never_calls_is_reported(
     tmp_path: Path, perception: Perception, inside: str, controller: str | None, told: bool
 ) -> None:
     sink = Diagnostics()
@@ -110,7 +110,7 @@ def test_a_controller_that_ideal_perception_never_asks_is_told(
         ('<camera><failure kind="motion_blur"/></camera>', "failures of the kind 'motion_blur'"),
     ],
 )
-def test_surrogate_perception_stands_for_one_detector_behind_one_camera(
+def test_surrogate_perception_replaces_one_detector_with_one_camera(
     tmp_path: Path, inside: str, line: str | None
 ) -> None:
     sink = Diagnostics()
@@ -122,7 +122,7 @@ def test_surrogate_perception_stands_for_one_detector_behind_one_camera(
         assert found[0].place.line == 2
 
 
-def test_surrogate_perception_does_not_stand_for_a_controller_of_ones_own(tmp_path: Path) -> None:
+def test_surrogate_perception_cannot_replace_a_users_own_controller(tmp_path: Path) -> None:
     sink = Diagnostics()
     file = _file(tmp_path, "", '<controller model="own.py:Steering"/>')
     compile_target(file, {}, sink, overrides=Overrides(perception="surrogate"))

@@ -74,7 +74,7 @@ def as_it_was(of: Run, row: int) -> Snapshot:
     return Snapshot(st.clock[0], row, entities, weather=weather_of(st.weather))
 
 
-def test_a_row_is_told_as_it_was(rain: Run) -> None:
+def test_a_row_has_the_state_of_the_run_at_that_time(rain: Run) -> None:
     for still in stills(rain, [0, 9, 20, len(rain.recording.t) - 1]):
         known = as_it_was(rain, still.row)
         assert [number for number, _, _ in still.there] == [0, 1, 2]

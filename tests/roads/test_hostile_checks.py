@@ -170,5 +170,5 @@ def test_document_types_are_found_wherever_they_stand(raw: bytes, line: int) -> 
     assert [(one.code.id, one.place.line) for one in sink] == [("SC103", line)]
 
 
-def test_a_document_type_in_a_comment_is_none() -> None:
+def test_a_document_type_in_a_comment_is_ignored() -> None:
     assert parse_document(b"<!--> <!DOCTYPE a> --><a/>", "made.xml", Diagnostics()) is not None

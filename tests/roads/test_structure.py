@@ -121,7 +121,7 @@ def test_what_stands_together_since_1_8(inside: str) -> None:
     )
 
 
-def test_the_tables_hang_together() -> None:
+def test_the_tables_are_complete() -> None:
     """Every child and every kind of value that a table names is declared, in every version."""
     for minor in VERSIONS:
         known = declarations(minor)

@@ -55,7 +55,7 @@ def test_attributes_of_other_namespaces_are_reported(attribute: str) -> None:
     assert codes_of(library_text(ego=EGO.replace("<ego", f"<ego {attribute}"))) == ["SC106"]
 
 
-def test_comments_and_instructions_are_no_content() -> None:
+def test_comments_and_instructions_are_ignored() -> None:
     odd = "<!-- a --><?b c?>"
     text = library_text(f"{odd}<criteria>{odd}<no_collision/>{odd}</criteria>{odd}", head=odd)
     assert codes_of(text) == []

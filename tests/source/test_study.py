@@ -54,7 +54,7 @@ def test_pictures_become_part_of_their_page(tmp_path: Path) -> None:
     assert '<img src="data:image/png;base64,iVBORw==" alt="the car"' in found
 
 
-def test_pages_that_participants_could_not_see_as_meant_are_reported(tmp_path: Path) -> None:
+def test_pages_that_participants_would_not_see_as_intended_are_reported(tmp_path: Path) -> None:
     text = "# Hi\n\n![a](gone.png)\n\n![b](https://example.org/b.png) ![c](notes.txt)\n\n<script>alert(1)</script>\n"
     found, wrong = page(tmp_path, text)
     assert wrong == [

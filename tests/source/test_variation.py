@@ -84,5 +84,5 @@ def test_the_variation_of_a_file_is_found(tmp_path: Path) -> None:
         ('<poisson parameter="count" mean="2"/><poisson parameter="count" mean="2"/>', ["SC250"]),
     ],
 )
-def test_what_cannot_be_varied_so_is_reported(inside: str, codes: list[str]) -> None:
+def test_invalid_variations_are_reported(inside: str, codes: list[str]) -> None:
     assert codes_of(_varied(inside)) == codes

@@ -131,7 +131,7 @@ def test_a_valid_file_has_no_finding() -> None:
     assert found(HOUSE.replace("<roof/>", '<window kind="round" radius="1"/><window size="2"/><roof/>'), 2) == []
 
 
-def test_what_another_version_knows_is_named() -> None:
+def test_the_versions_that_have_an_element_are_named() -> None:
     text = HOUSE.replace("<roof/>", '<window size="2"/><roof/>')
     help_text = "it belongs to Houses 1.1, 1.2; the file's version is 1.0"
     assert found(text, 0) == [("SC701", "<window> is not allowed in <house>", help_text)]
@@ -176,7 +176,7 @@ def test_numbers(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["", ".", "1,5", "inf", "nan", "+INF", "1e", "0x1", "1_0", "\u0661", "1 "])
-def test_no_numbers(text: str) -> None:
+def test_texts_that_are_not_numbers(text: str) -> None:
     assert not is_number(text)
     assert not is_integer(text)
 
@@ -209,5 +209,5 @@ def test_dates(text: str) -> None:
         *("0000-01-01T00:00:00", "2020-1-1T0:0:0", "012020-01-01T00:00:00", "2020-01-01T00:00:00z"),
     ],
 )
-def test_no_dates(text: str) -> None:
+def test_texts_that_are_not_dates(text: str) -> None:
     assert not is_date_time(text)

@@ -70,7 +70,7 @@ def test_a_parallel_event_takes_over_the_domain_that_it_acts_on(tmp_path: Path) 
 
 @pytest.mark.law("Storyboard", "an event executed again")
 @pytest.mark.parametrize(("count", "wanted"), [(1, 12.0), (2, 14.0), (3, 16.0)])
-def test_an_event_is_executed_as_often_as_it_may(tmp_path: Path, count: int, wanted: float) -> None:
+def test_an_event_is_executed_as_often_as_its_maximum_allows(tmp_path: Path, count: int, wanted: float) -> None:
     """Each execution of 1 s adds 2 m/s to A's own speed."""
     more = relative_speed("A", 2.0, by("linear", "time", 1.0))
     run = play(tmp_path, A, [Event("A", more, count=count)])
