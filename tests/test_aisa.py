@@ -65,7 +65,7 @@ def _played(
 
 
 def _driven(compilation: Compilation) -> tuple[Recording, Outcome]:
-    """Run a scenario with a small image, with the camera until the car asks, and judge it."""
+    """Run a scenario with a small image, with the camera until the first request, and judge it."""
     small = compilation.plan.camera.model_copy(update={"width": 512, "height": 256})
     plan = compilation.plan.model_copy(update={"camera": small})
     end = "request" if plan.perception == "camera" else "stop"
@@ -134,9 +134,9 @@ def _near_the_junction(file: Path, maps: Path, **settings: str) -> tuple[Recordi
 
 
 def test_with_the_camera_the_request_comes_before_the_unmarked_turn_of_the_route(file: Path, maps: Path) -> None:
-    """The paint that is seen goes straight on over the junction, which begins 113.5 m from the file's start.
+    """The visible paint goes straight on over the junction, which begins 113.5 m from the file's start.
 
-    The detector searches for paint up to 30 m ahead, so that it asks within that distance of the junction.
+    The detector searches for paint up to 30 m ahead, so the request comes within that distance of the junction.
     """
     recording, outcome = _near_the_junction(file, maps, dest="339.018738,116.545761,-90")
     assert outcome.cause == "lane_confidence"

@@ -1,4 +1,4 @@
-"""What helps an author: the list of the library, a conflict to begin with, the preview of a plan, the gallery."""
+"""Tools for authors: the list of the library, new conflicts, the preview of a plan, the gallery."""
 
 from __future__ import annotations
 

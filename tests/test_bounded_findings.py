@@ -1,4 +1,4 @@
-"""What a sink keeps is bounded, whatever a file holds; what is not kept is counted."""
+"""A sink keeps a limited number of findings, whatever a file contains; the others are counted."""
 
 from __future__ import annotations
 

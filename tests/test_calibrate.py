@@ -1,4 +1,4 @@
-"""`calibrate` measures on maps, and writes a page that says what was measured."""
+"""`calibrate` measures on maps, and writes a page with the results."""
 
 from __future__ import annotations
 

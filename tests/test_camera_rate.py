@@ -1,4 +1,4 @@
-"""A camera with a rate of its own: between two images what was seen in the last one stays."""
+"""A camera with a rate of its own: between two images the last detection is kept."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command line as a user meets it: what is written, what is printed where, and the exit codes."""
+"""The command line as a user sees it: the written files, the output on both streams, and the exit codes."""
 
 from __future__ import annotations
 

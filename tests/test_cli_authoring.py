@@ -1,4 +1,4 @@
-"""The commands of an author and of a sweep, as a user meets them."""
+"""The commands for authors and for sweeps, as a user sees them."""
 
 from __future__ import annotations
 

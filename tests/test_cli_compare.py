@@ -1,4 +1,4 @@
-"""`compare` as a user meets it, with real runs."""
+"""`compare` as a user sees it, with real runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`report`, `frame`, `export-run`, `compare --html` and films, as a user meets them."""
+"""`report`, `frame`, `export-run`, `compare --html` and films, as a user sees them."""
 
 from __future__ import annotations
 

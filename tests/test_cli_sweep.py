@@ -1,4 +1,4 @@
-"""`sweep` as a user meets it: what is refused before anything runs, how failures end, and that its page is true."""
+"""`sweep` as a user sees it: early refusals, failures, and the correctness of its page."""
 
 from __future__ import annotations
 
@@ -258,7 +258,7 @@ def test_the_page_has_all_distributions(repository: Path) -> None:
 
 
 def test_the_page_names_all_options_of_its_own(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Those that `run` has too are not the page's."""
+    """Options that `run` also has are not on the page."""
     own, shared = ({*re.findall(r"--[a-z-]+", _help(command, capsys))} for command in ("sweep", "run"))
     page = (repository / "docs" / "sweeps.md").read_text(encoding="utf-8")
     assert own - shared <= {*re.findall(r"--[a-z-]+", page)}

@@ -1,4 +1,4 @@
-"""The five conflicts of the library do what they are for, by the camera and, where it adds nothing, without it."""
+"""The five conflicts of the library cause their requests, with the camera and, where it adds nothing, without it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def played(compilation: Compilation, seed: int = 1) -> tuple[Plan, Recording, Ou
 
 
 def with_driver(compilation: Compilation, *, takeover_time: float | None = None, lapse: float = 0.0) -> Compilation:
-    """Return the same conflict with a driver who answers after a fixed time, or never."""
+    """Return the same conflict with a driver who responds after a fixed time, or never."""
     driver = compilation.plan.takeover.driver.model_copy(update={"takeover_time": takeover_time, "lapse": lapse})
     takeover = compilation.plan.takeover.model_copy(update={"driver": driver})
     plan = compilation.plan.model_copy(update={"takeover": takeover})
@@ -44,7 +44,7 @@ def with_driver(compilation: Compilation, *, takeover_time: float | None = None,
 
 
 def first(recording: Recording, kind: str) -> float:
-    """Return the time of the first event of a kind, infinity when there is none."""
+    """Return the time of the first event of a kind, infinity if there is none."""
     return next((event.t for event in recording.events if event.kind == kind), math.inf)
 
 

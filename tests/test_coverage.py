@@ -1,4 +1,4 @@
-"""Every word says what executes it, and the code agrees."""
+"""Every word names the code that executes it, and the code exists."""
 
 from __future__ import annotations
 

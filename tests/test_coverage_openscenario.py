@@ -1,4 +1,4 @@
-"""Every element of OpenSCENARIO is read by whom the table says, or is listed with a reason why not."""
+"""Every element of OpenSCENARIO is read by the module in the table, or is listed with a reason."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_elements_are_read_where_the_table_says(front_end: Path) -> None:
 
 
 def stands_for_parts(element: Element, file: Path) -> bool:
-    """Return whether a module reads an element whose tags it makes or passes through: the parts say so."""
+    """Return whether a module reads an element whose tags it builds from parts or passes on."""
     return bool(set(element.children) & texts_of(file)) or element.name in {"OpenSCENARIO"}
 
 

@@ -1,4 +1,4 @@
-"""Diagnostics for other programs: places that they can open, and the uses that brought a place in."""
+"""Diagnostics for other programs: places that they can open, and the uses that led to a place."""
 
 from __future__ import annotations
 

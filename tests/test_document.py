@@ -1,4 +1,4 @@
-"""XML in, safely, with exact places."""
+"""XML is read safely, with exact places."""
 
 from __future__ import annotations
 

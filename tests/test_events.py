@@ -1,4 +1,4 @@
-"""What a scenario says of its camera, its weather and its events is what happens, with and without the camera."""
+"""The camera, the weather and the events of a run are those of the scenario, with and without the camera."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def test_such_a_failure_takes_the_lane_from_the_camera(tmp_path: Path, kind: str
 
 
 def test_a_long_exposure_smears_while_the_car_moves_and_bends(tmp_path: Path) -> None:
-    """The image of a moving car is smeared as its own speed and yaw rate say, that of a standing one is not."""
+    """The image of a moving car is smeared according to its speed and yaw rate, that of a standing one is not."""
     failure = '<camera><failure kind="motion_blur" severity="5"/></camera>'
     done = compiled(tmp_path, "camera", camera=failure, duration=0.2)
     still = compiled(tmp_path, "camera", duration=0.2)
@@ -133,7 +133,7 @@ def test_a_long_exposure_smears_while_the_car_moves_and_bends(tmp_path: Path) ->
 
 
 def test_misalignments_add_up_and_the_lane_detector_does_not_know_them(tmp_path: Path) -> None:
-    """Turned to the left the camera sees the lane to the right, and the car drives there, sure of itself."""
+    """A camera turned to the left sees the lane too far to the right, and the car drives there with full confidence."""
     failures = (
         '<camera><failure kind="misalignment" onset="0.5" ramp="1" yaw="3"/>'
         '<failure kind="misalignment" amount="0.5" yaw="-1" pitch="2" roll="1"/></camera>'

@@ -1,4 +1,4 @@
-"""The experimenter decides when the car asks, warns and takes back, and what it does before and after."""
+"""The experimenter decides when the automation requests, warns and takes back, and how it drives before and after."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Expressions: what they mean, what they refuse, and that their text reads back as themselves."""
+"""Expressions: their values, their faults, and the round trip through their text."""
 
 from __future__ import annotations
 

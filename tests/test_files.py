@@ -1,4 +1,4 @@
-"""Files in, safely: what is no ordinary file, or too large, is refused at once."""
+"""Reading files: anything but an ordinary file, and any file that is too large, is refused at once."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_trajectories_are_read_from_ordinary_files_only(tmp_path: Path, kind: st
 
 
 def _odd(folder: Path, kind: str) -> Path:
-    """Return a path at which there is no ordinary file."""
+    """Return a path to something that is not an ordinary file."""
     path = folder / f"{kind}.xml"
     if kind == "pipe":
         os.mkfifo(path)

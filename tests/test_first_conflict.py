@@ -1,4 +1,4 @@
-"""docs/your-first-conflict.md is true: each file in it is checked, each command is run, each answer is as shown."""
+"""docs/your-first-conflict.md is correct: each file is checked, each command runs, each output is as shown."""
 
 from __future__ import annotations
 

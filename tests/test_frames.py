@@ -1,4 +1,4 @@
-"""CARLA's axes and ours: what we convert is what CARLA's own client computes."""
+"""CARLA's axes and ours: conversions agree with CARLA's own client."""
 
 from __future__ import annotations
 

@@ -153,7 +153,7 @@ EVENTS: dict[str, int] = {}
 
 
 def events_of(place: Path, name: str) -> int:
-    """Return how many events a command has when it is not interrupted, counted in a copy of the folder."""
+    """Return the number of events of a command that is not interrupted, counted in a copy of the folder."""
     if name not in EVENTS:
         with tempfile.TemporaryDirectory() as folder:
             copy = shutil.copytree(place, Path(folder) / "copy")

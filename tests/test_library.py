@@ -1,4 +1,4 @@
-"""The library as files: it reads without a finding, says where things come from, and provokes what it is named for."""
+"""The library's files: they are valid, name their sources, and provoke the conflicts that they are named after."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ PROVOKES: dict[str, Provokes] = {
 
 @dataclass(frozen=True)
 class Close:
-    """A conflict seen by the camera, started close to what it provokes.
+    """A conflict with the camera, started close to the event that it provokes.
 
     Attributes:
         target: FILE#name.

@@ -1,4 +1,4 @@
-"""What a command writes: whole or not there, never over what it reads, and said in one line where it cannot be."""
+"""Output files are written completely or not at all, never replace an input, and failures are reported in one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the automation stops for it asks for, and what it stops for all the same it asks for after 5 s."""
+"""The automation requests before it stops for an obstacle, and 5 s after any other stop without a reason."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def driven(found: Compilation, intrusion: float) -> tuple[Recording, Outcome]:
 
 
 def slower_from(recording: Recording, speed: float) -> float:
-    """Return when the ego was first slower than a speed, infinite where it never was."""
+    """Return the time at which the ego was first slower than a speed; infinity if it never was."""
     slow = recording.v[:, 0] < speed
     return float(recording.t[np.argmax(slow)]) if slow.any() else np.inf
 

@@ -1,4 +1,4 @@
-"""The doors of the package: the names that programs import, and what asking for none of them costs."""
+"""The public names of the package, and the modules that importing the package loads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page on scenarios in Python: its code runs, prints what it says, and has types."""
+"""The page on scenarios in Python: its code runs, prints the shown output, and passes mypy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Draws depend on nothing but their names, and are spread as they should be."""
+"""Draws depend only on their names, and have the right distributions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The automation and the built-in traffic stop at a red signal on their lane, wait without a word, and go at green."""
+"""The automation and the traffic stop at a red signal of their lane, wait without a request, and go at green."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stdout and stderr are makes no difference to what a command does: closed, broken, of another encoding."""
+"""Commands do the same with closed or broken standard streams and with streams of another encoding."""
 
 from __future__ import annotations
 

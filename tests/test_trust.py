@@ -1,4 +1,4 @@
-"""Reading a file never runs code that it names; code runs when the user has named it, and its faults are findings."""
+"""Reading a file never runs code that it names; only code that the user names runs, and its faults are reported."""
 
 from __future__ import annotations
 
@@ -204,7 +204,7 @@ def test_an_exported_conflict_cannot_run_code(tmp_path: Path) -> None:
 
 
 def test_nothing_is_imported_from_the_current_folder(tmp_path: Path) -> None:
-    """`python -m` looks there first: a stranger's folder may hold modules of any name."""
+    """`python -m` looks there first, and another author's folder may contain modules of any name."""
     file = written(tmp_path, "lane_detection")
     for name in ("lxml", "pydantic", "numpy", "rich", "tomllib", "difflib", "argparse", "scenario_compiler_data"):
         (tmp_path / f"{name}.py").write_text(HOSTILE)
@@ -423,7 +423,7 @@ class Deaf:
 
 
 def with_detector(folder: Path, name: str) -> Path:
-    """Write a scenario that names a detector of a stranger, and the stranger's code; return the scenario."""
+    """Write a scenario that names an unknown author's detector, and its code; return the scenario."""
     (folder / "stranger.py").write_text(LANES)
     file = folder / "named.xml"
     text = NAMED.format(model="lane_detection", properties=f'<detector model="{name}"/>')

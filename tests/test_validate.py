@@ -1,4 +1,4 @@
-"""Validating many files: each gives its findings in order, whatever the others are, and nothing heavy is loaded."""
+"""Validating many files: findings come in the files' order, and no heavy package is loaded."""
 
 from __future__ import annotations
 

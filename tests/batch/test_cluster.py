@@ -1,4 +1,4 @@
-"""A Dask cluster of a scheduler and three worker processes on this machine gives the table of the local run."""
+"""A Dask cluster with three worker processes on this machine gives the same table as the local run."""
 
 from __future__ import annotations
 

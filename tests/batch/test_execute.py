@@ -1,4 +1,4 @@
-"""Sweeps as a whole: a row says what its run says, and no split, interruption or worker changes a byte."""
+"""Whole sweeps: rows agree with their runs, and no split, interruption or number of workers changes a byte."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many seeds from Python: a table that agrees with single runs, and says how far it is."""
+"""Many seeds from Python: a table that agrees with single runs, and its progress."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reference drivers as a line to hold against: a criterion, a column of a sweep and a curve in its report."""
+"""Reference drivers for comparison: a criterion, a column of a sweep and a curve in its report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Samples: the distributions' moments, the methods' evenness, and what a sample depends on."""
+"""Samples: the distributions' moments, the evenness of the methods, and the dependence on seed and index."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Searches: a boundary to its tolerance, a minimum, and taking both up again."""
+"""Searches: a boundary to its tolerance, a minimum, and resuming both."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""OpenSCENARIO files run as esmini ran them, and what the page says of the standard's features is backed."""
+"""OpenSCENARIO files run as in esmini, and the page's statements on the standard's features have evidence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The features of OpenSCENARIO that a run executes, variant by variant, and how each shows in a file.
+"""The features of OpenSCENARIO that a run executes, variant by variant, and the XPath of each variant.
 
 A variant is an XPath over a scenario's file: the run of a file in which it matches is a run of that variant. What lies
 in catalogs is not looked into, so a variant may have more runs than are counted, and never fewer.

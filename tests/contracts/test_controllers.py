@@ -1,4 +1,4 @@
-"""Every controller keeps the same promises: commands in range, equal for equal inputs, new after a reset."""
+"""Every controller keeps its contract: commands in range, equal for equal inputs, no memory after a reset."""
 
 from __future__ import annotations
 

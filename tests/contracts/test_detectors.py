@@ -1,4 +1,4 @@
-"""Every lane detector keeps these facts: ours, and the one of your own that docs/controllers.md shows."""
+"""Every lane detector keeps its contract: the packaged ones, and the user's own of docs/controllers.md."""
 
 from __future__ import annotations
 

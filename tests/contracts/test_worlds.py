@@ -1,4 +1,4 @@
-"""Every world keeps the same promises: it opens for a plan, sees, pictures, follows a run twice alike, and closes."""
+"""Every world keeps its contract: it opens for a plan, takes images, repeats a run equally, and closes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the lane-keeping automation makes of the planned way: at junctions only, and never a lane out of none."""
+"""The lane-keeping automation uses the planned route at junctions only, and never instead of a lane."""
 
 from __future__ import annotations
 

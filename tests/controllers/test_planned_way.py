@@ -1,4 +1,4 @@
-"""A boundary keeps its probability where it goes the planned way, and loses it where the way bends out of it."""
+"""A boundary keeps its probability if it follows the planned route, and loses it where the route turns away."""
 
 from __future__ import annotations
 

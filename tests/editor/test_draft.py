@@ -1,4 +1,4 @@
-"""Texts that are being written have a tree; that of a well-formed one is the parser's, with the same places."""
+"""Unfinished texts have a tree; that of a well-formed text equals the parser's, with the same places."""
 
 from __future__ import annotations
 

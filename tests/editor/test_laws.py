@@ -1,4 +1,4 @@
-"""What holds for every file: what its author wrote is offered, what is offered fits, and a new name changes nothing."""
+"""Laws for every file: completion offers what its author wrote, and renaming changes no finding."""
 
 from __future__ import annotations
 

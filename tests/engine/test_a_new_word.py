@@ -1,4 +1,4 @@
-"""The recipe for a new action, tried: `<honk duration>` is four declarations, and none of them can be forgotten.
+"""The recipe for a new action: `<honk duration>` needs four declarations, and leaving out any of them fails a test.
 
 Each try copies the project, adds the word to the copy, and runs there what `make test` would run.
 """

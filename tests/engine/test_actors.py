@@ -1,4 +1,4 @@
-"""What actors do beside their lanes: paths, trajectories, offsets, ways to a destination, and oncoming traffic."""
+"""Actors: paths, trajectories, offsets, routes to a destination, and oncoming traffic."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When the driver answers: the law of each preset, each effect, the person, and the stages before the first input."""
+"""The driver's response: the distribution of each preset, each effect, the person, and the stages before the input."""
 
 from __future__ import annotations
 

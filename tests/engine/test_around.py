@@ -1,4 +1,4 @@
-"""What is counted around the ego at a request, and its time to collision along the lane."""
+"""The traffic density around the ego at a request, and its time to collision along the lane."""
 
 from __future__ import annotations
 

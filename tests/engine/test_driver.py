@@ -1,4 +1,4 @@
-"""What the driver does once he has taken over: his reaction to what is new, his ways out, how he keeps the lane."""
+"""The driver after taking over: the reaction to new risks, braking and evading, and lane keeping."""
 
 from __future__ import annotations
 

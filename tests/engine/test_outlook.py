@@ -1,4 +1,4 @@
-"""The way that a controller is handed: the route's, in the vehicle's axes, with the distance to the next junction."""
+"""The path that a controller receives: the route in the vehicle's axes, and the distance to the next junction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ways out into the lane of oncoming traffic: what is foreseen of them, and that nothing is met on them."""
+"""Passing in the lane of oncoming traffic: the prediction, and that no oncoming vehicle is met."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far the forward sensor sees: the formulas by hand, what follows from them, and both forms of the engine."""
+"""The range of the forward sensor: the formulas by hand, their consequences, and both forms of the engine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the forward sensor sees, when the path counts as blocked, and what the marks are worth."""
+"""The objects that the forward sensor sees, blocked paths, and the confidence from the marks."""
 
 from __future__ import annotations
 

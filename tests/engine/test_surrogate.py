@@ -1,4 +1,4 @@
-"""Surrogate perception: equal in both forms, steady at a place, and what it goes by is what it was fitted to."""
+"""Surrogate perception: equal in both forms, constant at a place, with the features that it was fitted to."""
 
 from __future__ import annotations
 

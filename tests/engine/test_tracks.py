@@ -1,4 +1,4 @@
-"""Trajectories lead where they say, by speed and by time, interpreted and compiled alike."""
+"""Trajectories are followed by speed and by time, equally interpreted and compiled."""
 
 from __future__ import annotations
 

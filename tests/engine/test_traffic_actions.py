@@ -1,4 +1,4 @@
-"""Swarms, sources and sinks do what they say, interpreted and compiled alike, and their vehicles do not touch."""
+"""Swarms, sources and sinks have their effects, equally interpreted and compiled, and their vehicles do not touch."""
 
 from __future__ import annotations
 

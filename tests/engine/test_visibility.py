@@ -1,4 +1,4 @@
-"""Ideal perception sees through the weather what the camera was measured to see."""
+"""The weather reduces ideal perception's confidence as it was measured with the camera."""
 
 from __future__ import annotations
 

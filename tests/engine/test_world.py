@@ -1,4 +1,4 @@
-"""Conditions, and actions on the world at large, do what they say, interpreted and compiled alike."""
+"""Conditions, and actions on the run as a whole, have their effects, equally interpreted and compiled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The library of the engine: whole or not there, never older than its sources, and none without a compiler."""
+"""The library of the engine: complete or absent, never older than its sources, and absent without a compiler."""
 
 from __future__ import annotations
 

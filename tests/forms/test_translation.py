@@ -1,4 +1,4 @@
-"""Every marked function translates, and what the engine's language lacks is found with its line."""
+"""Every marked function translates, and constructs that the engine's language lacks are reported with their lines."""
 
 from __future__ import annotations
 

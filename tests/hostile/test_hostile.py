@@ -1,4 +1,4 @@
-"""Hostile files: every command ends cleanly on each, says little, prints nothing raw, and runs nothing that is named.
+"""Hostile files: every command ends cleanly, prints little and nothing unescaped, and runs no code that they name.
 
 The files are permanent. What would be too large to keep is made here: deep, wide and long files, and chains of them.
 """

@@ -1,4 +1,4 @@
-"""What findings of the checks say, beyond their place: source lines, uses, and what depends on the command line."""
+"""Findings of the checks beyond their place: source lines, uses, and the effect of the command line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Actions on traffic bring vehicles along: how many, of which kinds, under which names."""
+"""Actions on traffic create vehicles: their number, kinds and names."""
 
 from __future__ import annotations
 

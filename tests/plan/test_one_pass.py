@@ -1,4 +1,4 @@
-"""Every fault of a file in one pass: no fault hides another that it does not stand in the way of."""
+"""Every fault of a file is found in one pass: no fault hides an independent one."""
 
 from __future__ import annotations
 

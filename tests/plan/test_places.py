@@ -1,4 +1,4 @@
-"""Where random positions are drawn from, and what spawn points, groups and positions beside something come to."""
+"""Random positions, and the places of spawn points, groups and positions beside an entity."""
 
 from __future__ import annotations
 

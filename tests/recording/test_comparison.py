@@ -1,4 +1,4 @@
-"""What a comparison of two recordings says, of recordings whose differences are known."""
+"""Comparisons of two recordings with known differences."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Repeated events stand on a page once, with how often they came and until when."""
+"""Repeated events are shown once, with their number and last time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of a recorded run: what the world would have drawn, in weather that changes too; films and other formats."""
+"""Pictures of a recorded run equal those that the world would have drawn; films and other formats."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The preview: paths of one's own are drawn, and no text stands on another."""
+"""The preview: paths are drawn, and no text covers another."""
 
 from __future__ import annotations
 

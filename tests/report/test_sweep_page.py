@@ -1,4 +1,4 @@
-"""A sweep's page says what its runs can have, and nothing of what they cannot."""
+"""A sweep's page shows what its runs can have, and leaves out what they cannot have."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What real road files get wrong: each rule on made files, on the quality checkers' files, and on every real one."""
+"""Common faults of road files: each rule on made files, on the quality checkers' files, and on every real one."""
 
 from __future__ import annotations
 

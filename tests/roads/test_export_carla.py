@@ -1,4 +1,4 @@
-"""Files for CARLA's clients: what they cannot use is replaced, the rest stays, and every lane goes on."""
+"""Files for CARLA's clients: parts that they cannot use are replaced, the rest stays, and no lane is a dead end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Input made to do harm gets a diagnostic, with bounded work and memory."""
+"""Hostile input gets a diagnostic, with bounded work and memory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checking road files that are made to do harm: findings with bounded work and memory, never a traceback."""
+"""Checking hostile road files gives findings with bounded work and memory, never a traceback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The description of a map (map.toml): what is wrong in it is said in words for its author."""
+"""The description of a map (map.toml): its faults are reported in words for its author."""
 
 from __future__ import annotations
 

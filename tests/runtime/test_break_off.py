@@ -1,4 +1,4 @@
-"""A run that breaks off says which entity, which quantity, what value and when, and exits with an error."""
+"""A run that breaks off reports the entity, the quantity, its value and the time, and exits with an error."""
 
 from __future__ import annotations
 

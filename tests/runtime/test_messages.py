@@ -1,4 +1,4 @@
-"""What the driver is told: by policy, with its time, in each language, and no longer than its reason lasts."""
+"""Messages to the driver: by policy, at their time, in each language, and no longer than their reason lasts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A person at the wheel: takes over asked or not, drives, hands back, leaves; repeated bit for bit from the inputs."""
+"""A person at the wheel takes over with or without a request, hands back, leaves; inputs repeat the run bit for bit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The AISA toolkit's own file, as it is."""
+"""The AISA toolkit's own file, unchanged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Catalogs: entries by name, faults in them, and what a gap in one means."""
+"""Catalogs: entries by name, their faults, and missing values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The conflict language: a file to a scenario."""
+"""The conflict language: from a file to a scenario."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands in <if>, <repeat> and <for>: which of it comes about, how often, and under which ids."""
+"""The contents of <if>, <repeat> and <for>: which of them are inserted, how often, and with which ids."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a file is, by its first element; and that no file, however odd, brings the reader down."""
+"""The kind of a file follows from its first element, and no file, however odd, crashes the reader."""
 
 from __future__ import annotations
 

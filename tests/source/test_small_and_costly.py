@@ -1,4 +1,4 @@
-"""Small files that ask for much: each is checked with little work, in few words."""
+"""Small files whose expansion would be huge: each is checked with little work and a short output."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Studies and questionnaires as files: what is read, which conditions there are, and that every word is shown."""
+"""Files of studies and questionnaires: their contents, their conditions, and an example of every word."""
 
 from __future__ import annotations
 

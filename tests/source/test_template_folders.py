@@ -1,4 +1,4 @@
-"""Templates of a group's own: from folders that are named, and from installed packages, by name and in order."""
+"""A group's own templates: from given folders and from installed packages, by name and in order."""
 
 from __future__ import annotations
 

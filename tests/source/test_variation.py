@@ -1,4 +1,4 @@
-"""What a scenario's <vary> says is what the sweep command is given in words."""
+"""A scenario's <vary> means the same as the options of the sweep command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The notation of tables: what a declaration says in each version, and what a check of it finds."""
+"""The notation of tables: the meaning of a declaration in each version, and the findings of its checks."""
 
 from __future__ import annotations
 

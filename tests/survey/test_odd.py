@@ -1,4 +1,4 @@
-"""The conditions of a scenario as tags: each is said where the plan or its map says so, and nowhere else."""
+"""The conditions of a scenario as tags: each is set if the plan or its map has it, and only then."""
 
 from __future__ import annotations
 

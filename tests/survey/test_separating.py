@@ -1,4 +1,4 @@
-"""Scenarios with an attentive, a slow, an absent and a reference driver: who fails, and the page of it."""
+"""Scenarios with an attentive, a slow, an absent and a reference driver: who fails, and the page of results."""
 
 from __future__ import annotations
 

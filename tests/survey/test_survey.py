@@ -1,4 +1,4 @@
-"""What a library covers: situations, near-duplicates, what never asks or fails, what is unused and what is missing."""
+"""The survey of a library: situations, near-duplicates, scenarios without requests or failures, and gaps."""
 
 from __future__ import annotations
 

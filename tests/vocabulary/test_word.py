@@ -1,4 +1,4 @@
-"""What a number of a word may be: a float, or an expression, in Python and in JSON."""
+"""The numbers of a word are floats or expressions, in Python and in JSON."""
 
 from __future__ import annotations
 

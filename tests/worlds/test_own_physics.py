@@ -1,4 +1,4 @@
-"""A world that moves the ego by its own physics, one that is lost, and one that notices things by itself."""
+"""Worlds with physics of their own, with events of their own, and a world that is lost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The built-in world's pictures: what a scenario says is seen in them, and what they depend on is recorded."""
+"""The built-in world's pictures show the scenario, and the versions on which they depend are recorded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What slows CARLA's vehicles down."""
+"""The resistance of CARLA's vehicles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a world is told of the entities: every one as it was at that instant, whenever it is asked for."""
+"""The snapshot for a world: every entity as it was at that instant, whenever it is read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Conditions: when the row comes in which what they trigger shows."""
+"""Conditions: the row in which their effect appears."""
 
 from __future__ import annotations
 

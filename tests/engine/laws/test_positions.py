@@ -1,4 +1,4 @@
-"""Positions: where an entity is put."""
+"""Positions: the place and heading of an entity that is teleported there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""VisibilityAction: who minds an entity. What is there, and what conditions measure, stays as it is."""
+"""VisibilityAction: who reacts to an entity. Its motion and what conditions measure do not change."""
 
 from __future__ import annotations
 
