@@ -114,7 +114,7 @@ def expand(
         raise ScenarioNameNeededError(tuple(name for name in known if name))
     chosen = known[0] if name is None and known else name
     if isinstance(source, StudyFile) or chosen is None or chosen not in source.scenarios:
-        message = f"there is no scenario '{chosen}'" if chosen else "the file holds no scenario"
+        message = f"there is no scenario '{chosen}'" if chosen else "the file contains no scenario"
         place = source.document.origin(source.document.root)
         sink.add(names.UNKNOWN_SCENARIO, message, place, hint=did_you_mean(chosen or "", known))
         return None

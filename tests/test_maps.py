@@ -451,7 +451,7 @@ print(json.dumps({"waypoints": len(waypoints), "dead": dead, "ended": ended}))
 
 @pytest.mark.skipif(importlib.util.find_spec("carla") is None, reason="needs the CARLA client")
 def test_carla_loads_the_map_without_dead_ends(map_: Map, tmp_path: Path) -> None:
-    """CARLA's own samples stop 1 m or more before the acceleration lane's end, so its end is asked for by itself.
+    """CARLA's own samples stop 1 m or more before the acceleration lane's end, so its end is checked separately.
 
     The crossing's arms lead back to it, which the client can follow only after `map export --for carla`.
     """

@@ -124,7 +124,7 @@ def place_children(
             )
             reading.sink.add(
                 codes.ELEMENT_ORDER,
-                f"<{child.tag}> must stand before <{before}> in <{element.tag}>",
+                f"<{child.tag}> must come before <{before}> in <{element.tag}>",
                 reading.origin(child),
                 hint="the order is " + ", ".join("|".join(f"<{tag}>" for tag in rule.tags) for rule in rules),
             )

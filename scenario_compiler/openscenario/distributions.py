@@ -96,7 +96,7 @@ def _add_listed(node: Node, found: _Found) -> None:
 
 
 def _is_plain(value: str) -> bool:
-    """Return whether a value may stand in a comma-separated list."""
+    """Return whether a value is allowed in a comma-separated list."""
     return value != "" and value == value.strip() and not set(value) & set(",()")
 
 

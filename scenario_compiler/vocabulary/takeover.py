@@ -122,7 +122,7 @@ Language = Literal["en", "de", "fi", "sv"]
 
 
 Told = Literal["warning", "request", "escalation", "minimum_risk"]
-"""Events that messages announce. A message ends when its event gives way to another one or its reason ends."""
+"""Events that messages announce. A message ends when another event follows or its reason ends."""
 
 
 class Say(Word):

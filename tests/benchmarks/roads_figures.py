@@ -72,7 +72,7 @@ def cpu(work: Callable[[], object]) -> float:
 
 
 def carla_client() -> Any | None:
-    """Return the module of CARLA's client, None where it is not installed."""
+    """Return the module of CARLA's client, None if it is not installed."""
     try:
         return importlib.import_module("carla")
     except ImportError:

@@ -18,7 +18,7 @@ class Variant:
     """A variant of a feature.
 
     Attributes:
-        feature: Name of the standard's element, or "Storyboard" for what is none.
+        feature: Name of the standard's element, or "Storyboard" for everything else.
         name: What tells it apart from the other variants of the feature.
         path: XPath that is true where a file has it.
     """

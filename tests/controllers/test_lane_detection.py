@@ -50,7 +50,7 @@ def test_without_a_junction_in_sight_the_route_changes_nothing(
 
 
 def test_a_lane_along_the_route_is_trusted_nearly_as_much_as_without_a_route() -> None:
-    """Where a way is told a junction is near, and there boundaries were less often right in the fit."""
+    """A route is given only near junctions, where boundaries were right less often in the fit."""
     here, there = driven(1.0, AHEAD, 5.0)[-1], driven(1.0, (), None)[-1]
     assert there.confidence_left - 0.2 < here.confidence_left < there.confidence_left + 0.05
     assert there.confidence_right - 0.2 < here.confidence_right < there.confidence_right + 0.05

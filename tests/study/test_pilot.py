@@ -125,7 +125,7 @@ def test_a_file_that_is_not_a_study_and_a_missing_folder(tmp_path: Path, capsys:
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "thesis.txt").write_text("mine")
     assert call("study", tmp_path / "study.xml", "--pilot", "-o", tmp_path / "full") == 2
-    assert "holds no study" in capsys.readouterr().err
+    assert "contains no study" in capsys.readouterr().err
 
 
 def test_scores_count_reversed_items_from_the_other_end(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ CONFLICT = """<scenarios version="1"><scenario name="lit" map="highway_loop" dur
 
 
 class Watching(KinematicWorld):
-    """The built-in world, which keeps all that it is told."""
+    """The built-in world, which keeps all snapshots."""
 
     def __init__(self, plan: Plan, network: Network) -> None:
         super().__init__(plan, network)

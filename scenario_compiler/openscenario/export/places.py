@@ -20,7 +20,7 @@ from scenario_compiler.vocabulary.traversal import parameters_in
 from scenario_compiler.vocabulary.word import Number
 
 SEED = 1
-"""Seed of the random positions that are written, which in a run are drawn anew."""
+"""Seed of the random positions that are written; each run draws its own."""
 
 
 def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -> Position:

@@ -28,7 +28,7 @@ W = Actor(lane=2, s=1500.0, speed=1.0)
 
 
 def seen(folder: Path, inner: str, *events: Event, **actors: Actor) -> float | None:
-    """Return the first row in which W acts on a condition of A, None where it never does."""
+    """Return the first row in which W acts on a condition of A, None if it never does."""
     told = {"A": Actor(), **actors, "W": W}
     run = play(folder, told, [*events, Event("W", speed(DONE), of_entity("A", inner))], 8.0)
     return run.acts("W", DONE)
@@ -329,7 +329,7 @@ BESIDE = '<Position><WorldPosition x="88" y="28.25"/></Position>'
 @pytest.mark.law("TimeHeadwayCondition", "system trajectory")
 @pytest.mark.law("TimeToCollisionCondition", "system trajectory")
 def test_a_distance_along_the_trajectory_that_is_followed(tmp_path: Path) -> None:
-    """60 m at the begin are less than 35 m in the row of 3.55 s; before 1 s A follows none, and the road counts."""
+    """60 m at the start are less than 35 m in the row of 3.55 s; before 1 s A follows none, and the road counts."""
     more = 'coordinateSystem="trajectory" relativeDistanceType="longitudinal"'
     begin = Event("A", CORNER)
     there = {"B": Actor(position=BESIDE, speed=0.0)}

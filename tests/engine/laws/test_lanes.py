@@ -202,7 +202,7 @@ def test_a_closed_trajectory_continues_at_its_start(tmp_path: Path) -> None:
     ("scale", "shift", "times"), [(2.0, 0.0, (3.0, 5.0)), (0.5, 0.0, (1.5, 2.0)), (1.0, 2.0, (4.0, 5.0))]
 )
 def test_times_are_scaled_and_shifted(tmp_path: Path, scale: float, shift: float, times: tuple[float, float]) -> None:
-    """A relative time of 1 s is met `scale + shift` after the begin at 1 s, one of 2 s `2 scale + shift` after it."""
+    """A relative time of 1 s is met `scale + shift` after the start at 1 s, one of 2 s `2 scale + shift` after it."""
     line = polyline("60 -1.75 0", "70 -1.75 1", "80 -1.75 2")
     timing = f'<Timing domainAbsoluteRelative="relative" scale="{scale}" offset="{shift}"/>'
     run = play(tmp_path, A, [Event("A", follow(line, timing))])
