@@ -243,6 +243,9 @@ LIMITS = """\
 * The images for the fit and for the measurement come from the same renderer. The figures say nothing about photographs
   or other simulators.
 * Boundaries are parabolas: bends with a radius below 40 m are lost, and should have a low confidence.
+* A vehicle close ahead hides most of both lines. Behind a lorry about 8 m ahead at 5 m/s, on a clear day and a straight
+  motorway, the classical detector loses the broken line, takes what is left for a tilt of the camera, and the car
+  requests a takeover; with the learned detector it does not.
 * A lane that gets wider or narrower looks like a tilt of the camera; tapers are detected with an error.
 * The sensor's health (noise, darkness, blur, dirt, frozen or missing images) is a separate factor, set by rules; it is
   not a probability. See [camera failures](camera-failures.md). The tables do not include it.
