@@ -52,7 +52,7 @@ def test_the_same_seed_makes_the_same_file_and_another_does_not(roads: ModuleTyp
     assert list(first.mark_width) != list(third.mark_width)
 
 
-def test_a_map_that_is_painted_anew_keeps_its_lanes(roads: ModuleType, tmp_path: Path) -> None:
+def test_a_repainted_map_keeps_its_lanes(roads: ModuleType, tmp_path: Path) -> None:
     source = Path(find_map("town_grid"))
     before = load_network(source).tables
     painted = set()

@@ -210,7 +210,7 @@ def asked_twice(tmp_path: Path) -> Path:
     return tmp_path / "data"
 
 
-def test_answers_before_and_after_are_told_apart(asked_twice: Path) -> None:
+def test_answers_before_and_after_are_distinguished(asked_twice: Path) -> None:
     given = read_table(asked_twice / "sub-01/ses-01/beh/sub-01_ses-01_task-sickness_beh.tsv")
     assert [(one["when"], one["run"]) for one in given] == [("before", "n/a"), ("after", "n/a")]
     for row in tidy_rows(asked_twice)[:4]:

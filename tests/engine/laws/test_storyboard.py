@@ -79,7 +79,7 @@ def test_an_event_is_executed_as_often_as_its_maximum_allows(tmp_path: Path, cou
 
 @pytest.mark.law("Storyboard", "an event executed again")
 @pytest.mark.law("Storyboard", "delay")
-def test_an_execution_knows_nothing_of_the_delays_before(tmp_path: Path) -> None:
+def test_an_execution_does_not_depend_on_earlier_delays(tmp_path: Path) -> None:
     """The first execution is begun after the delay of 1 s, at 1 s; it ends in the row of 2 s.
 
     From the next frame, at 2 s, the delay counts again: the second is begun at 3 s.
