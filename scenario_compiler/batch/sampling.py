@@ -145,7 +145,7 @@ def make_sampler(spec: SweepSpec, fixed: Sample | None = None) -> Sampler:
 
 
 def constraints_of(spec: SweepSpec) -> tuple[Expression, ...]:
-    """Return what every variant of a sweep fulfils; SweepError where it cannot be read."""
+    """Return the constraints that every variant of a sweep meets; SweepError if one cannot be read."""
     try:
         return tuple(parse_expression(text) for text in spec.where)
     except ExpressionError as fault:
