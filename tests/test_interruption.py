@@ -153,7 +153,7 @@ EVENTS: dict[str, int] = {}
 
 
 def events_of(place: Path, name: str) -> int:
-    """Return how many events a command has when it is not interrupted, counted in a copy of the folder."""
+    """Return the number of events of a command that is not interrupted, counted in a copy of the folder."""
     if name not in EVENTS:
         with tempfile.TemporaryDirectory() as folder:
             copy = shutil.copytree(place, Path(folder) / "copy")
@@ -222,7 +222,7 @@ def test_processes_end_with_the_program(place: Path) -> None:
     assert str(place) not in listed
 
 
-def test_sigterm_ends_any_command_as_ctrl_c_does(place: Path) -> None:
+def test_sigterm_ends_every_command_like_ctrl_c(place: Path) -> None:
     code, told = interrupted(place, COMMANDS["run"], 500, "SIGTERM")
     assert (code, told.splitlines()[0]) == (130, "scenario-compiler: interrupted")
     assert not (place / "out").exists()
@@ -246,5 +246,5 @@ def test_ctrl_c_while_a_process_is_started_interrupts_the_program_and_not_the_pr
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
-def test_a_signal_number_is_what_shells_add() -> None:
+def test_the_exit_code_contains_the_signals_number_as_in_shells() -> None:
     assert 128 + signal.SIGINT == 130

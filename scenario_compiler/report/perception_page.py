@@ -179,7 +179,7 @@ unknown tilt may do to the boundary. The ego's body pitches as it brakes, by the
 **The packaged confidence** is the mean of two fits with 32 hidden units each, to 480 clips of each of 18 maps, among
 them CARLA's towns 01, 03, 04 and 05. On these four towns it has an area of 0.976, an expected error of 0.005 and a
 largest error of 0.042 while driving, but it was fitted to them too. In the tables of docs/perception.md each town is
-judged by a fit to the other maps. The errors on these towns also showed where the detector had to be mended. Roads
+judged by a fit to the other maps. The errors on these towns also showed where the detector had to be corrected. Roads
 that took no part in either:
 
 * 17 road files of esmini, maliput, Scenic and other projects, 100 clips each, judged by the packaged confidence: area

@@ -176,7 +176,7 @@ def test_a_click_into_a_curve_goes_there_and_a_drag_zooms(player: Page) -> None:
     assert player.evaluate("document.querySelector('.player').player.curves.range") == pytest.approx([0.0, 16.0])
 
 
-def test_the_pointer_is_told_values_with_units(player: Page) -> None:
+def test_the_pointer_shows_values_with_units(player: Page) -> None:
     chart = player.locator(".u-over").nth(1)
     chart.scroll_into_view_if_needed()
     chart.hover(position={"x": 5, "y": 30})
