@@ -35,7 +35,7 @@ def opened(browser: Browser, report: str) -> Iterator[Page]:
 
 @pytest.fixture
 def player(opened: Page) -> Page:
-    """The page of the report at its begin, as it is when it has been opened."""
+    """The page of the report at its start, as it is when it has been opened."""
     opened.mouse.move(0, 0)
     opened.get_by_label("Speed").select_option("1")
     opened.evaluate(
