@@ -82,8 +82,14 @@ FAILING = """<scenarios version="1"><scenario name="failing" map="town_grid" dur
 <takeover budget="7"><driver preset="absent"/></takeover></scenario></scenarios>"""
 
 
-@pytest.mark.parametrize("perception", ["camera", "ideal"])
-@pytest.mark.parametrize("kind", ["noise", "dropout", "freeze", "blackout", "blur", "dirt"])
+@pytest.mark.parametrize(
+    ("kind", "perception"),
+    [
+        *((kind, "ideal") for kind in ("noise", "dropout", "freeze", "blackout", "blur", "dirt")),
+        *((kind, "camera") for kind in ("noise", "freeze", "blur")),
+        *(pytest.param(kind, "camera", marks=pytest.mark.slow) for kind in ("dropout", "blackout", "dirt")),
+    ],
+)
 def test_every_failure_of_a_noisy_camera_causes_a_request(kind: str, perception: Perception, tmp_path: Path) -> None:
     file = tmp_path / "failing.xml"
     file.write_text(FAILING.format(kind), encoding="utf-8")

@@ -64,8 +64,14 @@ def times(recording: Recording, kind: str) -> list[float]:
 SLIGHT = {"noise": 0.1, "dropout": 0.1, "freeze": 0.1, "blackout": 0.4, "blur": 0.12, "dirt": 0.25}
 
 
-@pytest.mark.parametrize("perception", ["ideal", "camera"])
-@pytest.mark.parametrize("kind", SLIGHT)
+@pytest.mark.parametrize(
+    ("kind", "perception"),
+    [
+        *((kind, "ideal") for kind in SLIGHT),
+        *((kind, "camera") for kind in ("dropout", "blackout", "dirt")),
+        *(pytest.param(kind, "camera", marks=pytest.mark.slow) for kind in ("noise", "freeze", "blur")),
+    ],
+)
 def test_a_severe_failure_causes_a_request_and_a_slight_one_does_not(
     tmp_path: Path, kind: str, perception: Perception
 ) -> None:

@@ -157,12 +157,12 @@ def entities_of(state: State, step: float) -> Entities:
         state: The engine's state.
         step: Time that they have moved since the end of the last step, s; 0 at the end of a step.
     """
-    present, visible, lights = state.present[:], state.visible[:], state.lights[:]
-    poses = [column[:] for column in (state.x, state.y, state.z, state.h, state.pitch, state.roll)]
-    speed, steering, throttle, brake = state.v[:], state.steer[:], state.throttle[:], state.brake[:]
-    gains = state.a[:]
-    velocities = [column[:] for column in (state.velocity_x, state.velocity_y, state.velocity_z)]
-    before = [column[:] for column in (state.before_x, state.before_y, state.before_z)]
+    present, visible, lights = list(state.present), list(state.visible), list(state.lights)
+    poses = [list(column) for column in (state.x, state.y, state.z, state.h, state.pitch, state.roll)]
+    speed, steering, throttle, brake = (list(one) for one in (state.v, state.steer, state.throttle, state.brake))
+    gains = list(state.a)
+    velocities = [list(column) for column in (state.velocity_x, state.velocity_y, state.velocity_z)]
+    before = [list(column) for column in (state.before_x, state.before_y, state.before_z)]
 
     def velocity_of(i: int, pose: Pose) -> tuple[float, float, float]:
         if step <= 0.0:

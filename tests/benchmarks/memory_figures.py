@@ -33,7 +33,7 @@ def studied(folder: Path, count: int) -> list[float]:
     found: list[float] = []
 
     def drive(server: Served, participant: int) -> None:
-        for held in soaking.runs(server, count, f"/participant/{participant}/socket"):
+        for held in soaking.runs(server, count, f"/participant/{participant}/socket?step={{}}"):
             found.append(held)
             if len(found) % 20 == 0:
                 print(f"{time.monotonic():.0f} s: {len(found)} runs, {held:.1f} MiB", flush=True)

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.labels import Tag
-from tests.carla_server.conftest import STEP, Served
+from tests.carla_server.conftest import LANDED, STEP, Served
 from tests.perception.test_terrain import tilted
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
@@ -47,12 +47,14 @@ def scene(world: Any, spawn: Spawn) -> Iterator[tuple[Any, Any, Callable[..., Li
     import carla
 
     rear = spawn("vehicle.tesla.model3")
-    world.tick()
+    for _ in range(LANDED):
+        world.tick()
     at = rear.get_transform()
     way = at.get_forward_vector()
     place = carla.Transform(at.location + carla.Location(way.x * AHEAD, way.y * AHEAD, 0.2), at.rotation)
     front = spawn("vehicle.audi.tt", place, color="255,0,0")
-    world.tick()
+    for _ in range(LANDED):
+        world.tick()
     made: list[Listening] = []
 
     def attach(

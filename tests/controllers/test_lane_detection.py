@@ -142,7 +142,9 @@ def test_the_detector_is_chosen_by_name() -> None:
     assert len(set(found)) == len(DETECTORS)
 
 
-@pytest.mark.parametrize("meant", [STRAIGHT, TURNING], ids=["straight", "turning"])
+@pytest.mark.parametrize(
+    "meant", [pytest.param(STRAIGHT, id="straight", marks=pytest.mark.slow), pytest.param(TURNING, id="turning")]
+)
 def test_where_painted_lanes_diverge_the_car_follows_the_planned_one(meant: Reference) -> None:
     farthest, least = followed((STRAIGHT, TURNING), meant)
     assert farthest < 0.5
@@ -150,7 +152,11 @@ def test_where_painted_lanes_diverge_the_car_follows_the_planned_one(meant: Refe
 
 
 @pytest.mark.parametrize(
-    ("painted", "meant"), [(STRAIGHT, TURNING), (TURNING, STRAIGHT)], ids=["straight painted", "turn painted"]
+    ("painted", "meant"),
+    [
+        pytest.param(STRAIGHT, TURNING, id="straight painted"),
+        pytest.param(TURNING, STRAIGHT, id="turn painted", marks=pytest.mark.slow),
+    ],
 )
 def test_where_the_planned_lane_has_no_paint_the_confidence_falls(painted: Reference, meant: Reference) -> None:
     assert followed((painted,), meant)[1] < 0.3

@@ -143,7 +143,9 @@ def test_an_included_file_is_read_as_it_is_in_the_editor(tmp_path: Path) -> None
     session(tmp_path, talk)
 
 
-@pytest.mark.parametrize(("encoding", "size"), [("utf-16", 2), ("utf-32", 4), ("utf-8", 1)])
+@pytest.mark.parametrize(
+    ("encoding", "size"), [("utf-16", 2), pytest.param("utf-32", 4, marks=pytest.mark.slow), ("utf-8", 1)]
+)
 def test_positions_are_counted_in_the_negotiated_encoding(tmp_path: Path, encoding: str, size: int) -> None:
     path = tmp_path / "ours.xml"
     text = TEXT.replace('summary="A parked van"', 'summary="\U0001f697 ü" source="$nowhere"').replace(

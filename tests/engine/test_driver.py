@@ -87,7 +87,9 @@ def cut_in(gap: float, speed: float, *, over: float = 3.0, numbers: dict[int, fl
     return draft.start()
 
 
-@pytest.mark.parametrize("over", [2.0, 3.0, 4.0])
+@pytest.mark.parametrize(
+    "over", [pytest.param(2.0, marks=pytest.mark.slow), 3.0, pytest.param(4.0, marks=pytest.mark.slow)]
+)
 def test_a_slow_cut_in_is_avoided_if_there_is_room_to_pass(over: float) -> None:
     gaps = [65.0 + 30.0 * k / 9.0 for k in range(10)]
     at_100 = [cut_in(gap, 100.0 / 3.6, over=over, full=False).go().st.crashed[0] for gap in gaps]

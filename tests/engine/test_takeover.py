@@ -295,6 +295,24 @@ def test_the_ramp_is_left_by_merging_where_the_gap_is_free() -> None:
     assert run.st.x[0] > 320.0
 
 
+def test_a_merge_across_the_line_is_no_lost_lane_but_the_lane_behind_it_may_be() -> None:
+    draft = Draft(ramp(), {slots.K_DRIVER_TIME: 1.0e6})
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.ego(lane=-2, s=20.0, speed=15.0)
+    run = draft.start()
+    merged = -1.0
+    while run.st.stop[0] == op.STOP_NONE and run.time_of(op.EVENT_REQUEST) < 0.0:
+        crossing = run.time_of(op.EVENT_MERGE) > 0.0
+        run.st.conf_left[0] = run.st.conf_right[0] = 0.0 if crossing else 1.0
+        run.go(run.st.clock[0] + 0.05)
+        if crossing and merged < 0.0 and run.st.merging[0] == 0:
+            merged = run.st.clock[0]
+            assert run.time_of(op.EVENT_WARNING) == -1.0
+    assert merged > run.time_of(op.EVENT_MERGE) + 2.0
+    assert merged < run.time_of(op.EVENT_WARNING) < run.time_of(op.EVENT_REQUEST) < merged + 2.0
+    assert run.st.cause[0] == op.CAUSE_LANE_CONFIDENCE
+
+
 def test_an_occupied_gap_is_requested_and_never_entered() -> None:
     draft = Draft(ramp(), {slots.K_DRIVER_TIME: 1.0e6})
     draft.ego(lane=-2, s=100.0, speed=15.0)

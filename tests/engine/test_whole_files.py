@@ -26,7 +26,7 @@ LONGEST = 20.0
 BROKEN = ("#obstacle_ahead", "#customramp", "#cutting_in", "#jaywalker")
 """Library scenarios that are run with broken numbers."""
 
-BROKEN_ROWS, BROKEN_LONGEST = 50, 10.0
+BROKEN_ROWS, BROKEN_LONGEST = 20, 10.0
 """Number of broken runs of each, and the length of the longest, s: those that break off do so in their first rows."""
 
 
@@ -76,6 +76,7 @@ def test_every_library_scenario_leaves_the_same_bytes() -> None:
     assert differing(targets) == ([], len(targets))
 
 
+@pytest.mark.slow
 def test_every_recorded_scenario_leaves_the_same_bytes(golden: Path) -> None:
     scenarios = [run.scenario for run in recorded_runs(golden.parent / "corpus")]
     different, ran = differing(scenarios)

@@ -14,26 +14,12 @@ from scenario_compiler.forms.machine_code import library, why_interpreted
 from scenario_compiler.forms.making import BuildError, NoCompilerError, build, compiler
 from scenario_compiler.forms.note import PACKAGE, Note, source_files
 
-ONLY_STANDARD_LIBRARY = """
-import sys
-sys.path.insert(0, sys.argv[1])
-from scenario_compiler.forms.language import entries, marked_functions
-from scenario_compiler.forms.translation import translated
-print(len(translated(marked_functions(), entries())) > 100_000)
-"""
-
 
 def test_the_tests_run_with_the_machine_code() -> None:
     made = library()
     assert made is not None, why_interpreted()
     assert why_interpreted() == ""
     assert made.made_by
-
-
-def test_the_engine_is_translated_with_the_standard_library_only(repository: Path) -> None:
-    command = [sys.executable, "-I", "-S", "-c", ONLY_STANDARD_LIBRARY, str(repository)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert done.stdout == "True\n"
 
 
 def test_a_library_is_made_of_all_marked_modules() -> None:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from collections.abc import Callable
 from math import sqrt
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -26,8 +29,19 @@ def test_every_marked_function_translates(engine: str) -> None:
     assert engine.count("EXPORT int32_t enter_") == len(entries())
 
 
-def test_the_text_is_the_same_every_time(engine: str) -> None:
-    assert translated(marked_functions(), entries()) == engine
+ONLY_STANDARD_LIBRARY = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from scenario_compiler.forms.language import entries, marked_functions
+from scenario_compiler.forms.translation import translated
+sys.stdout.write(translated(marked_functions(), entries()))
+"""
+
+
+def test_the_standard_library_alone_gives_the_same_text_in_another_process(engine: str, repository: Path) -> None:
+    command = [sys.executable, "-I", "-S", "-c", ONLY_STANDARD_LIBRARY, str(repository)]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=True)
+    assert done.stdout == engine
 
 
 def takes_constant(st: State) -> float:

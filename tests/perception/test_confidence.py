@@ -6,7 +6,7 @@ from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import look_at_bank
 from scenario_compiler.perception.calibration.fit import fit_confidence, reliability
 from scenario_compiler.perception.calibration.scenes import Fading
-from scenario_compiler.perception.confidence import FEATURES, NEWEST, load_confidence, noise_of
+from scenario_compiler.perception.confidence import FEATURES, NEWEST, in_order, load_confidence, noise_of
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
@@ -23,6 +23,12 @@ def test_the_shipped_confidence_is_for_the_features_there_are() -> None:
     assert shipped.out.shape == (3, len(shipped.hidden) + len(FEATURES) + 1)
     p = shipped.all(np.random.default_rng(1).normal(shipped.middle, shipped.scale, (50, len(FEATURES))))
     assert ((p > 0.0) & (p < 1.0)).all()
+
+
+def test_features_are_ordered_by_their_names() -> None:
+    assert in_order(("a", "b"), {"b": 2.0, "a": 1.0}).tolist() == [1.0, 2.0]
+    with pytest.raises(RuntimeError, match=r"\['a', 'c'\]"):
+        in_order(("a", "b"), {"b": 2.0, "c": 1.0})
 
 
 @pytest.mark.parametrize(

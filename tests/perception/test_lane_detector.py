@@ -30,8 +30,8 @@ def true_boundary(reference: Reference, pose: Pose, t: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("dash", [SOLID, US_DASH, EU_DASH], ids=["solid", "us", "eu"])
-@pytest.mark.parametrize("width", [3.0, 3.5, 3.75])
-@pytest.mark.parametrize("radius", [0.0, 100.0, -100.0, 300.0])
+@pytest.mark.parametrize("width", [3.0, pytest.param(3.5, marks=pytest.mark.slow), 3.75])
+@pytest.mark.parametrize("radius", [0.0, 100.0, pytest.param(-100.0, marks=pytest.mark.slow), 300.0])
 def test_new_marks_are_found_and_trusted(radius: float, width: float, dash: tuple[float, float]) -> None:
     reference = bend(radius)
     scene = two_lanes(reference, width, dash)

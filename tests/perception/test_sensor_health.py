@@ -71,7 +71,9 @@ def test_a_slight_fault_is_ignored(weather: str, state: Degradation) -> None:
 
 
 @pytest.mark.parametrize("weather", WEATHERS)
-@pytest.mark.parametrize("sigma", [2.0, 5.0, 10.0])
+@pytest.mark.parametrize(
+    "sigma", [pytest.param(2.0, marks=pytest.mark.slow), pytest.param(5.0, marks=pytest.mark.slow), 10.0]
+)
 def test_noise_neither_hides_blur_nor_is_taken_for_it(weather: str, sigma: float) -> None:
     assert watched(weather, Degradation(sigma=sigma)).blur < 3.5
     assert watched(weather, Degradation(sigma=sigma, blur=9.0)).blur > 6.0

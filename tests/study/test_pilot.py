@@ -101,7 +101,7 @@ def test_the_page_of_expected_effects_names_its_conditions(piloted: Path) -> Non
         assert text in page
 
 
-@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])
 def test_the_page_of_expected_effects_is_accessible(piloted: Path, browser: Browser, width: int) -> None:
     with opened_page(browser, (piloted / "data" / "expected.html").as_uri(), width) as page:
         assert [one["id"] for one in Axe().run(page).response["violations"]] == []

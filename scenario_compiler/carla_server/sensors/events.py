@@ -107,7 +107,7 @@ class EventCamera(CameraInstrument):
             (max(sensor.number("sigma_negative_threshold"), 0.0), max(sensor.number("sigma_positive_threshold"), 0.0)),
             max(int(sensor.number("refractory_period_ns")), 0),
         )
-        self._logarithmic = sensor.attributes.get("use_log", "true").lower() != "false"
+        self._logarithmic = sensor.says("use_log")
         self._least_light = max(sensor.number("log_eps"), SLIGHTEST)
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes | None:
