@@ -112,7 +112,7 @@ def test_the_action_passes_good_files(folder: Path) -> None:
     assert json.loads(Path(outputs["sarif"]).read_text(encoding="utf-8"))["runs"][0]["results"] == []
 
 
-def test_the_action_annotates_what_is_wrong_and_leaves_sarif(folder: Path) -> None:
+def test_the_action_annotates_faults_and_writes_sarif(folder: Path) -> None:
     break_one(folder)
     done, outputs = step("Validate", folder, inputs(paths="conflicts/ramp_blocked.xml\n\nconflicts/obstacle_ahead.xml"))
     assert done.returncode == 1

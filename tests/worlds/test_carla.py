@@ -62,7 +62,7 @@ def course(recording: Recording) -> list[tuple[str, str]]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FLAGSHIPS)
-def test_a_flagship_comes_to_the_same_in_carla(server: Served, name: str) -> None:
+def test_a_flagship_has_the_same_result_in_carla(server: Served, name: str) -> None:
     plan = ideal(name)
     ours, theirs = built_in(plan), recorded(plan, server)
     assert theirs.header.world == "carla"
@@ -80,7 +80,7 @@ def test_a_flagship_comes_to_the_same_in_carla(server: Served, name: str) -> Non
         assert apart.max(initial=0.0) < NEAR
 
 
-def test_obstacle_ahead_comes_to_the_same_in_carla(server: Served) -> None:
+def test_obstacle_ahead_has_the_same_result_in_carla(server: Served) -> None:
     plan = ideal("obstacle_ahead", distance=90)
     ours, theirs = built_in(plan), recorded(plan, server)
     assert course(theirs) == course(ours)
