@@ -11,7 +11,7 @@ const base = document.body.dataset.base;
 const one = (selector) => document.querySelector(selector);
 const about = await described();
 
-/** Return the server's data of the run. A page whose step is over, or whose server has gone, is loaded again. */
+/** Return what the server says of the run. A page whose step is over meanwhile, or whose server is gone, is loaded again. */
 async function described() {
   const answer = await fetch(`${base}/about`).catch(() => null);
   if (answer?.ok) return answer.json();
