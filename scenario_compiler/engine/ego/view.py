@@ -51,7 +51,7 @@ KIND_AT = 13.0
 BEND_NEAR = 9.0
 BEND_FAR = 19.0
 BENDS_APART = 10.0
-"""Distances ahead at which the curvature is read, m; the change of the grade is that from here to the further one."""
+"""Distances ahead at which the curvature is read, and their difference, m."""
 
 LEADER_REACH = 60.0
 LEADER_SCALE = 12.0
