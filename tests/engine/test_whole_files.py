@@ -26,7 +26,7 @@ LONGEST = 20.0
 BROKEN = ("#obstacle_ahead", "#customramp", "#cutting_in", "#jaywalker")
 """Library scenarios that are run with broken numbers."""
 
-BROKEN_ROWS, BROKEN_LONGEST = 20, 10.0
+BROKEN_ROWS, BROKEN_LONGEST = 50, 4.0
 """Number of broken runs of each, and the length of the longest, s: those that break off do so in their first rows."""
 
 
