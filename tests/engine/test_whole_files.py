@@ -20,7 +20,7 @@ from tests.conformance.esmini import recorded_runs
 from tests.engine.both import Both, run_both
 
 STEP = 0.1
-LONGEST = 20.0
+LONGEST = 12.0
 """Length of a step and of the longest run, s."""
 
 BROKEN = ("#obstacle_ahead", "#customramp", "#cutting_in", "#jaywalker")
