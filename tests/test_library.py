@@ -1,4 +1,4 @@
-"""The library as files: it reads without a finding, says where things come from, and provokes what it is named for."""
+"""The library's files: they are valid, name their sources, and provoke the conflicts that they are named after."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ PROVOKES: dict[str, Provokes] = {
 
 @dataclass(frozen=True)
 class Close:
-    """A conflict seen by the camera, started close to what it provokes.
+    """A conflict with the camera, started close to the event that it provokes.
 
     Attributes:
         target: FILE#name.
@@ -261,7 +261,7 @@ def test_template_has_a_file_of_its_own(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", [*CONFLICTS, *TEMPLATES], ids=lambda path: path.stem)
-def test_part_says_what_happens_and_where_it_comes_from(path: Path) -> None:
+def test_every_part_has_a_summary_and_a_source(path: Path) -> None:
     library = _library(path)
     for name, part in (*library.scenarios.items(), *library.templates.items()):
         assert part.element.get("summary"), name
@@ -371,7 +371,7 @@ def test_template_compiles_at_the_ends_of_its_parameters(path: Path, tmp_path: P
 
 
 @pytest.mark.parametrize("target", [one for one in _targets() if one.startswith("in_traffic")])
-def test_a_conflict_says_how_a_sweep_varies_it(target: str) -> None:
+def test_every_conflict_declares_how_a_sweep_varies_it(target: str) -> None:
     vary = _compiled(_path_of(target)).scenario.vary
     assert vary is not None
     declared = _parameters(_library(Path(_path_of(target).rpartition("#")[0])).scenarios[target.partition("#")[2]])

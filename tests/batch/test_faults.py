@@ -1,4 +1,4 @@
-"""What ends a process, hangs or fills a disk costs a row, or nothing."""
+"""A process that ends or hangs, or a full disk, loses at most one row."""
 
 from __future__ import annotations
 

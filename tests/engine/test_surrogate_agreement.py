@@ -1,4 +1,4 @@
-"""Surrogate perception asks when the camera did, in a sample of the runs that took no part in the fit."""
+"""Surrogate perception requests when the camera did, in a sample of the runs that were not used for the fit."""
 
 from __future__ import annotations
 

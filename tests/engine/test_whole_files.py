@@ -36,7 +36,7 @@ def library_targets() -> list[str]:
 
 
 def compiled_plan(target: str | Path, step: float = STEP) -> Compilation | None:
-    """Return a scenario's plan as a sweep runs it; None where it has none."""
+    """Return a scenario's plan as a sweep runs it; None if it has none."""
     overrides = Overrides(perception="ideal", step=step, duration=LONGEST)
     return compile_target(target, {}, Diagnostics(), overrides=overrides)
 

@@ -1,4 +1,4 @@
-"""The library of the engine: whole or not there, never older than its sources, and none without a compiler."""
+"""The library of the engine: complete or absent, never older than its sources, and absent without a compiler."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ def test_a_changed_source_makes_a_library_stale() -> None:
     assert Note(note.made_by, note.entries, {}).is_fresh
 
 
-def test_c_that_is_wrong_leaves_no_library(tmp_path: Path) -> None:
+def test_faulty_c_leaves_no_library(tmp_path: Path) -> None:
     with pytest.raises(BuildError, match=r"engine\.c"):
         build("int broken(", tmp_path / "engine.so")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_machine_without_a_compiler_is_told_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_compiler_the_message_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setattr(sys, "path", [str(tmp_path)])

@@ -1,4 +1,4 @@
-"""Every marked function translates, and what the engine's language lacks is found with its line."""
+"""Every marked function translates, and constructs that the engine's language lacks are reported with their lines."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def decides_by_float(x: float) -> int:
         (decides_by_float, "decides by 'x', which is real"),
     ],
 )
-def test_what_the_language_lacks_is_found(function: Callable[..., Any], rule: str) -> None:
+def test_constructs_that_the_language_lacks_are_reported(function: Callable[..., Any], rule: str) -> None:
     with pytest.raises(NotTranslatableError) as found:
         translated([function, changes], [])
     assert [rule in str(one) for one in found.value.findings] == [True]
@@ -190,11 +190,11 @@ def test_what_the_language_lacks_is_found(function: Callable[..., Any], rule: st
     assert first <= found.value.findings[0].line <= first + 4
 
 
-def test_all_findings_are_told_at_once() -> None:
+def test_all_findings_are_reported_at_once() -> None:
     with pytest.raises(NotTranslatableError) as found:
         translated([uses_power, stores_int, makes_list], [])
     assert len(found.value.findings) == 3
 
 
-def test_a_guarded_division_is_no_finding() -> None:
+def test_a_guarded_division_is_not_reported() -> None:
     assert "divides_guarded" in translated([divides_guarded], [])

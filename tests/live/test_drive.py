@@ -222,7 +222,7 @@ def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path,
 
 
 def test_pictures_are_shown_in_their_order_however_long_each_takes_to_decode(open_road: Path, browser: Browser) -> None:
-    """Two pictures may be on their way at once; one that overtook the other would tell of a message twice."""
+    """Two pictures may be on their way; one that overtook the other would give the driver a message twice."""
     with (
         served("drive", open_road, "--perception", "ideal") as server,
         opened_page(browser, server.address, bypass_csp=True) as page,

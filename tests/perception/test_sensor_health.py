@@ -66,7 +66,7 @@ def test_a_severe_fault_is_seen(weather: str, state: Degradation) -> None:
 @pytest.mark.parametrize(
     "state", [Degradation(sigma=8.0), Degradation(dark=0.4), Degradation(blur=1.2), Degradation(dirt=0.25)]
 )
-def test_a_slight_fault_is_none(weather: str, state: Degradation) -> None:
+def test_a_slight_fault_is_ignored(weather: str, state: Degradation) -> None:
     assert watched(weather, state).health > 0.85
 
 

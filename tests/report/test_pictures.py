@@ -1,4 +1,4 @@
-"""Pictures of a recorded run: what the world would have drawn, in weather that changes too; films and other formats."""
+"""Pictures of a recorded run equal those that the world would have drawn; films and other formats."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def as_it_was(of: Run, row: int) -> Snapshot:
     return Snapshot(st.clock[0], row, entities, weather=weather_of(st.weather))
 
 
-def test_a_row_is_told_as_it_was(rain: Run) -> None:
+def test_a_row_has_the_state_of_the_run_at_that_time(rain: Run) -> None:
     for still in stills(rain, [0, 3, 10, len(rain.recording.t) - 1]):
         known = as_it_was(rain, still.row)
         assert [number for number, _, _ in still.there] == [0, 1, 2]

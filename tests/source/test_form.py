@@ -246,7 +246,7 @@ def test_both_judges_agree_on_any_number(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["${}", "${ }", "${\n}"])
-def test_an_expression_says_something(text: str) -> None:
+def test_an_expression_is_not_empty(text: str) -> None:
     root = etree.fromstring(
         b'<catalog version="1"><vehicle name="v" length="4" width="2" height="1" wheelbase="2" center="1"/></catalog>'
     )

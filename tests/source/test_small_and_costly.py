@@ -1,4 +1,4 @@
-"""Small files that ask for much: each is checked with little work, in few words."""
+"""Small files whose expansion would be huge: each is checked with little work and a short output."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def test_it_is_checked_with_little_work(tmp_path: Path, name: str) -> None:
     assert told < 20_000 + 1000 * kept
 
 
-def test_a_template_that_is_large_on_its_own_is_no_fault(tmp_path: Path) -> None:
+def test_a_template_that_is_large_on_its_own_is_not_a_fault(tmp_path: Path) -> None:
     """It is looked at in part only, and so nothing is said of what it names beyond that."""
     file = tmp_path / "large.xml"
     row = f'<repeat count="900" id="row">{CAR.format("a", "ego")}{CAR.format("b", "ego")}</repeat>'
