@@ -162,7 +162,7 @@ def test_diagnostics_for_programs_go_to_stdout(conflict: Path, capsys: pytest.Ca
         ("map plot highway_loop -o map.svg", ""),
         ("map export highway_loop --mesh -o map.obj", ""),
         (
-            "sweep it.xml --perception ideal --vary speed=values(10,20) -o swept",
+            "sweep it.xml --perception ideal --vary speed=values(10,20) --no-report -o swept",
             "2 variants: 2 passed, 0 failed, 0 broken off",
         ),
         ("sweep it.xml --perception ideal --vary speed=uniform(9,20) --minimise final_speed -o least", "least final"),
@@ -233,6 +233,7 @@ def test_a_code_may_be_written_in_lower_case() -> None:
     assert call("validate", late, "--error", "sc402") == 1
 
 
+@pytest.mark.slow
 def test_the_library_is_valid() -> None:
     assert call("validate", Path(__file__).parent.parent / "library") == 0
 
