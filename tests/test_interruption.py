@@ -95,6 +95,8 @@ COMMANDS = {
 
 ALIKE = {
     "run with a camera",
+    "convert",
+    "map export",
     "report",
     "compare",
     "search",
