@@ -75,8 +75,8 @@ COMMANDS = {
     "report": "report made",
     "compare": "compare made made",
     "sweep": "sweep mine.xml --perception ideal --vary speed=values(10,20,30) -o swept",
-    "sweep in processes": "sweep mine.xml --duration 0.3 --vary speed=values(10,20,30) --workers 2 --no-report "
-    "-o swept",
+    "sweep in processes": "sweep mine.xml --perception ideal --time-limit 60 --vary speed=values(10,20,30) --workers 2 "
+    "--no-report -o swept",
     "search": "sweep mine.xml --perception ideal --vary speed=uniform(9,20) --minimise final_speed --evaluations 5 "
     "-o found",
     "list": "list mine.xml",
@@ -94,6 +94,9 @@ COMMANDS = {
 }
 
 ALIKE = {
+    "run with a camera",
+    "convert",
+    "map export",
     "report",
     "compare",
     "search",
@@ -105,7 +108,7 @@ ALIKE = {
     "explain",
     "coverage",
 }
-"""Commands that end as others do: they write a file or nothing, and start no process."""
+"""Commands that end as others do: they write as `run` does, or a file or nothing, and start no process."""
 
 WHOLE = {
     "out": {"events.csv", "map.xodr", "outcome.json", "plan.json", "recording.parquet", "report.html"},

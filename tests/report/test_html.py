@@ -158,6 +158,7 @@ write_run_folder(made.run(made.town(Path(sys.argv[1])), pictures=False), Path(sy
 """
 
 
+@pytest.mark.slow
 def test_another_process_with_another_hash_seed_writes_the_same_bytes(
     repository: Path, tmp_path: Path, network: Network
 ) -> None:

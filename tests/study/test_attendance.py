@@ -125,6 +125,18 @@ def test_a_run_that_the_program_ends_is_begun_again(rules: Rules) -> None:
     assert [row["attempt"] for row in read_table(again.seat.table("short", "beh"))] == ["2"]
 
 
+def test_who_has_declined_takes_no_part_when_the_program_starts_again(rules: Rules) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.go_on(0, {"agree": "no"})
+    one.close()
+    again = Attendance(rules, 1)
+    assert again.presence == "declined"
+    again.start()
+    assert again.presence == "declined"
+    again.close()
+
+
 def test_a_page_of_an_earlier_step_begins_no_run(tmp_path: Path) -> None:
     """A page that is loaded while the files of a run are written is still one of this run's step."""
     done = compiled(tmp_path, repetitions="1")
