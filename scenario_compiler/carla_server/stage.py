@@ -338,7 +338,7 @@ class Stage:
         return body.spawned.z - body.up > top
 
     def friction_at(self, at: CarlaTransform) -> float | None:
-        """Return the friction of a friction trigger about a point, None where there is none; its extents are in cm."""
+        """Return the friction of a friction trigger about a point, None if there is none; its extents are in cm."""
         for actor in self._triggers:
             away = [a - b for a, b in zip(at[:3], self.transform_of(actor)[:3], strict=True)]
             axes = carla_axes(*actor.transform[3:])

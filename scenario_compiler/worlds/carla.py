@@ -149,7 +149,7 @@ class CarlaOptions(WorldOptions):
     camera: Literal["carla", "built-in"] | None = Field(
         default=None, description="Whose pictures the automation sees; CARLA's unless the paint is changed."
     )
-    recording: str = Field(default="", description="Name of a recording that the server makes; none where empty.")
+    recording: str = Field(default="", description="Name of a recording that the server makes; none if empty.")
 
 
 class CarlaWorld:

@@ -279,7 +279,7 @@ def test_cars_that_meet_collide_and_lose_speed(world: Any, spawn: Spawn) -> None
     assert rear.get_velocity().length() < 7.0
 
 
-def test_a_walker_walks_where_it_is_told(world: Any, spawn: Spawn) -> None:
+def test_a_walker_walks_where_it_is_commanded(world: Any, spawn: Spawn) -> None:
     import carla
 
     point = world.get_map().get_spawn_points()[3]

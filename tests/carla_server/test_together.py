@@ -177,7 +177,7 @@ def test_who_is_destroyed_has_a_box_until_the_next_snapshot(world: Any, spawn: S
 
 
 def test_a_walkers_controller_without_a_mesh_does_no_harm(world: Any, spawn: Spawn) -> None:
-    """The crowd lives in the client and needs a navigation mesh, of which there is none; walkers obey all the same."""
+    """The crowd lives in the client and needs a navigation mesh, of which there is none; walkers obey nevertheless."""
     import carla
 
     assert world.get_random_location_from_navigation() is None
