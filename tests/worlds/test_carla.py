@@ -199,7 +199,7 @@ def test_it_leaves_the_server_as_it_found_it(server: Served) -> None:
 def test_a_server_that_ends_loses_the_world_and_keeps_the_recording(tmp_path: Path, client_version: str) -> None:
     plan = ideal("obstacle_ahead").model_copy(update={"duration": 20.0})
     with served(tmp_path, "--carla-version", client_version) as dying:
-        with open_world("carla", plan, load_network(plan.map.file), port=dying.port, timeout=1.0) as world:
+        with open_world("carla", plan, load_network(plan.map.file), port=dying.port) as world:
             killed = run(plan, world, progress=lambda t: dying.process.send_signal(signal.SIGINT) if t > 1.0 else None)
         assert killed.stop_reason == "world_lost"
         assert 1.0 < killed.t[-1] < 5.0
