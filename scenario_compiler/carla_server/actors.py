@@ -24,7 +24,7 @@ MAX_STEER = 70.0
 """Greatest angle of the front wheels, degrees: CARLA's public default."""
 
 TRUE = ("true", "yes", "on")
-INTEGER = re.compile(r"\s*[+-]?[0-9]+")
+NOT_ZERO = re.compile(r"\s*[+-]?0*[1-9]")
 
 TAGS = {
     "car": Tag.CAR,
@@ -86,8 +86,7 @@ class Actor:
         the Unreal Engine.
         """
         text = self.attributes[name]
-        number = INTEGER.match(text)
-        return text.lower() in TRUE or (number is not None and int(number[0]) != 0)
+        return text.lower() in TRUE or NOT_ZERO.match(text) is not None
 
 
 @dataclass(eq=False)

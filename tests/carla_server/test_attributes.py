@@ -20,12 +20,33 @@ def actor(blueprint: str, **attributes: str) -> Actor:
     return new_actor(VERSION, [1, blueprint, [[name, BOOL, text] for name, text in attributes.items()]], HERE)
 
 
-@pytest.mark.parametrize("text", ["true", "True", "TRUE", "yes", "On", "1", "-1", " 2", "3 m"])
+@pytest.mark.parametrize(
+    "text",
+    ["true", "True", "TRUE", "yes", "On", "1", "-1", " 2", "3 m", "007", pytest.param("9" * 5000, id="many digits")],
+)
 def test_a_text_is_true_as_in_the_unreal_engine(text: str) -> None:
     assert actor("sensor.other.obstacle", only_dynamics=text).says("only_dynamics")
 
 
-@pytest.mark.parametrize("text", ["false", "False", "no", "off", "0", "00", "", "maybe", "truee", " true", "t", "+"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "false",
+        "False",
+        "no",
+        "off",
+        "0",
+        "00",
+        "-0.5",
+        pytest.param("0" * 5000, id="many zeros"),
+        "",
+        "maybe",
+        "truee",
+        " true",
+        "t",
+        "+",
+    ],
+)
 def test_every_other_text_is_false(text: str) -> None:
     assert not actor("sensor.camera.dvs", use_log=text).says("use_log")
 
