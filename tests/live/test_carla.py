@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from playwright.sync_api import expect
 
 from scenario_compiler.recording.store import read_recording
 from scenario_compiler.study.tables import tidy_rows
@@ -78,6 +79,7 @@ def test_a_participant_of_a_study_takes_over_in_carla(tmp_path: Path, carla: con
             consented(page)
             begun_in_study(page)
             probed(page)
+            expect(page.locator("#held")).to_be_hidden()  # keys belong to its form until then
             page.wait_for_function("page.latest?.state === 'request'")
             page.keyboard.down("ArrowDown")
             page.wait_for_function("page.latest.byHand && page.latest.speed < 1")

@@ -283,7 +283,7 @@ def test_answers_given_before_a_pause_stand_in_the_form_again(tmp_path: Path, br
         expect(page.get_by_role("group", name="I stayed calm.").get_by_label("7")).not_to_be_checked()
         answered(page)
         expect(page.locator("#go")).to_be_visible()
-        assert page.evaluate("sessionStorage.length") == 0
+        page.wait_for_function("sessionStorage.length === 0")
     given = journal(study, 1)[-1]["answers"]
     assert given == {"hard": 2, "calm": 7, "first": "sound", "more": "Nothing, thanks = fine\tor not"}
 

@@ -133,7 +133,7 @@ def test_answers_whose_page_was_not_received_stand_in_the_form_again(tmp_path: P
         expect(page.get_by_role("group", name="Taking over was hard.").get_by_label("2")).to_be_checked()
         page.get_by_role("button", name="Continue").click()
         page.get_by_role("button", name="I agree").click()
-        assert page.evaluate("sessionStorage.length") == 0
+        page.wait_for_function("sessionStorage.length === 0")
         page.close()
 
 
