@@ -47,7 +47,7 @@ UNKNOWN_ITEM = Code(
 EMPTY_RANGE = Code(
     "SC263",
     "empty-range",
-    "The end of a range is not above its begin: a scale or number item whose greatest answer is not above its least, "
+    "The end of a range is not above its start: a scale or number item whose greatest answer is not above its least, "
     "or a probe whose latest time is before its earliest.\n\n"
     '    <probe from="14" to="6">...</probe>     from="6" to="14"\n\n'
     "Exchange the two numbers.",

@@ -1,6 +1,6 @@
 """The pages of a study: those of the participants, and that of the experimenter.
 
-A participant's page is made anew at each step, so that a page that is loaded again shows the participant's present
+A participant's page is made again at each step, so that a page that is loaded again shows the participant's present
 step.
 """
 

@@ -153,7 +153,7 @@ def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(tmp_path: P
         waiting = [picture(page, 60)]
         with suppress(TimeoutError):
             while True:
-                waiting.append(picture(page, 3))
+                waiting.append(picture(page, 2))
         assert len(waiting) <= 10  # those on their way when the page began to say what it shows
         for _ in waiting:
             page.send('{"kind": "shown"}')

@@ -72,7 +72,7 @@ def test_a_request_is_wanted_until_it_has_come_and_of_the_automation_alone() -> 
     assert [wheel.act(t, state).wish for t, state in ((0.1, "manual"), (0.12, "automated"))] == ["", ""]
 
 
-def test_who_comes_back_at_once_has_left_all_the_same() -> None:
+def test_a_person_who_comes_back_at_once_has_left_nevertheless() -> None:
     wheel = Wheel(PLAN)
     wheel.leave()
     wheel.come_back()

@@ -26,11 +26,29 @@ def report(finished: Run, tmp_path_factory: pytest.TempPathFactory) -> str:
     return write_report([finished], tmp_path_factory.mktemp("report")).as_uri()
 
 
-@pytest.fixture
-def player(browser: Browser, report: str) -> Iterator[Page]:
+@pytest.fixture(scope="module")
+def opened(browser: Browser, report: str) -> Iterator[Page]:
     with opened_page(browser, report) as page:
         page.locator(".player.ready").wait_for()
         yield page
+
+
+@pytest.fixture
+def player(opened: Page) -> Page:
+    """The page of the report at its start, as it is when it has been opened."""
+    opened.mouse.move(0, 0)
+    opened.get_by_label("Speed").select_option("1")
+    opened.evaluate(
+        """() => {
+            const player = document.querySelector('.player').player;
+            player.pause();
+            player.maps[0].follow(true);
+            document.activeElement?.blur();
+            scrollTo(0, 0);
+        }"""
+    )
+    opened.keyboard.press("Home")
+    return opened
 
 
 def time_of(page: Page) -> float:
@@ -158,7 +176,7 @@ def test_a_click_into_a_curve_goes_there_and_a_drag_zooms(player: Page) -> None:
     assert player.evaluate("document.querySelector('.player').player.curves.range") == pytest.approx([0.0, 16.0])
 
 
-def test_the_pointer_is_told_values_with_units(player: Page) -> None:
+def test_the_pointer_shows_values_with_units(player: Page) -> None:
     chart = player.locator(".u-over").nth(1)
     chart.scroll_into_view_if_needed()
     chart.hover(position={"x": 5, "y": 30})

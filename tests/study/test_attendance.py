@@ -30,9 +30,10 @@ def compiled(folder: Path, **changes: str) -> StudyCompilation:
     text = study.read_text()
     for old, new in changes.items():
         text = text.replace(f'{old}="2"', f'{old}="{new}"')
-    study.write_text(text)
+    study.write_text(text.replace('<probe from="0.5" to="1.5">', '<probe from="0.2" to="0.4">'))
     conflicts = folder / "conflicts.xml"
-    conflicts.write_text(conflicts.read_text().replace('duration="8"', 'duration="2"'))
+    short = conflicts.read_text().replace('duration="8"', 'duration="0.8"').replace('distance="80"', 'distance="76"')
+    conflicts.write_text(short)
     read = read_source(study, Diagnostics())
     assert read is not None
     assert isinstance(read[1], StudyFile)
