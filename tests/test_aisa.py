@@ -246,7 +246,9 @@ def test_converted_file_follows_the_schema(converted: Path) -> None:
     schema.assertValid(etree.parse(converted))
 
 
-def test_a_scenario_without_a_start_is_converted_to_one_that_must_be_given_it(converted: Path, maps: Path) -> None:
+def test_a_scenario_without_a_start_is_converted_to_a_conflict_with_parameters_for_it(
+    converted: Path, maps: Path
+) -> None:
     compilation, sink = _compiled(f"{converted}#lanesdefault", maps)
     assert compilation is None
     assert _codes(sink) == {"SC214"}
@@ -265,7 +267,7 @@ def test_gaps_in_a_conversion_are_reported(file: Path) -> None:
     assert not sink.has_errors
 
 
-def test_converted_file_says_what_could_not_be_converted(converted: Path) -> None:
+def test_a_converted_file_lists_what_could_not_be_converted(converted: Path) -> None:
     text = converted.read_text(encoding="utf-8")
     assert "lanesdefault: the scenario 'lanesdefault' has no waypoint named 'start'" in text
     assert text.count("lanesdefault: not executed: object name=") == 4

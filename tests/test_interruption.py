@@ -184,7 +184,7 @@ def assert_clean(place: Path, before: set[Path], command: str, code: int, told: 
 
 
 @pytest.mark.parametrize("name", [name for name in COMMANDS if name not in {*ALIKE, "sweep in processes"}])
-def test_ctrl_c_is_one_line(place: Path, name: str) -> None:
+def test_ctrl_c_prints_one_line(place: Path, name: str) -> None:
     """The signal comes with the first file that is written, or early in a command that writes none."""
     before = {path.relative_to(place) for path in place.rglob("*")}
     writes = not name.startswith(("validate", "list"))
@@ -196,7 +196,7 @@ def test_ctrl_c_is_one_line(place: Path, name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 @pytest.mark.parametrize("share", [0.02, 0.2, 0.5, 0.8, 0.99])
-def test_ctrl_c_is_one_line_at_any_moment(place: Path, name: str, share: float) -> None:
+def test_ctrl_c_prints_one_line_at_any_moment(place: Path, name: str, share: float) -> None:
     command = COMMANDS[name]
     before = {path.relative_to(place) for path in place.rglob("*")}
     code, told = interrupted(place, command, max(1, int(share * events_of(place, name))))
