@@ -471,7 +471,7 @@ class Stage:
             self.collisions.append((one, other, (x, y, z)))
 
     def _arrange(self) -> None:
-        """Assign every actor a row of the snapshot anew."""
+        """Assign new rows of the snapshot to all actors."""
         before = self.rows
         rows = Rows(len(self.actors))
         for row, actor in enumerate(self.actors.values()):

@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, expect
 from scenario_compiler.recording.names import SOURCES
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.store import read_recording
-from tests.browser import opened_page
+from tests.browser import SLOW, opened_page
 from tests.command import call
 from tests.live.serving import served, waited_for
 
@@ -71,9 +71,6 @@ UNEVEN = """
 """
 """Every third picture takes long to decode: one that overtook it would tell of a message twice."""
 
-SLOW = 120_000
-"""How long a test waits at most, ms: the machine may be busy, and the run then falls behind the clock."""
-
 
 @pytest.fixture
 def soon(tmp_path: Path) -> Path:
@@ -90,7 +87,6 @@ def open_road(tmp_path: Path) -> Path:
 
 
 def begun(page: Page) -> None:
-    page.set_default_timeout(SLOW)
     page.get_by_role("button", name="Start").click()
     page.wait_for_function("page.latest !== undefined")
 
@@ -131,7 +127,7 @@ def test_a_person_takes_over_by_keys_drives_and_is_repeated_bit_for_bit(
         expect(page.locator("#state")).to_have_text("you drive")
         expect(page.locator("#told")).to_be_hidden()
         page.wait_for_function("page.latest.speed < 1")
-        expect(page.locator("#measured")).to_contain_text("from input to picture", timeout=SLOW)
+        expect(page.locator("#measured")).to_contain_text("from input to picture")
         page.keyboard.up("ArrowDown")
         ended(page)
         expect(page.locator("#ended")).to_have_text("Driver took over, no collision")
@@ -226,15 +222,14 @@ def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path,
     ):
         page.evaluate(GAMEPAD)
         page.evaluate("pad.vibrationActuator = {playEffect: (...what) => (globalThis.shaken = what)}")
-        page.set_default_timeout(SLOW)
         page.get_by_role("button", name="Aloita").click()
         page.wait_for_function("page.latest?.state === 'request'")
         expect(page.locator("#state")).to_have_text("ohjauspyyntö")
         page.wait_for_function("page.told.some(([, text]) => text === 'Kädet rattiin!')")
-        expect(page.locator("#told")).to_have_text("Kädet rattiin!", timeout=SLOW)  # Chromium has no voice here
+        expect(page.locator("#told")).to_have_text("Kädet rattiin!")  # Chromium has no voice here
         assert page.evaluate("shaken[0]") == "dual-rumble"
         page.evaluate("page.say({kind: 'stop'})")
-        expect(page.locator("#ended")).to_have_text("Pyyntö vielä avoinna, ei törmäystä", timeout=SLOW)
+        expect(page.locator("#ended")).to_have_text("Pyyntö vielä avoinna, ei törmäystä")
     given = [(event.cause, event.message) for event in driven(out).events if event.kind == "message_given"]
     assert sorted(given) == [("speech", "file"), ("speech", "text"), ("tone", "file"), ("vibration", "gamepad")]
 
@@ -263,7 +258,6 @@ def test_a_run_that_nobody_drives_is_watched(tmp_path: Path, browser: Browser) -
     words = ("run", "obstacle_ahead", "--perception", "ideal", "--duration", "0.5", "--watch", "-o", out)
     with served(*words) as server:
         with opened_page(browser, server.address, bypass_csp=True) as page:
-            page.set_default_timeout(SLOW)
             page.wait_for_function("globalThis.page?.latest?.t > 0")
             assert page.evaluate("document.querySelector('#ahead').width") == 1280
             page.wait_for_function("document.querySelector('#ended').textContent !== ''")

@@ -11,12 +11,14 @@ const base = document.body.dataset.base;
 const one = (selector) => document.querySelector(selector);
 const about = await described();
 
-/** Return what the server says of the run. A page whose step is over meanwhile, or whose server is gone, is loaded again. */
+/** Return what the server says of the run, once it answers. A page whose step is over meanwhile is loaded again. */
 async function described() {
-  const answer = await fetch(`${base}/about`).catch(() => null);
-  if (answer?.ok) return answer.json();
-  setTimeout(() => location.reload(), 1000);
-  return new Promise(() => {}); // nothing else of this page runs
+  for (;;) {
+    const answer = await fetch(`${base}/about`).catch(() => null);
+    if (answer?.ok) return answer.json();
+    await new Promise((later) => setTimeout(later, 1000));
+    if (answer) location.reload();
+  }
 }
 
 /** Return a text of the page in its language, with its placeholders filled. */
@@ -190,6 +192,7 @@ class Page {
     this.sent.clear();
     this.told = [];
     this.mute = [];
+    one("#told").hidden = true;
   }
 
   /** Send the person's inputs; every message has a number, which comes back with the picture that shows it. */
@@ -241,9 +244,7 @@ class Page {
     this.heldFor = reason;
     this.running = false;
     this.stretch += 1;
-    this.wheel.release();
     this.sent.clear(); // the time that the run stands still is no latency
-    hush();
     one("#start").hidden = true;
     one("#held").hidden = false;
     one("#scene").classList.add("blank");
