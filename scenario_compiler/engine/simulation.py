@@ -186,7 +186,7 @@ class Simulation:
         import numpy as np
 
         values = getattr(self.state, name)
-        made = np.frombuffer(values, np.dtype(values.typecode)) if isinstance(values, array) else np.array(values)
+        made = np.frombuffer(values, np.dtype(values.format)) if isinstance(values, memoryview) else np.array(values)
         made.flags.writeable = False
         return made
 

@@ -1,4 +1,4 @@
-"""Containers for the compiled form: arrays of float64 and int64, and the addresses of their data."""
+"""Containers for the compiled form: arrays of float64 and int64, and how they lie in memory."""
 
 from __future__ import annotations
 
@@ -6,17 +6,10 @@ import ctypes
 from array import array
 from collections.abc import Mapping, Sequence
 from copy import copy
+from itertools import accumulate
 from typing import Any, TypeVar
 
-from scenario_compiler.forms.declaration import Columns, Container, column_types
-
-
-def as_arrays(container: Container) -> Container:
-    """Return a container of the same type whose columns are arrays of float64 and int64.
-
-    The arrays are copies, except for `BothForms`, which keeps its own.
-    """
-    return container.in_arrays() if isinstance(container, BothForms) else _copied(container)
+from scenario_compiler.forms.declaration import Columns, Container, column_types, columns_of
 
 
 def _copied(container: Container) -> Container:
@@ -75,10 +68,49 @@ class BothForms(Columns):
         return arrays
 
 
-def address_table(container: Any) -> array[int]:
-    """Return the addresses of the columns of a container of arrays, then their lengths: the container's struct in C."""
-    columns: list[array[float]] = [getattr(container, name) for name in column_types(type(container))]
-    return array("q", [column.buffer_info()[0] for column in columns] + [len(column) for column in columns])
+def inside_struct(container: type[Any]) -> dict[str, int]:
+    """Return the columns that lie inside of a container's struct in C, with their sizes, in order.
+
+    These are the columns whose size is the same in every program. The struct of `BothForms`, whose columns are shared,
+    has none, only addresses.
+    """
+    if issubclass(container, BothForms):
+        return {}
+    declared = columns_of(container).items()
+    return {name: one.of.fixed for name, one in declared if one.of.fixed > 0 and one.starts is None}
+
+
+def laid_out(container: Container) -> tuple[Container, array[int]]:
+    """Return a container with arrays as its columns, and the memory that begins with its struct in C.
+
+    The struct has the columns that lie inside of it, then the addresses of the others, then the lengths of all. The
+    other columns follow in the same memory, so that the numbers which a step uses lie close together. The columns are
+    copies, except for those of `BothForms`.
+
+    Raises:
+        ValueError: A column inside of the struct does not have the size that it has in every program.
+    """
+    if isinstance(container, BothForms):
+        shared = container.in_arrays()
+        columns: list[array[float]] = [getattr(shared, name) for name in column_types(type(shared))]
+        return shared, array("q", [one.buffer_info()[0] for one in columns] + [len(one) for one in columns])
+    types, inside = column_types(type(container)), inside_struct(type(container))
+    beside = {name: len(getattr(container, name)) for name in types if name not in inside}
+    sizes = inside | beside
+    addresses = sum(inside.values())
+    end = addresses + len(beside) + len(types)
+    begins = dict(zip(inside, accumulate(inside.values(), initial=0), strict=False))
+    begins |= zip(beside, accumulate(beside.values(), initial=end), strict=False)
+    memory = array("q", bytes(8 * (end + sum(beside.values()))))
+    base = memory.buffer_info()[0]
+    memory[addresses:end] = array("q", [base + 8 * begins[name] for name in beside] + [sizes[name] for name in types])
+    whole: dict[bool, Any] = {False: memoryview(memory), True: memoryview(memory).cast("B").cast("d")}
+    made = object.__new__(type(container))
+    for name, floats in types.items():
+        view = whole[floats][begins[name] : begins[name] + sizes[name]]
+        view[:] = array(view.format, getattr(container, name))
+        setattr(made, name, view)
+    return made, memory
 
 
 def address_and_size(values: Any) -> tuple[int, int]:

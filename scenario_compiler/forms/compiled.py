@@ -6,7 +6,7 @@ import ctypes
 from pathlib import Path
 from typing import Any
 
-from scenario_compiler.forms.arrays import address_and_size, address_table
+from scenario_compiler.forms.arrays import address_and_size, laid_out
 from scenario_compiler.forms.failure import KINDS, EngineError
 from scenario_compiler.forms.machine_code import SCALARS, MachineCode
 
@@ -25,16 +25,17 @@ class Compiled:
     name = "compiled"
 
     def __init__(self, made: MachineCode, **containers: Any) -> None:
-        """Set the containers, whose columns are arrays (see `as_arrays`)."""
-        self.containers = containers
+        """Copy the containers of lists by argument name to arrays; `BothForms` have their own."""
+        laid = {argument: laid_out(container) for argument, container in containers.items()}
+        self.containers = {argument: columns for argument, (columns, _) in laid.items()}
         self._made = made
-        self._addresses = {argument: address_table(container) for argument, container in containers.items()}
+        self._structs = {argument: struct for argument, (_, struct) in laid.items()}
         self._functions: dict[str, tuple[Any, list[int], Any]] = {}
 
     def _bound(self, entry: str) -> tuple[Any, list[int], Any]:
         """Return an entry's function, the addresses of its containers, and the ctypes type of its result."""
         *kinds, result = self._made.entries[entry]
-        addresses = [self._addresses[kind].buffer_info()[0] for kind in kinds if kind in self._addresses]
+        addresses = [self._structs[kind].buffer_info()[0] for kind in kinds if kind in self._structs]
         bound = self._functions[entry] = (self._made.function(entry), addresses, SCALARS.get(result))
         return bound
 

@@ -1,7 +1,7 @@
 /* What the translated engine is written with: Python's arithmetic, and failures that leave the entry they happened in.
 
-   Define ENGINE_CHECKED for a build that also checks indices and overflows. AT and ITEM are the one place that knows
-   how columns lie in memory. */
+   Define ENGINE_CHECKED for a build that also checks indices and overflows. AT and ITEM are the one way to an element
+   of a column or of an array. */
 
 #include <math.h>
 #include <setjmp.h>

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 from typing import Any, Protocol
 
-from scenario_compiler.forms.arrays import as_arrays
 from scenario_compiler.forms.compiled import Compiled
 from scenario_compiler.forms.machine_code import MachineCode, library
 
@@ -40,7 +39,7 @@ def form_of(
     """
     made = None if interpreted else machine_code or library()
     if made is not None:
-        return Compiled(made, **{argument: as_arrays(container) for argument, container in containers.items()})
+        return Compiled(made, **containers)
     from scenario_compiler.forms.interpreted import Interpreted
 
     return Interpreted(importlib.import_module(entries).ENTRIES, **containers)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from scenario_compiler.forms.arrays import inside_struct
 from scenario_compiler.forms.declaration import CONTAINERS, columns_of, containers_in_order, start_of
 from scenario_compiler.forms.expressions import OtherFunctions, clearing_name, literal, local_name
 from scenario_compiler.forms.language import (
@@ -79,9 +80,11 @@ def entry_name(function: Marked) -> str:
 
 
 def _container(argument: str) -> str:
-    """Return the C struct of a container: the addresses of its columns, then their lengths."""
+    """Return the C struct of a container: columns, addresses of other columns, lengths, as in `arrays.laid_out`."""
     columns = container_columns(argument)
-    lines = [f"    {c_type(kind)} *{local_name(name)};" for name, kind in columns.items()]
+    inside = inside_struct(CONTAINERS[argument].columns)
+    lines = [f"    {c_type(columns[name])} {local_name(name)}[{size}];" for name, size in inside.items()]
+    lines += [f"    {c_type(kind)} *{local_name(name)};" for name, kind in columns.items() if name not in inside]
     lines += [f"    int64_t {local_name(name)}_size;" for name in columns]
     return "\n".join(["typedef struct {", *lines, f"}} {CONTAINERS[argument].columns.__name__};", ""])
 

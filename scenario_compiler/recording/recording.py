@@ -85,7 +85,7 @@ class Column:
         name: Its name, the same in the type and in the file.
         kind: "float"; "integer"; "flag"; "road": index into `Recording.roads`; "state", "cause", "source"
             and "wish": code of `names`.
-        nothing: Value where there is none.
+        nothing: Value that means a missing one.
         far: The engine's `FAR` stands for "none" and is recorded as NaN.
         trajectory: Part of the trajectory hash.
     """
@@ -297,7 +297,8 @@ class RecordingBuilder:
 
     The columns are bound once; each `append` copies their present values. An entity's column is a sequence with one
     value per entity; a run's column has one value. `road` contains indices into `road_ids`, as in the engine. If a
-    column is an `array`, as in the compiled form, its rows are collected in an array, and no number becomes an object.
+    column is a `memoryview`, as in the compiled form, its bytes are collected in an array, and no number becomes an
+    object.
     """
 
     def __init__(self, header: Header, road_ids: Sequence[str], columns: Mapping[str, Sequence[float]]) -> None:
@@ -314,18 +315,23 @@ class RecordingBuilder:
         self._t: list[float] = []
         self._events: list[EventRow] = []
         self._frames: list[Frame] = []
-        self._rows: dict[str, list[float] | array[float]] = {
-            name: array(values.typecode) if isinstance(values, array) else [] for name, values in columns.items()
-        }
-        self._live: list[tuple[Callable[[Any], None], Sequence[float]]] = [
-            (self._rows[name].extend, values) for name, values in columns.items()
-        ]
+        self._rows: dict[str, list[float] | array[float]] = {}
+        self._live: list[tuple[Callable[[Any], None], Sequence[float]]] = []
+        for name, values in columns.items():
+            if isinstance(values, memoryview):
+                rows: array[float] = array(values.format)
+                self._rows[name] = rows
+                self._live.append((rows.frombytes, values.cast("B")))
+            else:
+                listed: list[float] = []
+                self._rows[name] = listed
+                self._live.append((listed.extend, values))
 
     def append(self, t: float) -> None:
         """Record one row from the present values of the columns."""
         self._t.append(t)
-        for extend, values in self._live:
-            extend(values)
+        for add, values in self._live:
+            add(values)
 
     def event(
         self,

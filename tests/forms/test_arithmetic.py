@@ -1,4 +1,4 @@
-"""What the engine's language calculates is the same in both forms, failures included."""
+"""Calculations of the engine's language are the same in both forms, failures included."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import new_state
-from scenario_compiler.forms.arrays import as_arrays
 from scenario_compiler.forms.compiled import Compiled
 from scenario_compiler.forms.failure import KINDS, EngineError, of_exception
 from scenario_compiler.forms.language import FunctionSource
@@ -42,7 +41,7 @@ class Small:
         for function in samples.ENTRIES:
             signature = FunctionSource.of(function).signature
             kinds[function.__name__] = [str(kind) for kind in (*signature.arguments.values(), signature.result)]
-        self.enter = Compiled(MachineCode(library, kinds, made_by), st=as_arrays(STATE)).enter
+        self.enter = Compiled(MachineCode(library, kinds, made_by), st=STATE).enter
 
     def __call__(self, entry: str, *arguments: Any) -> Any:
         """Call an entry; EngineError where it fails."""

@@ -46,7 +46,7 @@ def test_in_situations_of_the_bank_few_are_confident_and_wrong(name: str) -> Non
     assert ((looks.p[:, 2] > 0.6) & (looks.error > 0.25)).mean() <= 0.2
 
 
-def test_paint_and_geometry_are_told_apart() -> None:
+def test_paint_and_geometry_have_separate_probabilities() -> None:
     """On a straight road without paint the width tells little of where the lane is, and the paint's probability all."""
     looks = look_at_bank(ClassicalLaneDetector(), situation("no paint"), 4, 8)
     assert looks.p[:, 1].mean() < 0.3

@@ -82,12 +82,47 @@ def nose_offset(off: float, slope: float, front: float) -> float:
 
 
 @compiled
+def moving_over(begin: float, target: float, out: float, gone: float) -> tuple[float, float]:
+    """Return (offset, slope) after `gone` metres of a move from one offset to another over a distance, all in m."""
+    share = clip(ratio(gone, out, 1.0), 0.0, 1.0)
+    off = begin + 0.5 * (1.0 - cos(pi * share)) * (target - begin)
+    return off, 0.5 * pi * sin(pi * share) * ratio(target - begin, out, 0.0)
+
+
+@compiled
+def coming_back(target: float, over: float, share: float) -> tuple[float, float]:
+    """Return (offset, slope) after a share of the move back from an offset over a distance, m."""
+    off = 0.5 * (1.0 + cos(pi * share)) * target
+    return off, -0.5 * pi * sin(pi * share) * ratio(target, over, 0.0)
+
+
+@compiled
 def any_oncoming(p: Program, st: State, i: int) -> int:
     """Return 1 if anything on the path approaches i."""
     for j in range(p.entity_count[0]):
         if j != i and st.on_way[j] == 1 and st.along[j] <= ONCOMING:
             return 1
     return 0
+
+
+@compiled
+def comes_near(
+    p: Program, st: State, i: int, j: int, time: float, gone: float, v: float, spare: float, known: int
+) -> int:
+    """Return 1 if an oncoming vehicle has not passed and is nearer to i than a time to collision of `spare`, s.
+
+    That is after a time, s, in which i drives `gone` metres and reaches the speed v, m/s. With `known` 1 only a vehicle
+    counts that the driver has had the time to react to.
+    """
+    if j == i or st.on_way[j] == 0 or st.along[j] > ONCOMING:
+        return 0
+    front = front_of(p, i)
+    moved = st.along[j] * time - gone
+    passed = st.far[j] + moved < front - p.const[p.entity_const[i] + slot.E_LENGTH]
+    if passed or (known == 1 and reacts_to(p, st, j) == 0):
+        return 0
+    gap = max(st.near[j] + moved - front, 0.0)
+    return 1 if gap < spare * (v - st.along[j]) else 0
 
 
 @compiled
@@ -124,52 +159,54 @@ def meets_oncoming(
     """
     if high <= low and any_oncoming(p, st, i) == 0:
         return 0
-    base = p.entity_const[i]
-    size = p.const[base + slot.E_LENGTH]
     front = front_of(p, i)
-    half = 0.5 * p.const[base + slot.E_WIDTH] + CLEARANCE
+    half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH] + CLEARANCE
     usual = max(st.target_speed[0], 1.0)
     begin = st.path_off[0]
     off = begin
+    slope = 0.0
+    nose = begin
     v = st.v[i]
     gone = 0.0
-    slope = 0.0
     back_from = op.FAR
     back_over = 1.0
+    share = 0.0
     for k in range(PASSING_STEPS):
         time = (k + 1) * HORIZON_STEP
         a = idm_acceleration(p, i, v, usual, op.FAR, 0.0)
         if gone < out and braking > 0.0:
             a = -braking
         faster = max(v + a * HORIZON_STEP, 0.0)
+        before = gone
         gone += 0.5 * (v + faster) * HORIZON_STEP
         v = faster
         ahead = 0.0 if around < 0 else st.along[around] * time - gone
         passed = 1 if around < 0 or is_clear_of(p, st, i, around, v, ahead) == 1 else 0
         if back_from >= op.FAR and gone >= until and passed == 1:
             back_from = gone
+            if k > 0:
+                off, slope = moving_over(begin, target, out, before)
             back_over = shift_distance(v, off, RETURN_ACCELERATION)
         if back_from < op.FAR:
-            left = clip(ratio(gone - back_from, back_over, 1.0), 0.0, 1.0)
-            if left >= 1.0:
+            share = clip(ratio(gone - back_from, back_over, 1.0), 0.0, 1.0)
+            if share >= 1.0:
                 return 0
-            off = 0.5 * (1.0 + cos(pi * left)) * target
-            slope = -0.5 * pi * sin(pi * left) * ratio(target, back_over, 0.0)
-        else:
-            share = clip(ratio(gone, out, 1.0), 0.0, 1.0)
-            off = begin + 0.5 * (1.0 - cos(pi * share)) * (target - begin)
-            slope = 0.5 * pi * sin(pi * share) * ratio(target - begin, out, 0.0)
-        nose = nose_offset(off, slope, front)
         presumed = PASSING_SIGHT - usual * time - gone
-        if high > low and presumed < spare * (v + usual) and is_beside(low, high, off, nose, half) == 0:
-            return 1
-        for j in range(p.entity_count[0]):
-            if j == i or st.on_way[j] == 0 or st.along[j] > ONCOMING:
+        entered = high > low and presumed < spare * (v + usual)
+        placed = 0  # the lateral position is worked out only where something is near enough to be met
+        for j in range(-1, p.entity_count[0]):
+            near = entered
+            if j >= 0:
+                near = comes_near(p, st, i, j, time, gone, v, spare, known) == 1
+            if not near:
                 continue
-            moved = st.along[j] * time - gone
-            if st.far[j] + moved < front - size or (known == 1 and reacts_to(p, st, j) == 0):
-                continue
-            gap = max(st.near[j] + moved - front, 0.0)
-            if gap < spare * (v - st.along[j]) and is_beside(st.low[j], st.high[j], off, nose, half) == 0:
+            if placed == 0:
+                placed = 1
+                if back_from < op.FAR:
+                    off, slope = coming_back(target, back_over, share)
+                else:
+                    off, slope = moving_over(begin, target, out, gone)
+                nose = nose_offset(off, slope, front)
+            if is_beside(low if j < 0 else st.low[j], high if j < 0 else st.high[j], off, nose, half) == 0:
                 return 1
     return 1 if high > low else 0

@@ -106,7 +106,8 @@ def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int) -> t
     """Return how many kept rows ago i was last where j is now, at most `limit`; and a distance, m.
 
     Before both together have travelled this distance, no result is possible. From a row in which the boxes are a gap
-    apart, the rows of half this distance are skipped, in which the boxes are still apart by the other half.
+    apart, the rows of half this distance are skipped, in which the boxes are still apart by the other half. Once no
+    such distance is left to find, the rows of the whole gap are skipped.
     """
     reach = st.reach[i] + st.reach[j]
     step = sqrt(max(m.trail_square[i], 0.0))
@@ -131,7 +132,8 @@ def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int) -> t
         elif step <= 0.0:
             return limit, free
         else:
-            leap = clip(0.5 * gap / step, 1.0, 1.0 * TRAIL_ROWS)
+            skipped = 0.5 * gap if free > 0.0 else gap
+            leap = clip(skipped / step, 1.0, 1.0 * TRAIL_ROWS)
             if not leap >= 1.0:
                 leap = 1.0
             k += int(leap)

@@ -43,7 +43,7 @@ def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
         if hit is not None:
             message = f"'{hit.id}' and '{other.id}' overlap at the start"
             place, there_too = (place_of(plan, f"entities/{one.id}") for one in (other, hit))
-            related = (Related(f"'{hit.id}' stands here", there_too),)
+            related = (Related(f"'{hit.id}' is placed here", there_too),)
             sink.add(OVERLAP, message, place, severity=severity, related=related)
         cells.setdefault((column, row), []).append(other)
 
