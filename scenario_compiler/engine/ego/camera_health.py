@@ -15,7 +15,7 @@ curves, and it multiplies the confidence in both sides of the lane.
 
 The detector has no estimator of impulse noise. It takes impulse noise for noise as soon as the median of the second
 differences is changed: in images of eight situations by day and night its health was one half at 0.11 to 0.14 of the
-pixels, over 0.9 at 0.09 by day, and below 0.12 at 0.15 (docs/camera-failures.md has the table of a drive).
+pixels, at least 0.9 at 0.09, and at most 0.12 at 0.15 (docs/camera-failures.md has the table of a drive).
 
 Overexposure, dead rows and coarse grey levels have no curve. The detector's estimators recognise only strong cases of
 them, as noise, blur or dirt; ideal perception does not recognise them.
