@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,8 @@ from scenario_compiler.perception.calibration.collect import CONDITIONS, Looks
 from scenario_compiler.perception.calibration.figures import worth
 from scenario_compiler.perception.calibration.maps import IMAGES, MapRoads
 from scenario_compiler.perception.confidence import FEATURES
+from scenario_compiler.perception.detectors import DetectorName, create_detector
+from scenario_compiler.report.perception_page import INTRODUCTIONS, LIMITS, PAGES
 from scenario_compiler.resources import find_map
 from scenario_compiler.roads import load_network
 
@@ -67,6 +71,22 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
     assert "The tables show highway_loop: each judged by a fit to all other maps." in page
     assert (tmp_path / "images" / "perception_reliability.png").stat().st_size > 10_000
     assert json.loads((tmp_path / "lane_confidence.json").read_text("utf-8"))["features"] == list(FEATURES)
+
+
+@pytest.mark.parametrize(
+    ("detector", "digest"),
+    [
+        ("classical", "d3c8e476eb12db0209066361aaf35b3c2d04ba420f4f20041415ce11e74a02e0"),
+        ("learned", "c44e3fae13979b2d9b0b37bbdfc49975b658d55c820c7837d8247a3a046897a7"),
+    ],
+)
+def test_the_pages_are_about_the_packaged_confidence(detector: DetectorName, digest: str) -> None:
+    """Whoever changes a confidence or what is written about it measures and writes its page again."""
+    page = (Path(__file__).parents[1] / "docs" / PAGES[detector]).read_text(encoding="utf-8")
+    assert page.startswith(INTRODUCTIONS[detector])
+    assert page.endswith(LIMITS)
+    file = resources.files("scenario_compiler.perception").joinpath(create_detector(detector).confidence_file)
+    assert hashlib.sha256(file.read_bytes()).hexdigest() == digest
 
 
 def test_wrong_use_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

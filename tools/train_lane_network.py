@@ -17,7 +17,7 @@ import json
 import math
 import multiprocessing
 import time
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import lru_cache
 from itertools import islice
 from pathlib import Path
@@ -365,7 +365,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
                 contrast = look_of(conditions.weather).contrast
                 about = (contrast, conditions.sigma, conditions.pitch, conditions.leader, float(conditions.beside),
                          conditions.curvature, float(conditions.junction), float(view.number))  # fmt: skip
-                state = take(view.image, state, view.truth, clip, about)
+                state = take(view.image, replace(state, way=view.way), view.truth, clip, about)
     elif which == "drawn":
         for number in range(first, last):
             draw = np.random.default_rng([seed, number])
@@ -421,7 +421,8 @@ def confidence_of(seen: list[tuple[str, Looks, NDArray[np.float64]]]) -> Confide
     """Return the confidence fitted to the looks at its own maps and at random situations."""
     of_maps = Looks.joined([looks for which, looks, _ in seen if is_unseen(Path(which).stem)])
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
-    return fitted_to(chosen, Looks.joined([looks for which, looks, _ in seen if which == "drawn"]))
+    drawn = Looks.joined([looks for which, looks, _ in seen if which == "drawn"])
+    return fitted_to(chosen, drawn, LearnedLaneDetector.penalty)
 
 
 def figures_of(seen: list[tuple[str, Looks, NDArray[np.float64]]], confidence: Confidence) -> dict[str, object]:

@@ -77,8 +77,9 @@ def calibrate_command(options: argparse.Namespace) -> int:
     if missing or not gathered.maps:
         complain(f"there is no driving lane in {', '.join(missing) or 'any map'}")
         return AT_FAULT
-    confidence = fitted(gathered) if options.fit else None
-    figures = figures_of(gathered, options.leave_out, confidence)
+    detector = create_detector(options.detector)
+    confidence = fitted(gathered, detector.penalty) if options.fit else None
+    figures = figures_of(gathered, options.leave_out, confidence, detector.penalty)
     minutes = (time.monotonic() - began) / 60.0
     given = [
         *(["--fit"] if options.fit else []),
@@ -90,7 +91,6 @@ def calibrate_command(options: argparse.Namespace) -> int:
     measured = Measured(options.detector, command, minutes, options.jobs, names, options.clips, options.pictures)
     write_perception_page(figures, measured, options.output)
     if confidence is not None:
-        detector = create_detector(options.detector)
         text = confidence_text(confidence, detector.features)
         (options.output / detector.confidence_file).write_text(text, encoding="utf-8")
     driving = figures.driving[-1].outputs[-1]

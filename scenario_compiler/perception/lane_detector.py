@@ -182,10 +182,12 @@ class CalibratedDetector(LaneDetector, Protocol):
     Attributes:
         features: Names of the confidence's features.
         confidence_file: The file with the confidence, beside the package's modules.
+        penalty: Factor of the squared weights in a fit of the confidence.
     """
 
     features: ClassVar[tuple[str, ...]]
     confidence_file: ClassVar[str]
+    penalty: ClassVar[float]
 
     def look(
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
@@ -199,6 +201,7 @@ class ClassicalLaneDetector:
 
     features: ClassVar[tuple[str, ...]] = FEATURES
     confidence_file: ClassVar[str] = "lane_confidence.json"
+    penalty: ClassVar[float] = 2e-4
 
     def __init__(self, camera: Camera | None = None, confidence: Confidence | None = None) -> None:
         """Prepare for one camera.

@@ -60,8 +60,9 @@ class Failure(Word):
     knowledge; several misalignments add up.
 
     With `--perception ideal` the sensor's health falls by the same curves that the lane detector applies to its images.
-    It is one half for noise of 30 grey levels, for a blackout of 0.94, a blur of 0.5, and dirt of 0.5; it is 0 for a
-    missing or repeated image. The last seven kinds have no effect on ideal perception, only on images.
+    It is one half for noise of 30 grey levels, for a blackout of 0.94, a blur of 0.5, dirt of 0.5, and impulse noise of
+    0.24; it is 0 for a missing or repeated image. The last six kinds have no effect on ideal perception, only on
+    images.
     """
 
     word: Literal["failure"] = "failure"

@@ -12,8 +12,10 @@ import pytest
 
 from scenario_compiler.perception import learned_detector
 from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.lane_detector import LaneState
 from scenario_compiler.perception.learned_detector import (
     COLUMNS,
+    LEARNED_FEATURES,
     NETWORK_FILE,
     ROWS,
     TRAINED_FOR,
@@ -91,6 +93,16 @@ def test_images_of_another_camera_are_warped_to_the_trained_one() -> None:
     turned = homography @ np.stack([u, v, np.ones(2)])
     wanted = replace(TRAINED_FOR, z=camera.z).project_ground(x, y)
     assert turned[:2] / turned[2] == pytest.approx(np.stack(wanted), abs=1e-6)
+
+
+def test_the_confidence_knows_whether_a_junction_is_in_sight() -> None:
+    detector, way = LearnedLaneDetector(), LEARNED_FEATURES.index("way")
+    image = RoadCamera(two_lanes(bend(0.0))).frame(bend(0.0).pose(60.0), [], CLEAR, 0.0, 0)
+    free, (row, _) = detector.look(image)
+    crossing, (with_way, _) = detector.look(image, LaneState(way=(0.0, 0.0)))
+    assert (row[way], with_way[way]) == (0.0, 1.0)
+    assert np.array_equal(np.delete(row, way), np.delete(with_way, way))
+    assert crossing.left.y0 == free.left.y0
 
 
 def test_the_network_is_that_of_the_page() -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from scenario_compiler.engine.ego.camera_health import impulses_health
 from scenario_compiler.perception.degradation import Degradation, Sensor
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.sensor_health import SensorHealth, SensorMonitor
@@ -68,6 +69,12 @@ def test_a_severe_fault_is_seen(weather: str, state: Degradation) -> None:
 )
 def test_a_slight_fault_is_ignored(weather: str, state: Degradation) -> None:
     assert watched(weather, state).health > 0.85
+
+
+@pytest.mark.parametrize("weather", WEATHERS)
+@pytest.mark.parametrize("share", [0.03, 0.06, 0.16, 0.3])
+def test_the_engine_knows_at_which_impulse_noise_the_images_look_broken(weather: str, share: float) -> None:
+    assert watched(weather, Degradation(impulses=share)).health == pytest.approx(impulses_health(share), abs=0.1)
 
 
 @pytest.mark.parametrize("weather", WEATHERS)

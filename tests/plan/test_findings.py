@@ -79,6 +79,16 @@ def test_a_stored_plan_knows_the_lines_too(tmp_path: Path) -> None:
         assert place_of(stored, part).source_line
 
 
+@pytest.mark.parametrize(("perception", "told"), [("camera", True), ("surrogate", True), ("ideal", False)])
+def test_a_lane_change_that_the_automation_does_not_make_is_reported(
+    tmp_path: Path, perception: Perception, told: bool
+) -> None:
+    sink = Diagnostics()
+    change = '<when><time after="1"/><do><lane_change by="1" over_time="4"/></do></when>'
+    compile_target(_file(tmp_path, "", change), {}, sink, overrides=Overrides(perception))
+    assert ("SC530" in {one.code.id for one in sink}) is told
+
+
 @pytest.mark.parametrize(
     ("perception", "inside", "controller", "told"),
     [

@@ -15,10 +15,12 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.camera_health import (
     BLUR_AT_ONE,
+    IMPULSES_AT_ONE,
     NOISE_AT_ONE,
     TONES_AT_NOON,
     blur_health,
     dirt_health,
+    impulses_health,
     noise_health,
     tones_health,
 )
@@ -108,7 +110,9 @@ def health_of_image(st: State) -> float:
     dark = TONES_AT_NOON * (1.0 - st.failure_now[op.FAILURE_BLACKOUT])
     blur = BLUR_AT_ONE * st.failure_now[op.FAILURE_BLUR]
     dirt = st.failure_now[op.FAILURE_DIRT]
-    return noise_health(st.sigma[0]) * tones_health(dark) * blur_health(blur) * dirt_health(dirt)
+    impulses = IMPULSES_AT_ONE * st.failure_now[op.FAILURE_IMPULSE_NOISE]
+    health = noise_health(st.sigma[0]) * impulses_health(impulses)
+    return health * tones_health(dark) * blur_health(blur) * dirt_health(dirt)
 
 
 @compiled

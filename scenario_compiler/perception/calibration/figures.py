@@ -86,19 +86,19 @@ class Figures:
     left_out: tuple[str, ...]
 
 
-def fitted(gathered: Gathered, without: str = "") -> Confidence:
-    """Return the confidence fitted to all observations except those on one map."""
+def fitted(gathered: Gathered, penalty: float, without: str = "") -> Confidence:
+    """Return the confidence fitted with a penalty to all observations except those on one map."""
     parts = [looks for name, looks in gathered.maps.items() if name != without]
     of_maps = Looks.joined(parts)
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
-    return fitted_to(chosen, gathered.drawn)
+    return fitted_to(chosen, gathered.drawn, penalty)
 
 
-def fitted_to(of_maps: Looks, drawn: Looks) -> Confidence:
-    """Return the confidence fitted to looks at maps and at drawn situations."""
+def fitted_to(of_maps: Looks, drawn: Looks, penalty: float) -> Confidence:
+    """Return the confidence fitted with a penalty to looks at maps and at drawn situations."""
     looks = Looks.joined([of_maps, drawn])
     weight = np.concatenate([np.ones(len(of_maps.error)), np.full(len(drawn.error), DRAWN_WEIGHT)])
-    return fit_confidence(looks.rows, looks.labels, weight)
+    return fit_confidence(looks.rows, looks.labels, penalty, weight)
 
 
 def judged(looks: Looks, confidence: Confidence) -> Looks:
@@ -106,17 +106,18 @@ def judged(looks: Looks, confidence: Confidence) -> Looks:
     return replace(looks, p=confidence.all(looks.rows))
 
 
-def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confidence | None) -> Figures:
+def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confidence | None, penalty: float) -> Figures:
     """Return the figures.
 
     Args:
         gathered: The observations.
         left_out: Maps to which a fit to all others is applied, and which the tables contain; empty for all maps.
         confidence: The confidence for everything else; None for the detector's own.
+        penalty: The detector's penalty in fits.
     """
     chosen = {name: looks for name, looks in gathered.maps.items() if not left_out or name in left_out}
     if left_out:
-        chosen = {name: judged(looks, fitted(gathered, name)) for name, looks in chosen.items()}
+        chosen = {name: judged(looks, fitted(gathered, penalty, name)) for name, looks in chosen.items()}
     elif confidence is not None:
         chosen = {name: judged(looks, confidence) for name, looks in chosen.items()}
     together = Looks.joined(list(chosen.values()))

@@ -22,9 +22,6 @@ COUNTED = 100
 HIDDEN, OUTPUTS = 32, 3
 """Hidden units of one fit, and outputs."""
 
-PENALTY = 2e-4
-"""Factor of the mean squared weights in the loss, which keeps them small."""
-
 STEPS = 400
 """Greatest number of steps of the fit."""
 
@@ -32,22 +29,23 @@ SEEDS = (1, 2)
 """Of the first weights: the logits of several fits are averaged, which is less wrong than one fit on other roads."""
 
 
-def fit_confidence(rows: Floats, labels: Floats, weight: Floats | None = None) -> Confidence:
+def fit_confidence(rows: Floats, labels: Floats, penalty: float, weight: Floats | None = None) -> Confidence:
     """Return the mean of the confidences with the least cross-entropy over observations, one for each of `SEEDS`.
 
     Args:
         rows: (N, F) features.
         labels: (N, 3) whether the geometry was right, paint was there, and both, as 0 or 1.
+        penalty: Factor of the squared weights in the loss, which keeps them small.
         weight: (N,) weight of each observation; equal if None.
     """
-    fits = [_fit(rows, labels, weight, seed) for seed in SEEDS]
+    fits = [_fit(rows, labels, penalty, weight, seed) for seed in SEEDS]
     hidden = np.concatenate([one.hidden for one in fits])
     of_hidden = np.concatenate([one.out[:, :HIDDEN] for one in fits], axis=1) / len(fits)
     of_features = sum((one.out[:, HIDDEN:] for one in fits), np.zeros_like(fits[0].out[:, HIDDEN:])) / len(fits)
     return Confidence(fits[0].middle, fits[0].scale, hidden, np.concatenate([of_hidden, of_features], axis=1))
 
 
-def _fit(rows: Floats, labels: Floats, weight: Floats | None, seed: int) -> Confidence:
+def _fit(rows: Floats, labels: Floats, penalty: float, weight: Floats | None, seed: int) -> Confidence:
     """Return the confidence with the least cross-entropy (L-BFGS from weights drawn with `seed`)."""
     count, size = rows.shape
     middle, scale = rows.mean(axis=0), np.maximum(rows.std(axis=0), 1e-3)
@@ -74,8 +72,8 @@ def _fit(rows: Floats, labels: Floats, weight: Floats | None, seed: int) -> Conf
             np.concatenate([back.T @ known, back.sum(axis=0)[:, None]], axis=1).ravel(),
             np.concatenate([wrong.T @ both, wrong.sum(axis=0)[:, None]], axis=1).ravel(),
         ])  # fmt: skip
-        value += PENALTY * float(parameters @ parameters)
-        return value, gradient.astype(np.float64) + 2.0 * PENALTY * parameters
+        value += penalty * float(parameters @ parameters)
+        return value, gradient.astype(np.float64) + 2.0 * penalty * parameters
 
     found = minimize(loss, start, jac=True, method="L-BFGS-B", options={"maxiter": STEPS})
     best = np.asarray(found.x)

@@ -8,6 +8,8 @@ from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
     ActivateControllerAction,
     AssignControllerAction,
+    LaneChangeAction,
+    LaneChangeToAction,
     OverrideControllerAction,
 )
 from scenario_compiler.vocabulary.entities import Controller
@@ -38,6 +40,15 @@ NOT_ASKED = Code(
     "    scenario-compiler run conflict.xml --controller our_lab:Steering --perception camera",
     Severity.WARNING,
 )
+STAYS_IN_LANE = Code(
+    "SC530",
+    "lane-change-without-effect",
+    "With camera or surrogate perception, the automation of the ego vehicle follows the lane that it sees, whatever "
+    "lane an action names; it changes lanes only where its lane ends. With ideal perception it follows the lane of the "
+    "map, and changes to the lane that the action names.\n\n"
+    '    <ego speed="20"> ... <when><time after="3"/><do><lane_change by="1" over_time="4"/></do></when></ego>',
+    Severity.WARNING,
+)
 BAD_PROPERTY = Code(
     "SC284",
     "follow-property",
@@ -64,6 +75,7 @@ def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
     if own is not None and plan.perception == "ideal" and own.model != Controller.model_construct().model:
         message = f"'{own.model}' is not called with ideal perception: the automation keeps the lane from the map"
         sink.add(NOT_ASKED, message, own.place_of("model"), hint="--perception camera runs it")
+    keeps_lane = plan.perception != "ideal" and own is not None and own.model == Controller.model_construct().model
     entities = {entity.id: entity for entity in plan.entities}
     for actor, word in plan.storyboard.actions():
         entity = entities.get(actor)
@@ -75,6 +87,9 @@ def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
                 sink.add(IDLE_CONTROLLER, message, word.origin)
         elif isinstance(word, OverrideControllerAction) and word.active and entity is not None and entity.kind != "ego":
             sink.add(NO_PEDALS, f"'{actor}' has no {word.input.replace('_', ' ')} to hold", word.origin)
+        elif isinstance(word, LaneChangeAction | LaneChangeToAction) and keeps_lane and entity and entity.kind == "ego":
+            message = f"with {plan.perception} perception '{actor}' stays in the lane that it sees"
+            sink.add(STAYS_IN_LANE, message, word.origin, hint="--perception ideal changes the lane")
 
 
 def _check_assigned(word: AssignControllerAction, entity: Entity | None, sink: Diagnostics) -> None:
