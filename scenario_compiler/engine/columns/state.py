@@ -514,7 +514,11 @@ class State(Columns):
     seen: list[int] = column(ENTITY)
     """1 if the entity is ahead on the way and the forward sensor (or the driver) sees it."""
     on_way: list[int] = column(ENTITY)
-    """1 if the entity is on the way; only then the following columns hold."""
+    """1 if the entity is on the way; only then the columns from `near` to `border_right` hold."""
+    way_angle: list[float] = column(ENTITY)
+    """Angle between the entity and the road of the way when it was last measured, rad, with its cosine and sine."""
+    way_cos: list[float] = column(ENTITY, 1.0)
+    way_sin: list[float] = column(ENTITY)
     near: list[float] = column(ENTITY)
     """Distance along the way from the ego's reference point to the near end of the entity's box, m."""
     far: list[float] = column(ENTITY)
