@@ -1,7 +1,7 @@
 """The build hook: the engine's machine code is made with the package and lies in the wheel.
 
-Where there is no gcc or clang, the compiler comes from PyPI as `ziglang`, for the build alone. Without any compiler
-the package is built all the same: the interpreted form of the engine serves then, and says so.
+Where there is no gcc or clang, the compiler comes from PyPI as `ziglang`, for the build alone. Without any compiler the
+package is built nevertheless: the interpreted form of the engine serves then, and reports it.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ TRAFFIC: tuple[Placed, ...] = (
     ("van", 1, -14.0, 0.0, (5.4, 2.0, 2.3), (205, 205, 205)),
     ("pedestrian", 1, 3.0, 4.4, (0.5, 0.6, 1.75), (60, 60, 170)),
 )
-"""What is on the road, our own car first: kind, lane, m ahead and to the left, size, colour (blue, green, red)."""
+"""What is on the road, the ego first: kind, lane, m ahead and to the left, size, colour (blue, green, red)."""
 
 QUALITY = (cv2.IMWRITE_JPEG_QUALITY, 88)
 

@@ -1,6 +1,6 @@
 """A scenario compiler: it turns conflicts written in XML into runs with a takeover and a report.
 
-Programs import everything from here that they need to build, compile, run, judge, report and sweep scenarios;
+Programs import from here everything that they need to build, compile, run, judge, report and sweep scenarios;
 docs/python-api.md has examples. `scenario_compiler.perception` does the same for pictures. `__init__.pyi` lists the
 names. Each name is imported from its module when it is first used, so that importing this package takes no time.
 """

@@ -1,6 +1,6 @@
 """Starts the program as `scenario-compiler` or as `python -m scenario_compiler`.
 
-It is as small as it is so that an interruption while the command line is still being imported ends as any other does.
+It imports little, so that an interruption during the import of the command line ends like any other interruption.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ import os
 import sys
 
 INTERRUPTED = 130
-"""Exit code of a program that Ctrl-C or SIGTERM ended: 128 and the number of SIGINT, as shells have it."""
+"""Exit code of a program that Ctrl-C or SIGTERM ended: 128 plus the number of SIGINT, as in shells."""
 
 
 def main() -> None:
-    """Run the command line and exit; an interruption is one line and no traceback."""
+    """Run the command line and exit; an interruption prints one line instead of a traceback."""
     try:
         from scenario_compiler.interruption import ignore_from_now_on, raise_when_ended
 
@@ -29,7 +29,7 @@ def main() -> None:
 
 
 def _say_interrupted() -> None:
-    """Write the line without what may have been half imported."""
+    """Write the line without modules that may be imported only in part."""
     from scenario_compiler.interruption import ignore_from_now_on
 
     ignore_from_now_on()
@@ -37,8 +37,8 @@ def _say_interrupted() -> None:
 
 
 def _forget_current_folder() -> None:
-    """Import nothing from the current folder, which `python -m` looks into before Python's own library."""
-    if not getattr(sys.flags, "safe_path", False):  # `python -P`, from 3.11 on, leaves it out itself
+    """Import nothing from the current folder, which `python -m` searches before Python's own library."""
+    if not getattr(sys.flags, "safe_path", False):  # `python -P`, from 3.11 on, leaves it out already
         del sys.path[0]
 
 

@@ -269,11 +269,11 @@ def compile_study(
             conditions[condition.name] = condition, done
     durations = {one.scenario.name: done.plan.duration for one, done in conditions.values()}
     for name, duration in durations.items():
-        if study.probe is not None and study.probe.earliest >= duration:
-            message = (
-                f"the probe comes at {study.probe.earliest:g} s at the earliest, but '{name}' lasts {duration:g} s"
-            )
-            sink.add(LATE_PROBE, message, study.probe.place_of("from"))
+        probe = study.probe
+        if probe is not None and max(probe.earliest, probe.latest) >= duration:
+            bound, time = ("earliest", probe.earliest) if probe.earliest >= duration else ("latest", probe.latest)
+            message = f"the probe comes at {time:g} s at the {bound}, but '{name}' lasts {duration:g} s"
+            sink.add(LATE_PROBE, message, probe.place_of("from" if bound == "earliest" else "to"))
     practices = () if study.before is None else study.before.steps
     for word in (*practices, *study.foils):
         if isinstance(word, Practice | Foil) and word.target not in others:

@@ -25,8 +25,8 @@ _GITHUB_LEVEL = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.
 def formatted(diagnostics: Iterable[Diagnostic], form: str) -> str:
     """Return diagnostics in one of FORMATS; JSON and SARIF are complete documents even without diagnostics.
 
-    Whatever files and their names hold, a terminal or a build service sees characters that can be printed, and no
-    command but those of the format `github`.
+    Whatever files and their names contain, a terminal or a build service receives only printable characters, and no
+    commands except those of the format `github`.
     """
     found = list(diagnostics)
     if form == "json":
@@ -41,7 +41,7 @@ def formatted(diagnostics: Iterable[Diagnostic], form: str) -> str:
 
 
 def _gitlab(d: Diagnostic) -> dict[str, object]:
-    """Return a finding as GitLab's Code Quality reports have it; its fingerprint does not change with its line."""
+    """Return a finding in the form of GitLab's Code Quality reports; its fingerprint does not depend on its line."""
     text = f"{d.message} ({d.hint})" if d.hint else d.message
     told = "\0".join((d.code.id, d.place.file, d.message, d.place.source_line.strip())).encode("utf-8", "replace")
     return {
@@ -81,7 +81,7 @@ def _sarif_result(d: Diagnostic) -> dict[str, object]:
 
 
 def _others(d: Diagnostic) -> Iterator[tuple[str, Place]]:
-    """Yield the places around the finding's own, and what each is: the uses that brought it in, what else it names."""
+    """Yield the other places of a finding with their meanings: the uses that led to it, and related places."""
     yield from (("in this use", use) for use in d.chain())
     yield from ((one.message, one.place) for one in d.related)
 
@@ -92,7 +92,7 @@ def _sarif_location(place: Place) -> dict[str, object]:
 
 
 def _uri(file: str) -> str:
-    """Return a reference to a file as RFC 3986 wants it, whatever its name is made of."""
+    """Return a reference to a file according to RFC 3986, whatever characters its name contains."""
     path = PurePath(file)
     return path.as_uri() if path.is_absolute() else quote(os.fsencode(path.as_posix()))
 

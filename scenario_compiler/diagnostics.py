@@ -182,7 +182,7 @@ LONGEST_TEXT = 2000
 
 @dataclass(slots=True)
 class _Beyond:
-    """Findings of a kind that are counted alone: the first of them, their number, and what is kept of the kind."""
+    """Findings of a kind that are only counted: the first one, their number, and the places of those that are kept."""
 
     first: Diagnostic
     kept: frozenset[tuple[object, ...]]
@@ -236,7 +236,7 @@ class Diagnostics:
                 self._beyond[kind].count += 1
 
     def _drop_repeated(self, kind: _Kind) -> None:
-        """Drop findings of a kind that say the same of the same place, as each use of a faulty template does."""
+        """Drop findings of a kind with the same message and place, such as those of each use of a faulty template."""
         found, seen = [], set()
         for one in self.found:
             spot = (one.place.line, one.place.column, one.message)

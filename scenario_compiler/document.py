@@ -1,7 +1,7 @@
-"""XML in, safely: text to elements that know their file, line and column.
+"""Reads XML safely into elements whose file, line and column are known.
 
-Elements are lxml's own. lxml knows lines only roughly (the line where a start tag ends), so exact lines and columns are
-found by scanning the text once more, and only when a diagnostic asks for them.
+Elements are lxml's own. lxml gives only the line in which a start tag ends, so exact lines and columns are found by
+scanning the text once more, and only when a diagnostic needs them.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ FORBIDDEN = Code(
 )
 
 MAX_ATTRIBUTES = 1000
-"""Most attributes on one element; real files have at most some twenty."""
+"""Greatest number of attributes of an element; real files have at most about twenty."""
 
 MAX_TAGS = 4_000_000
-"""Most tags of a file, a bound on memory: the largest road files known have some 700 000."""
+"""Greatest number of tags in a file, which limits the memory: the largest known road files have about 700 000."""
 
 MOST_PLACED = 400_000
-"""Most tags of a file whose elements are placed by line and column; in larger files findings carry the line alone."""
+"""Greatest number of tags in a file whose findings have line and column; in larger files they have the line only."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Document:
 
     @property
     def folder(self) -> Path:
-        """Folder that relative paths in the file start from."""
+        """Folder from which relative paths in the file start."""
         return Path(self.path).parent
 
     def origin(self, element: etree._Element, attribute: str | None = None, within: Place | None = None) -> Origin:
@@ -116,7 +116,7 @@ class Document:
 
 
 class Origin:
-    """The place of an element or attribute in a document; line and column are found when first asked for."""
+    """The place of an element or attribute in a document; line and column are found when they are first read."""
 
     __slots__ = ("_found", "attribute", "document", "element", "within")
 
@@ -127,7 +127,7 @@ class Origin:
         attribute: str | None = None,
         within: Place | None = None,
     ) -> None:
-        """Remember where to look; nothing is searched yet."""
+        """Store the element and the attribute; the text is not searched yet."""
         self.document = document
         self.element = element
         self.attribute = attribute
@@ -135,7 +135,7 @@ class Origin:
         self._found: tuple[int, int, int] | None = None
 
     def __reduce__(self) -> tuple[type[FilePlace], tuple[object, ...]]:
-        """Pickle as plain numbers: a plan goes to another process without the document it was written in."""
+        """Pickle as plain numbers, because a plan is sent to another process without its document."""
         return FilePlace, (self.file, self.line, self.column, self.length, self.source_line, self.within)
 
     def of(self, attribute: str) -> Origin:
@@ -179,14 +179,14 @@ class Origin:
 
 
 def read_document(path: str | Path, sink: Diagnostics, limit: int = SCENARIO_BYTES) -> Document | None:
-    """Read an XML file; report and return None when it is missing, malformed or hostile.
+    """Read an XML file; return None, with a diagnostic, if it is missing, malformed or hostile.
 
-    Entities are never resolved, nothing is loaded from elsewhere, and memory is bounded by the file's size.
+    Entities are never resolved, no other file is loaded, and the memory is limited by the file's size.
 
     Args:
         path: The file.
-        sink: Where faults go.
-        limit: The most bytes that it may have; road files are larger than scenarios.
+        sink: Receives the diagnostics.
+        limit: Greatest size of the file, bytes; road files are larger than scenarios.
     """
     name = str(path)
     try:
@@ -262,8 +262,9 @@ _ATTRIBUTES = re.compile(r"(?<=\s)(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<value>\"[^\"
 def _doctype_line(raw: bytes) -> int:
     """Return the line of a document type declaration before the root element, 0 when there is none.
 
-    It is found before anything is parsed, so that entities are never expanded. Texts of two or four bytes a character
-    are seen without their zero bytes; in other encodings that do not extend ASCII the parser finds the declaration.
+    It is searched before anything is parsed, so that entities are never expanded. In encodings with two or four bytes
+    per character the zero bytes are ignored; in other encodings that do not extend ASCII, the parser finds the
+    declaration.
     """
     text = raw.replace(b"\x00", b"") if b"\x00" in raw[:8] else raw
     at = text.find(b"<")

@@ -1,8 +1,8 @@
-"""Expressions: parses text such as `1.9 * (1 - $overlap)` to a tree, and evaluates it deterministically.
+"""Expressions: parses a text such as `1.9 * (1 - $overlap)` into a tree, and evaluates it deterministically.
 
-Grammar, loosest first: `or`, `and`, `not`, one comparison (< <= > >= == !=), + -, * / %, unary + -, `^` (power),
-atoms: number, 'text', true, false, pi, a parameter (`name` or `$name`), a function call, parentheses. `if(c, a, b)`
-evaluates only the branch it takes. Trigonometry is in radians; `radians` and `degrees` convert.
+Grammar, loosest first: `or`, `and`, `not`, one comparison (< <= > >= == !=), + -, * / %, unary + -, `^` (power), atoms:
+number, 'text', true, false, pi, a parameter (`name` or `$name`), a function call, parentheses. `if(c, a, b)` evaluates
+only the chosen branch. Angles of the trigonometric functions are in radians; `radians` and `degrees` convert.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ MAX_LENGTH_PUT_TOGETHER = 16 * MAX_LENGTH
 MAX_SIGNS = 400
 MAX_SHOWN = 100
 LEAST_TO_CHECK = 2 * MAX_DEPTH
-"""A text of at most this length keeps all bounds, whatever is in it."""
+"""A text of at most this length cannot exceed the other limits, whatever it contains."""
 
 
 class ExpressionError(ValueError):
-    """An expression that cannot be parsed or evaluated; `offset` is the character where it went wrong."""
+    """An expression cannot be parsed or evaluated; `offset` is the position of the faulty character."""
 
     def __init__(self, message: str, offset: int = 0) -> None:
         """Keep the message and the offset into the text, counted from 0."""
@@ -62,7 +62,7 @@ class Expression:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """The parameters it depends on, sorted."""
+        """The parameters on which it depends, sorted."""
         found: set[str] = set()
         _collect(self.tree, found)
         return tuple(sorted(found))
@@ -72,7 +72,7 @@ class Expression:
         return _evaluate(self.tree, values)
 
     def number(self, values: Mapping[str, Value]) -> float:
-        """Return the value as a finite float; raises ExpressionError when it is not one."""
+        """Return the value as a finite float; raises ExpressionError if it is not a finite number."""
         value = self.evaluate(values)
         if isinstance(value, str):
             raise ExpressionError(f"'{self.text}' is a text, not a number")
@@ -83,7 +83,7 @@ class Expression:
 
     @cached_property
     def bounded(self) -> bool:
-        """True where the text could be parsed again: substitution may make it longer and deeper than is read."""
+        """Whether the text could be parsed again; substitution can make it too long or too deeply nested."""
         if len(self.text) <= LEAST_TO_CHECK:
             return True
         try:
@@ -95,12 +95,12 @@ class Expression:
     def substitute(self, replacements: Mapping[str, Expression | Value]) -> Expression:
         """Return the expression with names replaced by values or other expressions.
 
-        Raises ExpressionError, before it is made, where it would be very long: each of many templates may double it.
+        Raises ExpressionError, before the text is built, if it would be too long: each of many templates can double it.
         """
         lengths = {name: len(new.text) for name, new in replacements.items() if isinstance(new, Expression)}
         longer = sum(lengths.get(name, 0) for name in _NAME_IN_TEXT.findall(self.text)) if lengths else 0
         if longer > MAX_LENGTH_PUT_TOGETHER:
-            raise ExpressionError("the expression becomes too long where the meaning of its names is put in")
+            raise ExpressionError("the expression becomes too long when its names are replaced by their values")
         tree = _substitute(self.tree, replacements)
         return Expression(_text(tree), tree)
 
@@ -183,9 +183,9 @@ _NAME_IN_TEXT = re.compile(r"\$([A-Za-z0-9_.]+)")
 
 
 def names_in(text: str) -> list[tuple[str, int]]:
-    """Return the parameters that a text names, each with the offset of its name, in order.
+    """Return the parameters that a text contains, each with the offset of its name, in order.
 
-    The text need not be a whole expression: what cannot be part of one is passed over.
+    The text need not be a complete expression; parts that cannot belong to an expression are skipped.
     """
     found: list[tuple[str, int]] = []
     at = 0
@@ -334,7 +334,7 @@ def _apply(function: str, arguments: list[Value]) -> Value:
 
 
 def _checked_text(function: str, text: str) -> str:
-    """Return a text that only a function on texts may have, in which nobody doubles it without end."""
+    """Return a text as a function's argument; its length is limited, so that nobody can double it without end."""
     if function not in ("+", "min", "max"):
         raise TypeError(function)
     if len(text) > MAX_LENGTH:
@@ -350,7 +350,7 @@ _NO_VALUE = {
     "^": "a negative number has whole powers only",
     "pow": "a negative number has whole powers only",
 }
-"""What is at fault where a function has no value for a number."""
+"""The reason why a function has no value for a number."""
 
 
 def _reason(function: str, arguments: Sequence[Value], error: Exception) -> str:
@@ -389,7 +389,7 @@ def _text(node: _Node) -> str:
         return f"${node.name}"
     parts = [_text(argument) for argument in node.arguments]
     if node.function == "^" and parts[0].startswith("-"):
-        parts[0] = f"({parts[0]})"  # the sign of a number that was put in a name's place belongs to the number
+        parts[0] = f"({parts[0]})"  # the sign of a number that has replaced a name belongs to the number
     if node.function in _BINARY:
         return f"({parts[0]} {node.function} {parts[1]})"
     if node.function in ("negative", "positive"):

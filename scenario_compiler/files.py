@@ -1,7 +1,7 @@
-"""Reads files safely: ordinary files only, and never more bytes than a limit.
+"""Reads ordinary files only, and never more bytes than a limit.
 
-A pipe may never end and a device always has more, so neither is read; and the size that a file is said to have is not
-relied on. What is at fault is an OSError, whose `strerror` says it in words for the author.
+A pipe or a device may never end, so neither is read; and the size that the system states for a file is not relied on. A
+fault is an OSError, whose `strerror` describes it to the author.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ _PIECE = 1024 * 1024
 _AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
 
 _UNSAVED: ContextVar[Mapping[str, bytes] | None] = ContextVar("unsaved", default=None)
-"""What stands in for the contents of files, by their real paths."""
+"""Contents that replace those of files, by the real paths of the files."""
 
 
 @contextmanager
 def unsaved(contents: Mapping[str, bytes]) -> Iterator[None]:
-    """Let `read_file` return what an editor holds in place of what files hold, by their real paths, for a while."""
+    """Let `read_file` return unsaved contents of an editor, by the files' real paths, while the context is open."""
     token = _UNSAVED.set(contents)
     try:
         yield
@@ -47,17 +47,17 @@ def split_target(target: str | Path) -> tuple[str, str | None]:
 
 
 def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:
-    """Return the content of an ordinary file, or what stands in for it (see `unsaved`).
+    """Return the content of an ordinary file, or its unsaved content (see `unsaved`).
 
-    What kind of file it is is asked of the opened file, which nobody can put another in the place of, and it is opened
-    without waiting for the other end of a pipe.
+    The kind of the file is read from the opened file, which nobody can replace any more. A pipe is opened without
+    waiting for its other end.
 
     Args:
         path: The file.
-        limit: The most bytes that it may have.
+        limit: Greatest size of the file, bytes.
 
     Raises:
-        OSError: There is no such file, it cannot be opened, is no ordinary one, or is too large.
+        OSError: The file is missing, cannot be opened, is not an ordinary file, or is too large.
         ValueError: No file can have such a name.
     """
     standing_in = _UNSAVED.get()
@@ -78,7 +78,7 @@ def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:
 
 
 def _content(handle: int, size: int, limit: int) -> bytes:
-    """Return what an open file holds to its end; `size` is what it is said to hold."""
+    """Return the content of an open file; `size` is the size that the system states."""
     pieces, left = [], limit + 1
     while left > 0 and (piece := os.read(handle, min(left, max(_PIECE, size + 1)))):
         pieces.append(piece)

@@ -46,7 +46,7 @@ def point_from_carla(x: float, y: float) -> tuple[float, float]:
 
 
 def vector_from_carla(x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Return a vector of CARLA's world, as a velocity, in OpenDRIVE's axes; the same converts back."""
+    """Return a vector of CARLA's world, such as a velocity, in OpenDRIVE's axes; it also converts back."""
     return x, -y, z
 
 
@@ -60,7 +60,7 @@ ROUNDED = 1e-6
 
 
 def yaw_from_heading(heading: float) -> float:
-    """Return the CARLA yaw in (-180, 180] degrees of a heading in radians; what rounds to -180 is 180."""
+    """Return the CARLA yaw in (-180, 180] degrees of a heading in radians; a yaw that rounds to -180 becomes 180."""
     return (180.0 - ROUNDED - math.degrees(heading)) % 360.0 - (180.0 - ROUNDED)
 
 
@@ -75,7 +75,7 @@ def center_from_reference(x: float, y: float, heading: float, center: float) -> 
 
 
 def _moved(at: tuple[float, ...], ahead: float, up: float) -> tuple[float, float, float]:
-    """Return the point that is so far ahead of and above a placement, in its own axes, m."""
+    """Return the point at these distances ahead of and above a placement, in its own axes, m."""
     x, y, z, heading, pitch, roll = at
     ch, sh, cp, sp = math.cos(heading), math.sin(heading), math.cos(pitch), math.sin(pitch)
     cr, sr = math.cos(roll), math.sin(roll)
@@ -107,12 +107,12 @@ def pose_from_carla(transform: tuple[float, ...], center: float = 0.0, up: float
 
 
 def carla_rows(poses: NDArray[np.float64], center: NDArray[np.float64], up: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return what `carla_from_pose` does of many entities at once.
+    """Return the transforms of `carla_from_pose` for many entities at once.
 
     Args:
         poses: (6, entities) columns in the order of `Placement`.
-        center: (entities,) see `carla_from_pose`.
-        up: (entities,) likewise.
+        center: (entities,), as in `carla_from_pose`.
+        up: (entities,), as in `carla_from_pose`.
 
     Returns:
         (entities, 6), in the order of `CarlaTransform`.
@@ -145,7 +145,7 @@ def carla_axes(pitch: float, yaw: float, roll: float) -> tuple[tuple[float, floa
 
 
 def carla_attached(parent: tuple[float, ...], relative: tuple[float, ...]) -> CarlaTransform:
-    """Return the transform in CARLA's world of what is attached to a parent; all in the order of `CarlaTransform`."""
+    """Return the transform in CARLA's world of an object attached to a parent, in the order of `CarlaTransform`."""
     ahead, right, up = carla_axes(*parent[3:])
     x, y, z = (parent[k] + relative[0] * ahead[k] + relative[1] * right[k] + relative[2] * up[k] for k in range(3))
     if relative[3] == relative[5] == 0.0 == parent[3] == parent[5]:

@@ -17,13 +17,13 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def raise_when_ended() -> None:
-    """From here on SIGTERM is a KeyboardInterrupt as Ctrl-C is, and none is lost in code that Python shields."""
+    """Make SIGTERM a KeyboardInterrupt like Ctrl-C, and repeat interruptions that Python would suppress."""
     signal.signal(signal.SIGTERM, _interrupt)
     sys.unraisablehook = _raise_again
 
 
 def _raise_again(fault: Any) -> None:
-    """Interrupt the program again where Python has swallowed an interruption, in a destructor or a callback."""
+    """Interrupt the program again after Python has suppressed an interruption, in a destructor or a callback."""
     if fault.exc_type is not None and issubclass(fault.exc_type, KeyboardInterrupt):
         threading.Timer(0.01, signal.raise_signal, [signal.SIGINT]).start()
     else:
@@ -31,27 +31,35 @@ def _raise_again(fault: Any) -> None:
 
 
 def ignore_from_now_on() -> None:
-    """Pass over further interruptions: the program is ending."""
+    """Ignore further interruptions, because the program is ending."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
 
 
 @contextlib.contextmanager
 def left_to_this_process() -> Iterator[None]:
-    """Start processes that pass over Ctrl-C, which a terminal sends to all: this process ends them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+    """Start processes that ignore Ctrl-C, which a terminal sends to all processes; this process ends them.
+
+    An interruption in the meantime is delayed until the context ends. A new process inherits the blocked SIGINT, but no
+    handler.
+    """
+    with put_off():
+        if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        from multiprocessing import resource_tracker
+
+        resource_tracker.ensure_running()  # it unblocks SIGINT when it starts, so it is started first
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager
 def put_off() -> Iterator[None]:
-    """Hold an interruption back until the end, for what takes no time and must be whole."""
+    """Delay an interruption until the context ends, for short tasks that must be completed."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,7 +1,7 @@
 """The languages of scenarios, and one way to read, expand and check a file of any of them.
 
-`source` has our conflict language and the AISA toolkit's file, `openscenario` has ASAM's. Neither knows the other, so
-what asks "which of them is it?" stands here.
+`source` has our conflict language and the AISA toolkit's file, `openscenario` has ASAM's. Neither imports the other, so
+the decision between them is made here.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from scenario_compiler.vocabulary.word import AttributeSpelling
 
 
 class ScenarioNameNeededError(Exception):
-    """A file holds several scenarios and none is named; `names` lists them."""
+    """A file contains several scenarios and no name is given; `names` lists them."""
 
     def __init__(self, names: tuple[str, ...]) -> None:
         """Keep the names, in the file's order."""
@@ -40,14 +40,14 @@ class ScenarioNameNeededError(Exception):
 
 
 Source: TypeAlias = Library | AisaConfig | OpenScenario | StudyFile
-"""What a file can be."""
+"""The parsed files of all languages."""
 
 OPENSCENARIO = ("OpenSCENARIO", "OpenScenario")
-"""Names of the first element of ASAM's files; its schemas take the second too."""
+"""Names of the first element of ASAM's files; the schemas also allow the second one."""
 
 
 def read_scenario_document(path: str | Path, sink: Diagnostics) -> Document | None:
-    """Read a scenario file; in one of OpenSCENARIO comments with two hyphens are mended, with a warning."""
+    """Read a scenario file; in OpenSCENARIO files, comments with two hyphens are corrected, with a warning."""
     if Path(path).suffix == ".xosc":
         from scenario_compiler.openscenario.files import read_forgiving
 
@@ -56,7 +56,7 @@ def read_scenario_document(path: str | Path, sink: Diagnostics) -> Document | No
 
 
 def parse(document: Document, sink: Diagnostics) -> Source | None:
-    """Return what a file holds, by its first element; None, reported, when it is no scenario file."""
+    """Return the parsed file, by its first element; None, with a diagnostic, if it is not a scenario file."""
     root = str(document.root.tag)
     if root == LibraryElement.tag():
         return read_library(document, sink)
@@ -95,26 +95,26 @@ def expand(
     sink: Diagnostics,
     catalogs: Catalogs | None = None,
 ) -> Scenario | None:
-    """Return one scenario of a file, with nothing left to expand; None when too much of it is at fault.
+    """Return one expanded scenario of a file; None if too much of it is faulty.
 
-    A scenario may be returned although the sink has errors, so that later stages can look for more.
+    A scenario may be returned although the sink has errors, so that later stages can find more faults.
 
     Args:
         source: The file.
         name: Name of the scenario; None for a file's only one.
         arguments: Values of the scenario's parameters, as text in XML units.
-        sink: Where faults go.
-        catalogs: Vehicles and drivers; the library's when None.
+        sink: Receives the diagnostics.
+        catalogs: Vehicles and drivers; None means the library's.
 
     Raises:
-        ScenarioNameNeededError: The file holds several scenarios and none is named.
+        ScenarioNameNeededError: The file contains several scenarios and no name is given.
     """
     known = tuple(source.scenarios)
     if name is None and len(known) > 1:
         raise ScenarioNameNeededError(tuple(name for name in known if name))
     chosen = known[0] if name is None and known else name
     if isinstance(source, StudyFile) or chosen is None or chosen not in source.scenarios:
-        message = f"there is no scenario '{chosen}'" if chosen else "the file holds no scenario"
+        message = f"there is no scenario '{chosen}'" if chosen else "the file contains no scenario"
         place = source.document.origin(source.document.root)
         sink.add(names.UNKNOWN_SCENARIO, message, place, hint=did_you_mean(chosen or "", known))
         return None
@@ -131,7 +131,7 @@ def expand(
 
 
 def _with_driver(scenario: Scenario, catalogs: Catalogs | None, sink: Diagnostics) -> Scenario:
-    """Return a scenario with the model of the driver that it names, or of the usual one, where somebody is driven."""
+    """Return a scenario with the model of its driver, or of the default driver, if it has an automated vehicle."""
     driver = scenario.takeover.driver
     if scenario.ego is None or not isinstance(driver, Driver):
         return scenario
@@ -141,7 +141,7 @@ def _with_driver(scenario: Scenario, catalogs: Catalogs | None, sink: Diagnostic
 
 
 def drop_allowed(sink: Diagnostics, source: Source) -> None:
-    """Take back the warnings and notes that a file allows for itself and what it uses, but those insisted on."""
+    """Remove the warnings and notes that a file allows for itself and for what it uses, except those insisted on."""
     allowed = (source.allowed if isinstance(source, Library) else frozenset()) - sink.insisted
     path = source.document.path
 
@@ -162,10 +162,10 @@ class Expanded:
 
 
 def is_whole(source: Source, found: Iterable[Diagnostic]) -> bool:
-    """Return whether a scenario says all that its author wrote, so that its plan can be checked by what it lacks.
+    """Return whether a scenario has all that its author wrote, so that its plan can be checked for missing parts.
 
-    Names that lead nowhere leave it whole. `found` is what expanding it has reported, and for a file in OpenSCENARIO
-    what reading it has.
+    Unknown names do not make it incomplete. `found` has the findings of its expansion, and for a file in OpenSCENARIO
+    also those of its reading.
     """
     complete = source.complete if isinstance(source, Library) else True
     return complete and all(one.code in names.LEAVING_WHOLE for one in found if one.severity is Severity.ERROR)
@@ -174,8 +174,8 @@ def is_whole(source: Source, found: Iterable[Diagnostic]) -> bool:
 def check_source(source: Source, sink: Diagnostics) -> list[Expanded]:
     """Report every fault of every template and scenario of a file; return the scenarios at their defaults.
 
-    A template is expanded once on its own: at its defaults, and what depends on a parameter without one is left open.
-    A file that reads without fault is checked against its schema too, where that is at hand.
+    A template is expanded once on its own, at its defaults; parts that depend on a parameter without a default stay
+    open. A file without faults is also checked against its schema, if it has one.
     """
     if isinstance(source, Library):
         surroundings = around(source, load_catalogs(library_folder() / "catalogs", sink))
@@ -198,13 +198,13 @@ def check_source(source: Source, sink: Diagnostics) -> list[Expanded]:
 
 
 def map_place(scenario: Scenario, document: Document) -> Place:
-    """Return where a scenario's file names the map."""
+    """Return the place at which a scenario's file names the map."""
     logic = document.root.find("{*}RoadNetwork/{*}LogicFile")
     return scenario.place_of("map") if logic is None else document.origin(logic, "filepath")
 
 
 def declarations(source: Source, name: str | None) -> dict[str, Declaration]:
-    """Return what the parameters of a scenario may be, by name; none for a scenario that is not there.
+    """Return the declarations of a scenario's parameters by name; none if there is no such scenario.
 
     Args:
         source: The file.

@@ -1,4 +1,4 @@
-"""Lists the conflicts and templates of a library, one row each, without expanding anything."""
+"""Lists the conflicts and templates of a library, with one row for each, without expanding anything."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from scenario_compiler.vocabulary.scenario import Classification, Parameter
 from scenario_compiler.vocabulary.variation import Vary
 
 SUFFIXES = (".xml", ".xosc")
-"""Endings of the files that are looked for in a folder."""
+"""Suffixes of the files that are looked for in a folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,16 +29,16 @@ class Listed:
     """A conflict or a template of a library.
 
     Attributes:
-        kind: Which of the two.
+        kind: Conflict or template.
         target: FILE#name as `run` takes it, or a template's name as `<use>` takes it.
-        file: The file that it stands in.
+        file: The file that contains it.
         name: Its name.
-        summary: One sentence: what happens.
-        source: Where the situation comes from.
+        summary: One sentence on what happens.
+        source: Origin of the situation.
         map: Name of the map; empty for a template.
-        gold: Number of the situation in Gold et al. 2018, empty for none.
-        parameters: What `--set`, or a use, can set.
-        varied: Parameters that a sweep varies when no `--vary` is given, each with the values that it gets.
+        gold: Number of the situation in Gold et al. 2018; empty if it has none.
+        parameters: Parameters that `--set`, or a use, can set.
+        varied: Parameters that a sweep varies if no `--vary` is given, each with its values.
     """
 
     kind: Literal["conflict", "template"]
@@ -54,9 +54,9 @@ class Listed:
 
 
 def list_library(folder: Path, sink: Diagnostics) -> Iterator[Listed]:
-    """Yield what stands in the files below a folder, or in one file: sorted by path, in document order.
+    """Yield the conflicts and templates of the files below a folder, or of one file: by path, in document order.
 
-    Files that cannot be read are reported and passed over; so are catalogs, without a word.
+    Files that cannot be read are reported and skipped; catalogs are skipped without a diagnostic.
     """
     paths = sorted(path for ending in SUFFIXES for path in folder.rglob(f"*{ending}")) if folder.is_dir() else [folder]
     for path in paths:
@@ -77,14 +77,14 @@ def list_library(folder: Path, sink: Diagnostics) -> Iterator[Listed]:
 
 
 def find_conflict(name: str, folder: Path) -> str | None:
-    """Return the conflict of that name below a folder as FILE#name, as `run` takes it; None where there is none."""
+    """Return the conflict with a name below a folder as FILE#name, as `run` takes it; None if there is none."""
     found = (one for one in list_library(folder, Diagnostics()) if one.kind == "conflict" and one.name == name)
     first = next(found, None)
     return None if first is None else first.target
 
 
 def list_templates(sink: Diagnostics) -> Iterator[Listed]:
-    """Yield the templates that a `<use>` can name without an include, by name; report what is wrong in their files."""
+    """Yield the templates that a `<use>` can name without an include, by name; faults of their files are reported."""
     for folder in template_folders():
         sink.take(templates_in(folder).faults)
     for name, part in sorted(templates_by_name().items()):
@@ -93,7 +93,7 @@ def list_templates(sink: Diagnostics) -> Iterator[Listed]:
 
 
 def _openscenario(path: Path, name: str, source: OpenScenario) -> Listed:
-    """Return the scenario of a file, or the one that a file of values is for, with these."""
+    """Return the scenario of a file; for a file of parameter values, its scenario with these values."""
     root, variation = source.document.root, source.variation
     header = root.find("{*}FileHeader")
     logic = root.find("{*}RoadNetwork/{*}LogicFile")
@@ -112,7 +112,7 @@ def _openscenario(path: Path, name: str, source: OpenScenario) -> Listed:
 
 
 def _varied(vary: Vary, sets: Mapping[str, Sequence[Mapping[str, str]]]) -> Iterator[tuple[str, str]]:
-    """Yield each parameter that varies with its values; of sets of values, each set by the number that chooses it."""
+    """Yield each varied parameter with its values; of sets of values, the parameter that chooses the set."""
     for axis in vary.axes:
         if axis.parameter in sets:
             for number, values in enumerate(sets[axis.parameter]):

@@ -19,20 +19,20 @@ from scenario_compiler.interruption import put_off
 
 
 def write_whole(path: str | Path, content: bytes | str) -> None:
-    """Write a file that is whole or not there; text as UTF-8 with the line ends that it has. See `whole_file`."""
+    """Write a file as a whole or not at all; text is written in UTF-8, with unchanged line ends. See `whole_file`."""
     with whole_file(path) as file:
         file.write(content.encode() if isinstance(content, str) else content)
 
 
 @contextlib.contextmanager
 def whole_file(path: str | Path) -> Iterator[BinaryIO]:
-    """Open a file that is whole or not there when it is closed, also when the machine stops.
+    """Open a file for writing; afterwards it is complete or unchanged, even if the machine stops.
 
-    The content goes to a draft beside the file, which then takes its place; who else writes the file at that time has a
-    draft of its own. A device or pipe is written to as it is.
+    The content is written to a draft beside the file, which then replaces the file. A process that writes the same file
+    at that time has a draft of its own. Devices and pipes are written to directly.
 
     Raises:
-        OSError: It cannot be written; nothing of it is left, and what was there before is as it was.
+        OSError: The file cannot be written; the draft is removed, and an existing file is unchanged.
     """
     try:
         given = Path(path)
@@ -44,7 +44,7 @@ def whole_file(path: str | Path) -> Iterator[BinaryIO]:
 
 
 def make_private_folder(path: Path, within: Path) -> None:
-    """Make a folder that belongs to the user alone, and those above it up to `within`.
+    """Make a folder that only the user can open, and the folders above it up to `within`.
 
     Raises:
         OSError: One of them cannot be made, or belongs to somebody else.
@@ -74,14 +74,14 @@ def make_folder(path: str | Path) -> None:
 
 
 class LockedError(Exception):
-    """Another process holds a lock; the message says which, in words that follow the name of what is locked."""
+    """Another process holds a lock; the message names it in brackets, to follow the name of the locked thing."""
 
 
 @contextlib.contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """Hold a lock for as long as the context lasts: a file that no other process has locked, and that goes with it.
+    """Hold a lock while the context is open: a file that no other process has locked, and that is deleted at the end.
 
-    The system itself releases it where this process dies, so that nothing stale is left to be found.
+    The system releases the lock if this process dies, so a lock is never stale.
 
     Raises:
         LockedError: Another process holds it.
@@ -103,7 +103,7 @@ def locked(path: Path) -> Iterator[None]:
 
 
 def _held(path: Path) -> BinaryIO:
-    """Return the lock's file, opened and locked; one that its holder has deleted meanwhile is made again."""
+    """Return the lock's file, opened and locked; if its holder deletes it meanwhile, it is made again."""
     while True:
         file = path.open("a+b")
         if not _lock(file):
@@ -118,7 +118,7 @@ def _held(path: Path) -> BinaryIO:
 
 
 def _lock(file: BinaryIO) -> bool:
-    """Lock an open file; return False where another process has."""
+    """Lock an open file; return False if another process has locked it."""
     try:
         if sys.platform == "win32":
             import msvcrt
@@ -135,9 +135,9 @@ def _lock(file: BinaryIO) -> bool:
 
 @contextlib.contextmanager
 def whole_folder(path: str | Path) -> Iterator[Path]:
-    """Yield an empty folder whose files all come to stand in the folder `path` when it is closed, or none of them.
+    """Yield an empty folder; at the end of the context, all of its files are moved into the folder `path`, or none.
 
-    What was there before under other names stays. A folder that is made for it is gone again where that fails.
+    Files with other names stay there. If that fails, folders that were made for it are removed.
 
     Raises:
         OSError: It cannot be written.

@@ -1,9 +1,8 @@
-"""Random numbers that depend only on names: by stream before a run, by a counter inside a run.
+"""Random numbers that depend only on names: those of streams before a run, and on counters during a run.
 
-Before a run, `uniform` and `normal` give the number of (seed, variant, stream): a hash of the three, so that a
-variant's draws do not depend on which other variants run, nor on the order. Inside a step there is no generator:
-`random_hash` is a function of (seed, stream, entity, step) in masked integers, the same bits interpreted and
-compiled.
+Before a run, `uniform` and `normal` return a number that is a hash of (seed, variant, stream), so that a variant's
+draws depend neither on the other variants nor on their order. A step uses no generator: `random_hash` is a function of
+(seed, stream, entity, step) in masked integers, with the same bits interpreted and compiled.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def hash_bits(seed: int, variant: int, stream: str) -> int:
-    """Return 64 bits that belong to a stream of a variant."""
+    """Return 64 bits for a stream of a variant."""
     name = f"{seed}/{variant}/{stream}".encode()
     return int.from_bytes(blake2b(name, digest_size=8).digest(), "big")
 
@@ -46,7 +45,7 @@ def _standard_normal() -> NormalDist:
 def mix_bits(value: int) -> int:
     """Return 32 bits that depend on every bit of a 32-bit value (two multiplications, after T. Mueller's integer hash).
 
-    The factors are below 2**31, so that no product leaves 63 bits.
+    The factors are below 2**31, so that no product exceeds 63 bits.
     """
     bits = ((value >> 16) ^ value) * 73244475 & 0xFFFFFFFF
     bits = ((bits >> 16) ^ bits) * 73244475 & 0xFFFFFFFF
@@ -55,7 +54,7 @@ def mix_bits(value: int) -> int:
 
 @compiled
 def random_hash(seed: int, stream: int, entity: int, step: int) -> int:
-    """Return 32 bits for one draw inside a run; all arguments are taken modulo 2**32."""
+    """Return 32 bits for one draw during a run; all arguments are taken modulo 2**32."""
     bits = mix_bits((seed & 0xFFFFFFFF) ^ 0x3C6EF372)
     bits = mix_bits((bits + (stream & 0xFFFFFFFF) * 40503) & 0xFFFFFFFF)
     bits = mix_bits((bits + (entity & 0xFFFFFFFF) * 69069) & 0xFFFFFFFF)
@@ -64,13 +63,13 @@ def random_hash(seed: int, stream: int, entity: int, step: int) -> int:
 
 @compiled
 def random_unit(seed: int, stream: int, entity: int, step: int) -> float:
-    """Return a number in (0, 1) for one draw inside a run."""
+    """Return a number in (0, 1) for one draw during a run."""
     return (random_hash(seed, stream, entity, step) + 0.5) / 4294967296.0
 
 
 @compiled
 def random_normal(seed: int, stream: int, entity: int, step: int) -> float:
-    """Return a standard normal number for one draw inside a run (Box and Muller 1958); it uses two of `random_unit`."""
+    """Return a standard normal number for one draw during a run (Box and Muller 1958), from two `random_unit`."""
     first = random_unit(seed, stream, entity, 2 * step)
     second = random_unit(seed, stream, entity, 2 * step + 1)
     return sqrt(max(-2.0 * log(max(first, 1.0e-12)), 0.0)) * cos(6.283185307179586 * second)

@@ -67,7 +67,7 @@ def template_folders() -> Iterator[Path]:
 def _package_folders() -> tuple[Path, ...]:
     """Return the folders of templates of installed packages, without importing any of them.
 
-    A package that is not installed, or whose entry point is not a folder, brings nothing: the user cannot mend that.
+    A package that is not installed, or whose entry point is not a folder, is skipped: the user cannot correct that.
     """
     from importlib.metadata import entry_points
     from importlib.util import find_spec

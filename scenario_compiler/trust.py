@@ -132,7 +132,7 @@ def _is_whole(name: str) -> bool:
 
 
 def _configured() -> tuple[str, ...]:
-    """Return the list `trust` of the user's configuration file; empty where there is no such file."""
+    """Return the list `trust` of the user's configuration file; empty if the file does not exist."""
     path = configuration_file()
     try:
         text = read_file(path, MOST_CONFIGURATION_BYTES).decode()

@@ -36,14 +36,14 @@ UNCHECKED = Code(
 
 
 SUFFIXES = (".xml", ".xosc", ".xodr")
-"""Endings of the files that `validate` takes from a folder."""
+"""Suffixes of the files that `validate` checks in a folder."""
 
 
 def files_below(path: Path) -> list[Path]:
     """Return a file itself, or all scenario and road files below a folder, sorted.
 
-    Whatever has the name of such a file is one, and so is a folder that cannot be looked into: reading it says what is
-    wrong with it.
+    Anything with the name of such a file is included, and so is a folder that cannot be read: reading it reports the
+    fault.
     """
     if not path.is_dir():
         return [path]
@@ -54,10 +54,10 @@ def files_below(path: Path) -> list[Path]:
 
 
 FILES_A_TASK = 8
-"""Files that a process checks before it hands its findings over."""
+"""Number of files that a process checks before it returns its findings."""
 
 Check: TypeAlias = Callable[[Sequence[Path]], list[list[Diagnostic]]]
-"""What returns the findings of each of some files."""
+"""A function that returns the findings of each of some files."""
 
 
 def validate_file(
@@ -67,13 +67,13 @@ def validate_file(
     xsd: Schemas | None = None,
     trust: Trust | None = None,
 ) -> None:
-    """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds.
+    """Report every fault of one file: of all its templates and scenarios, or of its roads.
 
-    Code that the file names is imported only where it is trusted; otherwise its spelling alone is checked.
+    Code that the file names is imported only if it is trusted; otherwise only its spelling is checked.
 
-    `xsd` is where ASAM's schemas are: where there is one of the version of a road file, or of a file in OpenSCENARIO,
-    that schema judges the file's structure, else what our readers declare does. Of a file in OpenSCENARIO, the
-    structure alone decides: what its meaning lacks is a warning, and so is a fault of this program in telling that.
+    `xsd` has ASAM's schemas. If it has a schema for the version of an OpenDRIVE or OpenSCENARIO file, the structure is
+    checked against this schema; otherwise against the tables of this program. Only the structure of an OpenSCENARIO
+    file gives errors: faults of its meaning are warnings, and so is a fault of this program while it looks for them.
     """
     if path.suffix == ".xodr":
         document = read_document(path, sink, MAX_BYTES)
@@ -134,11 +134,11 @@ def validate_files(
 
     Args:
         files: The files.
-        maps: Folders that maps are looked for in first.
-        processes: Number of processes to spread the files over; few files are checked in this one.
-        xsd: Where ASAM's schemas are, None to do without.
-        insisted: Codes of warnings that are reported even where a file allows them.
-        trust: Code that may be imported where a file names it.
+        maps: Folders in which maps are looked for first.
+        processes: Number of processes that share the files; a few files are checked in this process.
+        xsd: ASAM's schemas; None to check without them.
+        insisted: Codes of warnings that are reported even if a file allows them.
+        trust: Code that may be imported if a file names it.
     """
     check = partial(_findings, maps=maps, xsd=xsd, insisted=insisted, trust=trust, templates=templates_given())
     tasks = [files[at : at + FILES_A_TASK] for at in range(0, len(files), FILES_A_TASK)]
@@ -150,12 +150,12 @@ def validate_files(
 
 
 def checked_by_processes(tasks: Sequence[Sequence[Path]], processes: int, check: Check) -> Iterator[list[Diagnostic]]:
-    """Yield the findings of each file of all tasks, in order, found by processes of which any may die.
+    """Yield the findings of each file of all tasks, in order, from processes of which any may die.
 
-    The others of its pool then end too, and nobody knows which tasks they were at: those that may have been in hand
-    are checked file by file, and the rest goes to a new pool.
+    The other processes of its pool then end too, and it is not known which tasks they had: the tasks that may have been
+    begun are checked file by file, and the rest by a new pool.
     """
-    in_hand = 2 * processes + 1  # each process has one, and the pool lays out one more than it has processes
+    in_hand = 2 * processes + 1  # each process has one, and the pool prepares one more than it has processes
     alone: set[int] = set()
     with _ended_with_this(), ExitStack() as pools:
 
@@ -175,9 +175,9 @@ def checked_by_processes(tasks: Sequence[Sequence[Path]], processes: int, check:
 
 
 def _one_by_one(files: Sequence[Path], check: Check) -> Iterator[list[Diagnostic]]:
-    """Yield the findings of each file, checked with no other at hand; one that ends two processes is at fault.
+    """Yield the findings of each file, one file at a time; a file that ends two processes is at fault.
 
-    It is tried twice, since the system may end a process for what others do (for want of memory, for example).
+    Each file is tried twice, because the system may end a process because of others (if memory is short, for example).
     """
     pool = _pool(1)
     for file in files:
@@ -190,14 +190,14 @@ def _one_by_one(files: Sequence[Path], check: Check) -> Iterator[list[Diagnostic
             pool.shutdown()
             pool = _pool(1)
         else:
-            ended = "the process that checked it was ended by the system, and so was one that tried again"
+            ended = "the system ended the process that checked it, and also a second one"
             yield [_unchecked(file, ended)]
     pool.shutdown()
 
 
 @contextmanager
 def _ended_with_this() -> Iterator[None]:
-    """End the processes that were started meanwhile when the user interrupts: they know nothing of that."""
+    """If the user interrupts, end the processes that were started in the context, because they ignore Ctrl-C."""
     from multiprocessing import active_children
 
     before = set(active_children())
@@ -217,14 +217,14 @@ def _pool(processes: int) -> ProcessPoolExecutor:
 
 
 def _was_lost(task: Future[list[list[Diagnostic]]]) -> bool:
-    """Wait for a task; return whether a process of its pool has died before it was done."""
+    """Wait for a task; return whether a process of its pool died before the task was done."""
     from concurrent.futures.process import BrokenProcessPool
 
     return isinstance(task.exception(), BrokenProcessPool)
 
 
 def _spare_collector() -> None:
-    """Let the garbage collector of a process that checks files look seldom, and never at what is loaded by now."""
+    """Let the garbage collector of a process that checks files run seldom, and exempt everything loaded so far."""
     gc.set_threshold(100_000, 50, 50)
     gc.freeze()
 
@@ -237,7 +237,7 @@ def _findings(
     trust: Trust | None,
     templates: Sequence[Path],
 ) -> list[list[Diagnostic]]:
-    """Return the findings of each file; a fault of this program is a finding too, and the other files go on."""
+    """Return the findings of each file; a fault of this program is a finding too, and does not stop the other files."""
     found = []
     for file in files:
         sink = Diagnostics(insisted=insisted)

@@ -116,7 +116,7 @@ STUDY_HEAD = """# Studies and questionnaires, element by element
 This page is generated from the declarations of the words: change those, then run `make generate`. `schemas/study.xsd`
 (`scenario-compiler schema study`) contains the same information for editors. [Studies](study.md) explains their use.
 
-The children of an element must stand in the order in which they are listed. Numbers are decimal, in the given unit.
+The children of an element must have the order in which they are listed. Numbers are decimal, in the given unit.
 """
 
 

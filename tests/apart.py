@@ -1,4 +1,4 @@
-"""Tests marked `apart` run in a process of their own: CARLA's client can end the one that it is in.
+"""Tests marked `apart` run in a process of their own, because CARLA's client can end its process.
 
 A test's process is a fork of the tests' own, in which the fixtures of its module (a server) have been made: those are
 shared and end with the module. Its own fixtures are made and ended in its process.
@@ -68,7 +68,7 @@ def _reports(item: pytest.Function) -> Iterator[pytest.TestReport]:
 
 
 def _run(item: pytest.Function) -> tuple[list[str], int]:
-    """Return the reports of a test that runs in a new process, and the signal that has ended it, 0 for none."""
+    """Return the reports of a test that runs in a new process, and the signal that ended the process, 0 for none."""
     reading, writing = os.pipe()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # what has threads here holds no lock that a test takes

@@ -1,4 +1,4 @@
-"""ASAM's schemas for tests, out of the wheels of its quality checkers, kept for the next time."""
+"""ASAM's schemas for tests, taken from the wheels of its quality checkers and cached."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CACHE = Path(tempfile.gettempdir()) / "scenario-compiler-tests"
 
 
 def schemas_of_wheel(wheel: str, package: str) -> Path:
-    """Return the folder of a wheel's schemas; skip the test when the package index does not give the wheel."""
+    """Return the folder of a wheel's schemas; skip the test if the package index does not have the wheel."""
     cache = CACHE / wheel
     folder = cache / "schemas"
     if folder.is_dir():

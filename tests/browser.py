@@ -18,7 +18,7 @@ CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 
 @contextmanager
 def opened_browser() -> Iterator[Browser]:
-    """Yield Chromium without a window; the test skips where the machine has none."""
+    """Yield Chromium without a window; the test is skipped if the machine has none."""
     if CHROMIUM is None:
         pytest.skip("no Chromium on this machine")
     with sync_playwright() as playwright:
@@ -50,9 +50,9 @@ def killable_page(browser: Browser, address: str, folder: Path) -> Iterator[tupl
 def opened_page(
     browser: Browser, address: str, width: int = 1200, height: int = 900, *, bypass_csp: bool = False
 ) -> Iterator[Page]:
-    """Yield a page that is shown; afterwards it must have made no complaint and asked no other machine for anything.
+    """Yield an open page; afterwards it must have logged no errors and sent no request to another machine.
 
-    With `bypass_csp` the page's own policy does not keep the test from waiting for what a script of its own says.
+    With `bypass_csp`, the page's content security policy does not block scripts of the test.
     """
     page = browser.new_page(viewport={"width": width, "height": height}, bypass_csp=bypass_csp)
     complaints: list[str] = []

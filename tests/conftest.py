@@ -1,4 +1,4 @@
-"""What every test can ask for: the checkout, the corpus, and a check of files that are made from the code."""
+"""Fixtures for all tests: the checkout, the corpus, and a check of files that are made from the code."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ settings.load_profile("repeatable")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Draw fewer examples for a property where the slow tests are left out: `make test-all` draws all."""
+    """Draw fewer examples for a property if the slow tests are left out; `make test-all` draws all."""
     if config.getoption("markexpr") == "not slow":
         settings.load_profile("quick")
 

@@ -1,4 +1,4 @@
-"""Runs that go no further than a test looks."""
+"""Runs that end at the event that a test needs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scenario_compiler.runtime.loop import Execution
 
 
 def played_until(kind: str, plan: Plan, network: Network, seed: int = 1) -> Recording:
-    """Return a run up to its first event of a kind; the whole one where none comes."""
+    """Return a run up to its first event of a kind; the whole run if there is none."""
     with open_world("kinematic", plan, network) as world:
         execution = Execution(plan, world, seed)
         while execution.going and kind not in {event.kind for event in execution.builder.events_since(0)}:

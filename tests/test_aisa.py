@@ -65,7 +65,7 @@ def _played(
 
 
 def _driven(compilation: Compilation) -> tuple[Recording, Outcome]:
-    """Run a scenario with a small image, with the camera until the car asks, and judge it."""
+    """Run a scenario with a small image, with the camera until the first request, and judge it."""
     small = compilation.plan.camera.model_copy(update={"width": 512, "height": 256})
     plan = compilation.plan.model_copy(update={"camera": small})
     end = "request" if plan.perception == "camera" else "stop"
@@ -82,7 +82,7 @@ def _codes(sink: Diagnostics, severity: Severity = Severity.ERROR) -> set[str]:
 
 
 @pytest.mark.parametrize("name", ["obstaclestatic", "obstacledynamic"])
-def test_an_obstacle_of_the_code_makes_the_car_ask(file: Path, maps: Path, name: str) -> None:
+def test_an_obstacle_of_the_toolkits_code_causes_a_request(file: Path, maps: Path, name: str) -> None:
     recording, outcome = _played(f"{file}#{name}", maps)
     assert outcome.cause == "path_blocked"
     assert _first(recording, "collision") is None
@@ -109,14 +109,14 @@ def test_rain_hides_the_lanes_only_when_it_rains(file: Path, maps: Path, percept
     assert _first(wet, "request") is not None
 
 
-def test_default_weather_is_noted_with_what_the_paper_means(file: Path, maps: Path) -> None:
+def test_the_note_on_default_weather_names_the_papers_weather(file: Path, maps: Path) -> None:
     _, sink = _compiled(f"{file}#vanishinglanes_weather", maps)
     (note,) = [one for one in sink if one.code.id == "SC242"]
     assert "Default" in note.message
     assert "HardRainSunset" in note.hint
 
 
-def test_unmarked_junction_makes_the_car_ask(file: Path, maps: Path) -> None:
+def test_an_unmarked_junction_causes_a_request(file: Path, maps: Path) -> None:
     recording, outcome = _played(f"{file}#vanishinglanes_map", maps)
     assert outcome.cause == "lane_confidence"
     at = _first(recording, "request")
@@ -133,10 +133,10 @@ def _near_the_junction(file: Path, maps: Path, **settings: str) -> tuple[Recordi
     return _driven(compilation)
 
 
-def test_the_camera_asks_before_the_unmarked_turn_of_the_route(file: Path, maps: Path) -> None:
-    """The paint that is seen goes straight on over the junction, which begins 113.5 m from the file's start.
+def test_with_the_camera_the_request_comes_before_the_unmarked_turn_of_the_route(file: Path, maps: Path) -> None:
+    """The visible paint goes straight on over the junction, which begins 113.5 m from the file's start.
 
-    The detector searches for paint up to 30 m ahead, so that it asks within that distance of the junction.
+    The detector searches for paint up to 30 m ahead, so the request comes within that distance of the junction.
     """
     recording, outcome = _near_the_junction(file, maps, dest="339.018738,116.545761,-90")
     assert outcome.cause == "lane_confidence"
@@ -148,7 +148,7 @@ def test_the_camera_asks_before_the_unmarked_turn_of_the_route(file: Path, maps:
 
 @pytest.mark.slow
 @pytest.mark.xfail(reason="where a single dash is all that is seen, the confidence is 0.1 to 0.5", strict=True)
-def test_the_camera_does_not_ask_where_the_way_goes_on_with_the_paint(file: Path, maps: Path) -> None:
+def test_with_the_camera_no_request_comes_where_the_route_follows_the_paint(file: Path, maps: Path) -> None:
     recording, _ = _near_the_junction(file, maps)
     assert recording.x[-1, 0] > 213.76 + 120.0
     assert _first(recording, "request") is None
@@ -165,7 +165,7 @@ def test_little_noise_does_no_harm_and_much_does(file: Path, maps: Path) -> None
     ("name", "distance", "filed"), [("customvanishing", "2541", "2793,1068,0"), ("customramp", "837", "1231,-237,0")]
 )
 @pytest.mark.parametrize("town", ["conflictmap", "HRI_custommap"])
-def test_start_off_the_custom_map_is_an_error_with_a_way_out(
+def test_a_start_off_the_custom_map_is_an_error_with_a_remedy(
     file: Path, maps: Path, name: str, distance: str, filed: str, town: str
 ) -> None:
     compilation, sink = _compiled(f"{file}#{name}", maps, town=town)
@@ -181,7 +181,7 @@ def test_start_off_the_custom_map_is_an_error_with_a_way_out(
     assert f"is {distance} m away" in off_road.hint
 
 
-def test_obstacles_off_the_custom_map_are_one_error_with_a_way_out(file: Path, maps: Path) -> None:
+def test_obstacles_off_the_custom_map_are_one_error_with_a_remedy(file: Path, maps: Path) -> None:
     compilation, sink = _compiled(f"{file}#customramp", maps, start="413,39,90")
     assert compilation is None
     (fault,) = [one for one in sink if one.severity is Severity.ERROR]
@@ -212,7 +212,7 @@ def test_setting_a_start_runs_it(file: Path, maps: Path, name: str, town: str, s
     assert recording.v[-1, 0] > 1.0
 
 
-def test_without_a_start_there_is_an_error_with_a_way_out_and_objects_are_noted(file: Path, maps: Path) -> None:
+def test_without_a_start_there_is_an_error_with_a_remedy_and_objects_are_noted(file: Path, maps: Path) -> None:
     compilation, sink = _compiled(f"{file}#lanesdefault", maps)
     assert compilation is None
     assert _codes(sink) == {"SC240"}
@@ -222,7 +222,7 @@ def test_without_a_start_there_is_an_error_with_a_way_out_and_objects_are_noted(
 
 
 @pytest.mark.parametrize("start", ["here", "1", "1,2,3,4", "1,2,nan"])
-def test_a_start_that_is_no_pose_is_an_error(file: Path, maps: Path, start: str) -> None:
+def test_a_start_that_is_not_a_pose_is_an_error(file: Path, maps: Path, start: str) -> None:
     compilation, sink = _compiled(f"{file}#lanesdefault", maps, start=start)
     assert compilation is None
     assert "SC244" in _codes(sink)
@@ -241,7 +241,7 @@ def converted(file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_converted_file_is_of_our_schema(converted: Path) -> None:
+def test_converted_file_follows_the_schema(converted: Path) -> None:
     schema = etree.XMLSchema(etree.parse(schema_file("conflict.xsd")))
     schema.assertValid(etree.parse(converted))
 
@@ -255,7 +255,7 @@ def test_a_scenario_without_a_start_is_converted_to_one_that_must_be_given_it(co
     assert recording.v[-1, 0] > 1.0
 
 
-def test_what_is_converted_with_a_gap_is_told(file: Path) -> None:
+def test_gaps_in_a_conversion_are_reported(file: Path) -> None:
     sink = Diagnostics()
     read = read_source(file, sink)
     assert read is not None

@@ -1,4 +1,4 @@
-"""What helps an author: the list of the library, a conflict to begin with, the preview of a plan, the gallery."""
+"""Tools for authors: the list of the library, new conflicts, the preview of a plan, the gallery."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def crossing() -> Compilation:
     return _compiled(f"{LIBRARY / 'conflicts/r157_situations.xml'}#pedestrian")
 
 
-def test_the_list_holds_the_whole_library_in_order() -> None:
+def test_the_list_has_the_whole_library_in_order() -> None:
     sink = Diagnostics()
     rows = list(list_library(LIBRARY, sink))
     assert not list(sink)
@@ -79,7 +79,7 @@ def test_a_listed_conflict_can_be_run_by_its_target() -> None:
     assert [_compiled(row.target).plan.name for row in rows] == ["road_narrows"]
 
 
-def test_an_unreadable_file_is_reported_and_passed_over(tmp_path: Path) -> None:
+def test_an_unreadable_file_is_reported_and_skipped(tmp_path: Path) -> None:
     (tmp_path / "a.xml").write_text("<scenarios")
     (tmp_path / "b.xml").write_text('<scenarios version="1"><template name="mine" summary="Mine"/></scenarios>')
     sink = Diagnostics()
@@ -145,7 +145,7 @@ def test_the_preview_shows_actors_and_triggers(swerving: Compilation, tmp_path: 
     assert image.std() > 10.0
 
 
-def test_triggers_are_told_in_words(swerving: Compilation, crossing: Compilation) -> None:
+def test_triggers_are_described_in_words(swerving: Compilation, crossing: Compilation) -> None:
     assert [one.time for one in happenings_of(swerving.plan)] == [3.0, 5.5, 8.0, 10.5]
     (crosses,) = happenings_of(crossing.plan)
     assert crosses.time is None
@@ -153,7 +153,7 @@ def test_triggers_are_told_in_words(swerving: Compilation, crossing: Compilation
     assert crosses.label.startswith("crossing_pedestrian1.walker: speed to 1.4 m/s and lane change by 5")
 
 
-def test_openscenario_is_told_in_its_words_up_to_the_last_known_time() -> None:
+def test_openscenario_triggers_are_described_up_to_the_last_known_time() -> None:
     plan = _compiled(str(Path(__file__).parent / "benchmarks/scripted.xosc")).plan
     told = list(happenings_of(plan))
     assert told[1].label == "cutting: Speed to 26 m/s over 4 s sinusoidal"
@@ -206,7 +206,7 @@ def test_the_section_holds_every_start(crossing: Compilation) -> None:
         assert window.y_min < pose.y < window.y_max
 
 
-def test_the_way_ahead_follows_the_route(crossing: Compilation, tmp_path: Path) -> None:
+def test_the_path_ahead_follows_the_route(crossing: Compilation, tmp_path: Path) -> None:
     way = np.array(way_ahead(crossing.plan, crossing.network))
     length = np.hypot(*np.diff(way, axis=0).T).sum()
     assert length == pytest.approx(sum(abs(leg.s_to - leg.s_from) for leg in crossing.plan.route), rel=0.01)
@@ -243,7 +243,7 @@ def ways_on(network: Network, plan: Plan) -> Iterator[tuple[Plan, LanePosition]]
             yield plan.model_copy(update={"route": legs}), start
 
 
-def test_every_lane_of_a_town_has_a_way_ahead_without_leaps(repository: Path) -> None:
+def test_every_lane_of_a_town_has_a_path_ahead_without_gaps(repository: Path) -> None:
     """Also where a route changes lanes at the border of two lane sections that number their lanes differently."""
     for file in road_files(repository):
         network = load_network(file)

@@ -1,4 +1,4 @@
-"""What a sink keeps is bounded, whatever a file holds; what is not kept is counted."""
+"""A sink keeps a limited number of findings, whatever a file contains; the others are counted."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_sinks_that_are_put_together_add_what_they_counted() -> None:
     assert list(sink)[-1].message.startswith("12 more")
 
 
-def test_what_is_allowed_is_not_counted_either() -> None:
+def test_allowed_findings_are_not_counted() -> None:
     sink = reported(1000, NEVER_FIRES)
     sink.retain(lambda one: one.code is not NEVER_FIRES)
     assert list(sink) == []
@@ -76,7 +76,7 @@ def test_a_message_that_repeats_a_long_text_is_cut() -> None:
         ("a.xodr", '<OpenDRIVE><header revMajor="1" revMinor="6"/>\n{}</OpenDRIVE>'),
     ],
 )
-def test_a_file_of_faults_gives_few_words(tmp_path: Path, name: str, text: str) -> None:
+def test_a_file_with_many_faults_gives_a_short_output(tmp_path: Path, name: str, text: str) -> None:
     file = tmp_path / name
     file.write_text(text.format('<raod a="1"/>\n' * 20_000))
     sink = Diagnostics()

@@ -1,4 +1,4 @@
-"""`calibrate` measures on maps, and writes a page that says what was measured."""
+"""`calibrate` measures on maps, and writes a page with the results."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from scenario_compiler.resources import find_map
 from scenario_compiler.roads import load_network
 
 
-def test_a_clip_depends_on_its_number_alone() -> None:
+def test_a_clip_depends_only_on_its_number() -> None:
     roads = MapRoads(load_network(find_map("town_grid")))
     first = {number: [view.image for view in views] for number, _, views in roads.clips(1, range(2), per_scene=2)}
     again = {number: [view.image for view in views] for number, _, views in roads.clips(1, range(2), per_scene=2)}
@@ -49,7 +49,7 @@ def looks_of(p: list[float], error: list[float]) -> Looks:
     return Looks(np.zeros((count, len(FEATURES))), said, np.array(error), np.ones(count), np.arange(count), conditions)
 
 
-def test_what_is_sure_and_wrong_is_counted() -> None:
+def test_confident_and_wrong_boundaries_are_counted() -> None:
     found = worth("made up", looks_of([0.9, 0.9, 0.9, 0.9, 0.1], [0.1, 0.3, 2.0, 0.2, 5.0]))
     assert found.sure == pytest.approx(0.8)
     assert found.wrong == pytest.approx(0.5)
@@ -69,7 +69,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "lane_confidence.json").read_text("utf-8"))["features"] == list(FEATURES)
 
 
-def test_wrong_use_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_use_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["calibrate", str(tmp_path / "nowhere"), "-o", str(tmp_path / "out")]) == 2
     assert "nowhere" in capsys.readouterr().err
     (tmp_path / "full").mkdir()

@@ -1,4 +1,4 @@
-"""The page on the camera: its code runs, prints what it says, and has types; its pictures can be made again."""
+"""The page on the camera: its code runs, prints the shown output, and passes mypy; its pictures can be made again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A camera with a rate of its own: between two images what was seen in the last one stays."""
+"""A camera with a rate of its own: between two images the last detection is kept."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ def played(folder: Path, rate: str, perception: Perception, duration: float = 3.
 
 
 @pytest.mark.parametrize("perception", ["camera", "ideal"])
-def test_what_was_seen_stays_until_the_next_image(tmp_path: Path, perception: Perception) -> None:
+def test_a_detection_is_kept_until_the_next_image(tmp_path: Path, perception: Perception) -> None:
     recording = played(tmp_path, 'rate="5"', perception)
     lengths = [len(list(same)) for _, same in groupby(recording.confidence_left[1:].tolist())]
     assert all(length % 4 == 0 for length in lengths)
     assert len(lengths) > (10 if perception == "camera" else 2)
 
 
-def test_the_rate_of_the_control_steps_is_what_there_is_without_one(tmp_path: Path) -> None:
+def test_without_a_rate_there_is_one_image_per_control_step(tmp_path: Path) -> None:
     one, other = (played(tmp_path, rate, "camera", 1.0) for rate in ('rate="20"', ""))
     assert one.trajectory_hash == other.trajectory_hash
     assert np.array_equal(one.confidence_left, other.confidence_left)

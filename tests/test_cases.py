@@ -1,4 +1,4 @@
-"""One case file a diagnostic: what a faulty file gives, all of it, at its line and column.
+"""One file for each diagnostic: all findings of a faulty file, with line and column.
 
 A case is a file in tests/cases with comments `<!-- error: SC105 7:5 -->` (or warning, note) that say what compiling it
 reports. `<!-- run: #name key=value -->` compiles one scenario with arguments in place of validating the whole file.
@@ -48,7 +48,7 @@ WITHOUT_CASE = {
     "SC783": "speaks of exported files: tests/openscenario/test_export.py",
     **dict.fromkeys(("SC730", "SC731", "SC732", "SC733"), "speak of --xsd: tests/openscenario/test_xsd.py"),
 }
-"""Codes that no scenario file can bring about, and why."""
+"""Codes that no scenario file can cause, with the reasons."""
 
 ROAD_FILES = re.compile(r"SC3[0-6]\d")
 """Codes of OpenDRIVE files have their cases in tests/roads."""
@@ -101,7 +101,7 @@ def test_every_code_has_a_case() -> None:
 
 @pytest.mark.parametrize("code", sorted(all_codes()))
 def test_every_code_has_a_page(code: str) -> None:
-    """A page says what the code means, shows an example (a block of lines that begin with four spaces), and advises."""
+    """An explanation gives the meaning, an example (a block of lines that begin with four spaces), and advice."""
     parts = CODES[code].explanation.split("\n\n")
     examples = [part for part in parts if part.startswith("    ")]
     meaning, *advice = [part for part in parts if part not in examples]

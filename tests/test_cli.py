@@ -1,4 +1,4 @@
-"""The command line as a user meets it: what is written, what is printed where, and the exit codes."""
+"""The command line as a user sees it: the written files, the output on both streams, and the exit codes."""
 
 from __future__ import annotations
 
@@ -194,7 +194,7 @@ def test_a_conflict_is_as_valid_after_an_export_beside_it(
     assert call("run", conflict, "--perception", "ideal") == 0
     copy.write_bytes(copy.read_bytes() + b"\n")
     assert call("validate", conflict) == 1
-    assert f"the map names no spawn points (the map is {copy})" in capsys.readouterr().err
+    assert f"the map has no spawn points (the map is {copy})" in capsys.readouterr().err
 
 
 def test_warnings_can_be_allowed_or_made_errors(conflict: Path) -> None:
@@ -220,14 +220,14 @@ def test_every_code_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
         ("--allow", "all", "there is no code 'all'"),
     ],
 )
-def test_a_code_that_there_is_not_is_wrong_use(
+def test_an_unknown_code_is_wrong_use(
     conflict: Path, capsys: pytest.CaptureFixture[str], option: str, code: str, hint: str
 ) -> None:
     assert call("validate", conflict, option, code) == 2
     assert hint in capsys.readouterr().err
 
 
-def test_a_code_may_be_written_in_small_letters() -> None:
+def test_a_code_may_be_written_in_lower_case() -> None:
     late = Path(__file__).parent / "cases" / "SC402_after_the_end.xml"
     assert call("validate", late) == 0
     assert call("validate", late, "--error", "sc402") == 1

@@ -1,4 +1,4 @@
-"""The commands of an author and of a sweep, as a user meets them."""
+"""The commands for authors and for sweeps, as a user sees them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_what_a_file_of_openscenario_varies_is_listed(corpus: Path, capsys: pyte
     assert "template" not in out
 
 
-def test_a_folder_without_scenarios_is_said_to_be_one(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_without_scenarios_is_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert call("list", folder) == 0
     assert "no conflict and no template in" in capsys.readouterr().err
 
@@ -59,7 +59,7 @@ def test_a_new_conflict_is_valid_and_runs() -> None:
     ("name", "template", "said"),
     [("mine", "blocked_lan", "did you mean 'blocked_lane'"), ("my case", "blocked_lane", "is not a name")],
 )
-def test_what_cannot_begin_a_conflict_is_said_so(
+def test_invalid_names_and_templates_of_a_new_conflict_are_reported(
     capsys: pytest.CaptureFixture[str], name: str, template: str, said: str
 ) -> None:
     assert call("new", name, "--from", template) == 2
@@ -67,7 +67,7 @@ def test_what_cannot_begin_a_conflict_is_said_so(
     assert list(Path().iterdir()) == []
 
 
-def test_a_name_that_was_left_out_is_not_offered(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_empty_name_is_not_suggested(capsys: pytest.CaptureFixture[str]) -> None:
     Path("it.xml").write_text(
         '<scenarios version="1"><scenario name="" map="a"/><scenario name="b" map="a"/></scenarios>'
     )
@@ -75,7 +75,7 @@ def test_a_name_that_was_left_out_is_not_offered(capsys: pytest.CaptureFixture[s
     assert capsys.readouterr().err.rstrip().endswith("name one as FILE#name: b")
 
 
-def test_brackets_hold_a_hint_or_are_not_there(capsys: pytest.CaptureFixture[str]) -> None:
+def test_brackets_are_printed_only_with_a_hint(capsys: pytest.CaptureFixture[str]) -> None:
     assert call("explain", "FOO") == 2
     assert capsys.readouterr().err == "scenario-compiler: there is no code 'FOO'\n"
 
@@ -143,7 +143,7 @@ SWEEP = ("sweep", "it.xml", "--perception", "ideal", "--vary", "speed=uniform(9,
         ('<allow code="SC601"/>', ["--error", "SC601"], 1, "error[SC601]"),
     ],
 )
-def test_a_sweep_weighs_findings_as_asked_for(
+def test_a_sweep_gives_findings_the_chosen_severities(
     capsys: pytest.CaptureFixture[str], allowed: str, options: list[str], code: int, said: str
 ) -> None:
     Path("it.xml").write_text(ENDLESS.format(allowed))

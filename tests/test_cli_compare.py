@@ -1,4 +1,4 @@
-"""`compare` as a user meets it, with real runs."""
+"""`compare` as a user sees it, with real runs."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_equal_runs_are_said_to_be_so(runs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_equal_runs_are_reported_as_equal(runs: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert call("compare", runs / "one", runs / "again") == 0
     out = capsys.readouterr().out
     assert "plan digest" in out
@@ -36,7 +36,9 @@ def test_equal_runs_are_said_to_be_so(runs: Path, capsys: pytest.CaptureFixture[
     assert out.endswith("The same happened in both.\n")
 
 
-def test_runs_that_differ_are_told_where_and_how_much(runs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_differences_between_runs_are_reported_with_place_and_size(
+    runs: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert call("compare", runs / "one", runs / "faster") == 1
     out = capsys.readouterr().out
     assert "$speed" in out
@@ -67,7 +69,7 @@ def test_recordings_and_trajectories_are_runs_too(runs: Path) -> None:
     assert call("compare", runs / "faster", runs / "again.csv") == 1
 
 
-def test_what_is_no_run_is_wrong_use(runs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_path_that_is_not_a_run_is_wrong_use(runs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bad = tmp_path / "bad"
     shutil.copytree(runs / "one", bad)
     (bad / "outcome.json").write_text("{")

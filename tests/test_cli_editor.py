@@ -1,4 +1,4 @@
-"""`schema`, `lsp` and `--version`: what editors and pipelines ask of the command line."""
+"""`schema`, `lsp` and `--version`: the commands that editors and pipelines use."""
 
 from __future__ import annotations
 

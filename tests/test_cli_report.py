@@ -1,4 +1,4 @@
-"""`report`, `frame`, `export-run`, `compare --html` and films, as a user meets them."""
+"""`report`, `frame`, `export-run`, `compare --html` and films, as a user sees them."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_a_frame_is_drawn_at_any_time(run_folder: Path, tmp_path: Path) -> None:
         (("compare", "RUN", "RUN/recording.parquet", "--html", "it.html"), "shows run folders"),
     ],
 )
-def test_wrong_use_is_said_in_a_line(
+def test_wrong_use_is_reported_in_one_line(
     run_folder: Path, words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert call(*(word.replace("RUN", str(run_folder)) for word in words)) == 2

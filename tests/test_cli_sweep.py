@@ -1,4 +1,4 @@
-"""`sweep` as a user meets it: what is refused before anything runs, how failures end, and that its page is true."""
+"""`sweep` as a user sees it: early refusals, failures, and the correctness of its page."""
 
 from __future__ import annotations
 
@@ -85,7 +85,9 @@ def sweep(*options: object, target: str = "it.xml") -> int:
         ("speed=choice(fast, slow)", "numbers"),
     ],
 )
-def test_what_does_not_fit_the_type_is_refused(vary: str, fitting: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_distributions_that_do_not_fit_the_type_are_refused(
+    vary: str, fitting: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert sweep("--vary", vary, "--samples", 3) == 2
     name, _, _ = vary.partition("=")
     err = capsys.readouterr().err
@@ -125,7 +127,7 @@ def test_values_that_may_keep_to_the_limits_are_run(distribution: str) -> None:
 
 
 @pytest.mark.parametrize(("option", "other"), [("--vary", "--set"), ("--set", "--vary")])
-def test_a_parameter_that_is_not_there_is_put_to_the_option_that_names_it(
+def test_an_unknown_parameter_is_reported_at_its_option(
     option: str, other: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     written = {"--vary": "speed=uniform(5, 10)", "--set": "number=1", option: "sped=choice(1)"}
@@ -136,11 +138,11 @@ def test_a_parameter_that_is_not_there_is_put_to_the_option_that_names_it(
 
 
 @pytest.mark.parametrize("vary", ["number=grid(0, 1, 2)", "busy=values(true, false)", "model=choice(vehicle.audi.a2)"])
-def test_what_fits_the_type_is_run(vary: str) -> None:
+def test_distributions_that_fit_the_type_are_run(vary: str) -> None:
     assert sweep("--vary", vary) == 0
 
 
-def test_a_scenario_that_says_so_itself_is_at_fault(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_faulty_variation_in_the_scenario_is_reported_there(capsys: pytest.CaptureFixture[str]) -> None:
     Path("it.xml").write_text(CONFLICT.format('<vary><uniform parameter="number" least="1" greatest="5"/></vary>'))
     assert sweep() == 1
     assert "error[SC250]" in capsys.readouterr().err
@@ -155,7 +157,7 @@ def test_values_of_openscenario_are_checked_too(name: str, refused: bool, capsys
 
 
 @pytest.mark.parametrize("vary", [[], ["--vary", "speed=uniform(5, 10)"]])
-def test_a_scenario_that_is_not_there_is_said_to_be_none(vary: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_scenario_is_reported(vary: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert sweep(*vary, target="it.xml#zzz") == 1
     assert "there is no scenario 'zzz'" in capsys.readouterr().err
 
@@ -173,7 +175,7 @@ def test_a_sweep_of_which_some_variants_fail_tells_their_number(capsys: pytest.C
     assert "1 of 3 variants broke off; the most frequent reason: speed is 60, but must be at most 30" in err
 
 
-def test_the_summary_counts_what_the_table_holds(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_summary_agrees_with_the_table(capsys: pytest.CaptureFixture[str]) -> None:
     Path("it.xml").write_text(
         CONFLICT.format("").replace(
             "</scenario>",
@@ -191,14 +193,14 @@ def test_the_summary_counts_what_the_table_holds(capsys: pytest.CaptureFixture[s
 
 
 @pytest.mark.parametrize("target", ["it.xml", "varied.xosc"])
-def test_requests_are_counted_of_automated_vehicles_alone(target: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_requests_are_counted_for_automated_vehicles_only(target: str, capsys: pytest.CaptureFixture[str]) -> None:
     Path("varied.xosc").write_text(SCENARIO)
     name = "speed" if target == "it.xml" else "Speed"
     assert sweep("--vary", f"{name}=values(5, 6)", "--duration", "0.2", target=target) == 0
     assert ("without a request" in capsys.readouterr().out) == (target == "it.xml")
 
 
-def test_every_draw_and_point_is_run_with_so_many_seeds() -> None:
+def test_every_draw_and_point_is_run_with_the_given_number_of_seeds() -> None:
     assert sweep("--vary", "speed=values(5, 20)", "--vary", "number=choice(1, 2)", "--samples", 3, "--repeat", 2) == 0
     rows, _ = read_results(Path("out"))
     assert rows["seed"] == [1, 2] * 6
@@ -256,7 +258,7 @@ def test_the_page_has_all_distributions(repository: Path) -> None:
 
 
 def test_the_page_names_all_options_of_its_own(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Those that `run` has too are not the page's."""
+    """Options that `run` also has are not on the page."""
     own, shared = ({*re.findall(r"--[a-z-]+", _help(command, capsys))} for command in ("sweep", "run"))
     page = (repository / "docs" / "sweeps.md").read_text(encoding="utf-8")
     assert own - shared <= {*re.findall(r"--[a-z-]+", page)}

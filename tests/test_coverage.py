@@ -1,4 +1,4 @@
-"""Every word says what executes it, and the code agrees."""
+"""Every word names the code that executes it, and the code exists."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_every_word_says_what_executes_it() -> None:
 
 
 @pytest.mark.parametrize("word", EXECUTION, ids=lambda word: word.__name__)
-def test_what_executes_a_word_is_there(repository: Path, word: type[Word]) -> None:
+def test_the_code_that_executes_a_word_exists(repository: Path, word: type[Word]) -> None:
     execution = EXECUTION[word]
     home = repository.joinpath("scenario_compiler", *execution.module.split("."))
     assert home.is_dir() or home.with_suffix(".py").is_file()
@@ -43,7 +43,7 @@ def test_what_executes_a_word_is_there(repository: Path, word: type[Word]) -> No
         assert f"op.{code}" in engine
 
 
-def test_every_entry_of_the_engine_is_of_words_that_the_language_has() -> None:
+def test_every_entry_of_the_engine_belongs_to_a_word_of_the_language() -> None:
     known = {word.tag() for word in WORDS}
     assert {word.tag() for word in get_args(Action)} <= set(ACTION_NUMBERS) <= known
     assert {word.tag() for word in get_args(Condition)} <= set(CONDITION_NUMBERS) <= known
@@ -55,7 +55,7 @@ def test_every_word_is_used_by_the_library_or_a_test(repository: Path) -> None:
     assert [word.__name__ for word in WORDS if not uses[word]] == []
 
 
-def test_what_is_exported_is_an_element_of_the_standard() -> None:
+def test_exported_elements_belong_to_the_standard() -> None:
     known = {tag for element in elements().values() for tag in element.tags}
     for row in conflict_table().records():
         for tag in re.findall(r"<(\w+)>", row["exported"]):

@@ -1,4 +1,4 @@
-"""Every element of OpenSCENARIO is read by whom the table says, or is listed with a reason why not."""
+"""Every element of OpenSCENARIO is read by the module in the table, or is listed with a reason."""
 
 from __future__ import annotations
 
@@ -62,11 +62,11 @@ def test_elements_are_read_where_the_table_says(front_end: Path) -> None:
 
 
 def stands_for_parts(element: Element, file: Path) -> bool:
-    """Return whether a module reads an element whose tags it makes or passes through: the parts say so."""
+    """Return whether a module reads an element whose tags it builds from parts or passes on."""
     return bool(set(element.children) & texts_of(file)) or element.name in {"OpenSCENARIO"}
 
 
-def test_what_is_not_read_says_why() -> None:
+def test_unread_parts_have_a_reason() -> None:
     assert all(UNREAD.values())
 
 
@@ -97,7 +97,7 @@ def test_exported_elements_are_elements() -> None:
             assert tag in elements()
 
 
-def test_files_are_counted_by_the_elements_that_stand_in_them(tmp_path: Path) -> None:
+def test_files_are_counted_by_their_elements(tmp_path: Path) -> None:
     (tmp_path / "a.xosc").write_text("<Act/><Act/><Event name=''/>", encoding="utf-8")
     (tmp_path / "b.py").write_text("'<Actors>'", encoding="utf-8")
     assert files_naming(sorted(tmp_path.iterdir())) == {"Act": 1, "Event": 1, "Actors": 1}

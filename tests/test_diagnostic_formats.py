@@ -1,4 +1,4 @@
-"""Diagnostics for other programs: places that they can open, and the uses that brought a place in."""
+"""Diagnostics for other programs: places that they can open, and the uses that led to a place."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_github_shows_the_uses_below_the_message() -> None:
 
 
 @pytest.mark.parametrize("form", FORMATS)
-def test_a_name_that_is_no_text_can_be_written(form: str) -> None:
+def test_a_name_that_is_not_valid_text_can_be_written(form: str) -> None:
     text = formatted([Diagnostic(MALFORMED, "odd", FilePlace("bad\udcff.xml", 1))], form)
     assert text.encode("utf-8")
     if form == "json":

@@ -56,7 +56,7 @@ def test_a_code_is_named_in_capitals_or_not() -> None:
     assert code_named("nonsense") is None
 
 
-def test_of_a_long_line_only_the_neighbourhood_is_shown() -> None:
+def test_only_a_part_of_a_long_line_is_shown() -> None:
     line = "x" * 5000 + "here" + "y" * 5000
     _, shown, carets = as_text(Diagnostic(FAULT, "wrong", FilePlace("a", 1, 5001, 4, line))).splitlines()
     assert len(shown) < 300

@@ -1,4 +1,4 @@
-"""XML in, safely, with exact places."""
+"""XML is read safely, with exact places."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_files_that_are_refused(raw: bytes, expected: list[tuple[str, int]]) -> 
     assert _codes(raw) == expected
 
 
-def test_a_doctype_in_a_comment_is_no_doctype() -> None:
+def test_a_doctype_in_a_comment_is_ignored() -> None:
     assert _document("<!-- <!DOCTYPE a> --><a/>").root.tag == "a"
 
 

@@ -1,4 +1,4 @@
-"""The experimenter decides when the car asks, warns and takes back, and what it does before and after."""
+"""The experimenter decides when the automation requests, warns and takes back, and how it drives before and after."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_a_request_a_warning_and_a_hand_back_come_when_their_triggers_say(tmp_pa
     assert times["activation"] == pytest.approx(times["hand_back"] + 0.1, abs=1e-6)
 
 
-def test_a_request_may_be_given_any_cause_and_asks_whatever_is_switched_on(tmp_path: Path) -> None:
+def test_a_request_may_have_any_cause_whether_enabled_or_not(tmp_path: Path) -> None:
     body = (
         '<when><time after="2"/><do><request cause="sensor_health"/></do></when>'
         '<takeover><cause kind="path_blocked"/><driver takeover_time="2"/></takeover>'
@@ -44,7 +44,7 @@ def test_a_request_may_be_given_any_cause_and_asks_whatever_is_switched_on(tmp_p
     assert (outcome.cause, outcome.result) == ("sensor_health", "pass")
 
 
-def test_buttons_do_nothing_where_they_have_no_meaning(tmp_path: Path) -> None:
+def test_buttons_have_no_effect_where_they_have_no_meaning(tmp_path: Path) -> None:
     body = (
         '<when><time after="1"/><do><hand_back/></do></when><when><time after="2"/><do><request/></do></when>'
         '<when><time after="6"/><do><request/><warn/></do></when><takeover><driver takeover_time="2"/></takeover>'
@@ -99,7 +99,7 @@ def test_what_the_automation_does_before_and_after_a_request(
     assert {"same": abs(v[-1] - v[asked]) < 0.2, "slower": v[-1] < v[asked] - 0.5}[after]
 
 
-def test_without_a_minimum_risk_manoeuvre_the_car_goes_on_until_somebody_answers(tmp_path: Path) -> None:
+def test_without_a_minimum_risk_manoeuvre_the_car_drives_on_until_somebody_responds(tmp_path: Path) -> None:
     policy = '<takeover budget="4"{}><driver {}/><automation after="hold_speed"/></takeover>'
     for switch, kinds in (("", {"request", "minimum_risk"}), (' minimum_risk="false"', {"request", "collision"})):
         body = BLOCKED.format(200) + policy.format(switch, 'preset="absent"')
@@ -110,7 +110,7 @@ def test_without_a_minimum_risk_manoeuvre_the_car_goes_on_until_somebody_answers
     assert (outcome.resolution, outcome.collision_with) == ("driver", None)
 
 
-def test_an_automation_that_lets_go_neither_steers_nor_brakes_until_somebody_answers(tmp_path: Path) -> None:
+def test_after_let_go_the_automation_neither_steers_nor_brakes(tmp_path: Path) -> None:
     """On the right-hand curve of the motorway, 800 m radius, the car goes on straight at once."""
     curve = CONFLICT.replace('<spawn_point name="middle_lane"/>', '<lane road="2" lane="-2" s="900"/>')
     body = """<when><time after="2"/><do><request/></do></when>

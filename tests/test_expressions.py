@@ -1,4 +1,4 @@
-"""Expressions: what they mean, what they refuse, and that their text reads back as themselves."""
+"""Expressions: their values, their faults, and the round trip through their text."""
 
 from __future__ import annotations
 
@@ -78,13 +78,13 @@ def test_value(text: str, value: Value) -> None:
         ("acos(a)", "acos(2) has no value: it takes a number from -1 to 1"),
     ],
 )
-def test_why_there_is_no_value_is_said_in_the_languages_words(text: str, reason: str) -> None:
+def test_a_missing_value_is_explained_in_the_languages_terms(text: str, reason: str) -> None:
     with pytest.raises(ExpressionError) as caught:
         parse_expression(text).evaluate(VALUES)
     assert str(caught.value) == reason
 
 
-def test_texts_do_not_grow_without_end() -> None:
+def test_the_length_of_texts_is_limited() -> None:
     twice = parse_expression("$x + $x")
     with pytest.raises(ExpressionError, match=f"a text has at most {MAX_LENGTH} characters") as caught:
         twice.evaluate({"x": "x" * MAX_LENGTH})
@@ -112,7 +112,7 @@ def test_a_negative_value_keeps_its_sign_in_a_power() -> None:
         ("[1]", 0),
     ],
 )
-def test_fault_tells_where(text: str, offset: int) -> None:
+def test_a_fault_has_its_position(text: str, offset: int) -> None:
     with pytest.raises(ExpressionError) as caught:
         parse_expression(text)
     assert caught.value.offset == offset
@@ -122,13 +122,13 @@ def test_fault_tells_where(text: str, offset: int) -> None:
     "text",
     ["1 / 0", "sqrt(-1)", "log(0)", "10 ^ 400", "(-8) ^ (1 / 3)", "'a' * 'b'", "missing", "-'a'", "1 % 0", "exp(1000)"],
 )
-def test_no_value_is_an_error(text: str) -> None:
+def test_a_missing_value_is_an_error(text: str) -> None:
     with pytest.raises(ExpressionError):
         parse_expression(text).evaluate(VALUES)
 
 
 @pytest.mark.parametrize("text", ["'car'", "1e308 * 10"])
-def test_no_finite_number_is_an_error(text: str) -> None:
+def test_a_number_that_is_not_finite_is_an_error(text: str) -> None:
     with pytest.raises(ExpressionError):
         parse_expression(text).number({})
 
@@ -223,7 +223,7 @@ def test_every_function_is_listed_with_its_number_of_arguments() -> None:
         ("1 + ", []),
     ],
 )
-def test_names_are_found_in_what_need_not_be_a_whole_expression(text: str, found: list[tuple[str, int]]) -> None:
+def test_names_are_found_in_incomplete_expressions(text: str, found: list[tuple[str, int]]) -> None:
     assert names_in(text) == found
     for name, at in found:
         assert text.startswith(name, at)

@@ -1,4 +1,4 @@
-"""Files in, safely: what is no ordinary file, or too large, is refused at once."""
+"""Reading files: anything but an ordinary file, and any file that is too large, is refused at once."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_a_file_is_read_up_to_its_limit(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="a file of another size than it says")
-def test_the_size_that_a_file_is_said_to_have_is_not_relied_on() -> None:
+def test_the_stated_size_of_a_file_is_not_relied_on() -> None:
     assert Path("/proc/self/maps").stat().st_size == 0
     assert len(read_file("/proc/self/maps")) > 100
     with pytest.raises(OSError, match="it is longer than 100 bytes"):
@@ -37,14 +37,14 @@ def test_the_size_that_a_file_is_said_to_have_is_not_relied_on() -> None:
 
 
 @pytest.mark.parametrize("kind", ["pipe", "device", "folder", "loop"])
-def test_what_is_no_ordinary_file_is_not_read(tmp_path: Path, kind: str) -> None:
+def test_only_ordinary_files_are_read(tmp_path: Path, kind: str) -> None:
     path = _odd(tmp_path, kind)
     with pytest.raises(OSError, match=r"pipe, a socket or a device|directory|symbolic links"):
         read_file(path)
 
 
 @pytest.mark.parametrize("kind", ["pipe", "device", "folder", "loop"])
-def test_no_reader_waits_for_one(tmp_path: Path, kind: str) -> None:
+def test_no_reader_waits_for_a_pipe(tmp_path: Path, kind: str) -> None:
     path = _odd(tmp_path, kind)
     including = tmp_path / "including.xml"
     including.write_text(INCLUDING.format(path.name), encoding="utf-8")
@@ -61,20 +61,20 @@ def test_no_reader_waits_for_one(tmp_path: Path, kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["pipe", "device", "folder", "loop"])
-def test_in_a_folder_of_schemas_it_is_none(tmp_path: Path, kind: str) -> None:
+def test_a_schema_that_is_not_an_ordinary_file_is_ignored(tmp_path: Path, kind: str) -> None:
     odd = _odd(tmp_path, kind)
     odd.rename(odd.with_name("OpenDRIVE_1.4.xsd"))
     assert find_schema(tmp_path, "OpenDRIVE", 4) is None
 
 
 @pytest.mark.parametrize("kind", ["pipe", "device", "loop"])
-def test_trajectories_are_not_read_from_it(tmp_path: Path, kind: str) -> None:
+def test_trajectories_are_read_from_ordinary_files_only(tmp_path: Path, kind: str) -> None:
     with pytest.raises(OSError, match=r"pipe, a socket or a device|symbolic links"):
         read_trajectory(_odd(tmp_path, kind))
 
 
 def _odd(folder: Path, kind: str) -> Path:
-    """Return a path at which there is no ordinary file."""
+    """Return a path to something that is not an ordinary file."""
     path = folder / f"{kind}.xml"
     if kind == "pipe":
         os.mkfifo(path)

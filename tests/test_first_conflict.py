@@ -1,4 +1,4 @@
-"""docs/your-first-conflict.md is true: each file in it is checked, each command is run, each answer is as shown."""
+"""docs/your-first-conflict.md is correct: each file is checked, each command runs, each output is as shown."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_commands_run(folder: Path, lines: list[str]) -> None:
             assert (folder / "out" / "report.html").is_file()
 
 
-def test_faults_are_told_as_shown(folder: Path) -> None:
+def test_faults_are_reported_as_shown(folder: Path) -> None:
     sink = Diagnostics()
     validate_file(Path("wrong.xml"), sink)
     assert _blocks("text") == ["\n".join(as_text(one) for one in sink) + "\n"]

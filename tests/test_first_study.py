@@ -1,4 +1,4 @@
-"""docs/your-first-study.md is true: its files are checked, its commands run, and its analysis reads what they write."""
+"""docs/your-first-study.md is correct: its files are valid, its commands run, and its analysis reads their output."""
 
 from __future__ import annotations
 

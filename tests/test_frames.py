@@ -1,4 +1,4 @@
-"""CARLA's axes and ours: what we convert is what CARLA's own client computes."""
+"""CARLA's axes and ours: conversions agree with CARLA's own client."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_an_uphill_road_is_a_positive_pitch_in_carla() -> None:
 
 
 @given(st.lists(placements, min_size=1, max_size=5), st.floats(-3, 3), st.floats(0, 2))
-def test_many_are_converted_as_one_is(poses: list[Pose], center: float, up: float) -> None:
+def test_many_poses_are_converted_like_a_single_one(poses: list[Pose], center: float, up: float) -> None:
     columns = np.array(poses, np.float64).T
     count = len(poses)
     rows = carla_rows(columns, np.full(count, center), np.full(count, up))
@@ -89,7 +89,7 @@ transforms = st.tuples(*(st.floats(-50, 50) for _ in range(3)), *(st.floats(-80,
 
 
 @given(transforms, transforms, st.tuples(*(st.floats(-5, 5) for _ in range(3))))
-def test_what_is_attached_is_where_carlas_client_has_it(
+def test_an_attached_object_is_where_carlas_client_puts_it(
     parent: tuple[float, ...], relative: tuple[float, ...], point: tuple[float, ...]
 ) -> None:
     carla = pytest.importorskip("carla", reason="the CARLA client has no wheel for this Python")

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import compileall
+import multiprocessing
+import os
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import pytest
 
 import scenario_compiler
+from scenario_compiler.interruption import left_to_this_process
 
 CONFLICT = """\
 <scenarios version="1">
@@ -149,7 +153,7 @@ EVENTS: dict[str, int] = {}
 
 
 def events_of(place: Path, name: str) -> int:
-    """Return how many events a command has when it is not interrupted, counted in a copy of the folder."""
+    """Return the number of events of a command that is not interrupted, counted in a copy of the folder."""
     if name not in EVENTS:
         with tempfile.TemporaryDirectory() as folder:
             copy = shutil.copytree(place, Path(folder) / "copy")
@@ -218,11 +222,29 @@ def test_processes_end_with_the_program(place: Path) -> None:
     assert str(place) not in listed
 
 
-def test_sigterm_ends_any_command_as_ctrl_c_does(place: Path) -> None:
+def test_sigterm_ends_every_command_like_ctrl_c(place: Path) -> None:
     code, told = interrupted(place, COMMANDS["run"], 500, "SIGTERM")
     assert (code, told.splitlines()[0]) == (130, "scenario-compiler: interrupted")
     assert not (place / "out").exists()
 
 
-def test_a_signal_number_is_what_shells_add() -> None:
+def test_ctrl_c_while_a_process_is_started_interrupts_the_program_and_not_the_process() -> None:
+    process = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(600,), daemon=True)
+
+    @left_to_this_process()
+    def start() -> None:
+        signal.raise_signal(signal.SIGINT)
+        process.start()
+        os.kill(process.pid or 0, signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        start()
+    os.kill(process.pid or 0, signal.SIGINT)
+    process.terminate()
+    process.join()
+    assert process.exitcode == -signal.SIGTERM
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+def test_the_exit_code_contains_the_signals_number_as_in_shells() -> None:
     assert 128 + signal.SIGINT == 130

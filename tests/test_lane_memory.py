@@ -1,4 +1,4 @@
-"""Where the paint ends the car asks, and then keeps to its lane by memory and odometry until somebody answers.
+"""Where the paint ends, the automation requests, and then keeps the lane by memory and odometry until a response.
 
 The study: 24 roads, the paint ends on each at three places 7 m apart, each with its own seed of the odometry's errors,
 25 m/s, a driver who never answers.
@@ -26,7 +26,7 @@ BEFORE, LENGTH = 300.0, 900.0
 
 @dataclass(frozen=True)
 class Course:
-    """A road: its shape, as pieces of (length, curvature at begin and end), and where its paint ends, m."""
+    """A road: its shape, as pieces of (length, curvature at start and end), and where its paint ends, m."""
 
     name: str
     pieces: tuple[tuple[float, float, float], ...]
@@ -103,7 +103,7 @@ def road_file(course: Course) -> str:
 
 @dataclass(frozen=True)
 class Kept:
-    """What came of a run: offsets from the lane's centre 2 s and 4 s after the request and in the last row, m."""
+    """Results of a run: offsets from the lane's centre 2 s and 4 s after the request and in the last row, m."""
 
     after_2: float
     after_4: float
@@ -135,7 +135,7 @@ def kept(
     to_standstill: bool = True,
     odometry: str = "",
 ) -> Kept:
-    """Return what comes of a car whose paint ends a shift further than the course says."""
+    """Return the results of a car whose paint ends a shift further than in the course."""
     (folder / "course.xodr").write_text(road_file(course), encoding="utf-8")
     ends = course.paint_ends + shift
     text = CONFLICT.format(
@@ -202,13 +202,13 @@ def test_a_car_without_paint_stays_in_its_bend(perception: Perception, tmp_path:
     assert one.after_4 <= WIDTH / 2
 
 
-def test_a_car_without_paint_stands_in_its_lane_at_last(tmp_path: Path) -> None:
+def test_a_car_without_paint_finally_stops_in_its_lane(tmp_path: Path) -> None:
     one = kept(tmp_path, straight(200.0), 0.0, 3, "ideal")
     assert (one.outcome.resolution, one.outcome.stands, one.outcome.result) == ("minimum_risk", "own_lane", "pass")
     assert 0.0 < one.last < WIDTH / 2
 
 
-def test_seeds_differ_in_the_odometry_alone_and_a_seed_repeats_itself(tmp_path: Path) -> None:
+def test_seeds_differ_only_in_the_odometry_and_the_same_seed_gives_the_same_run(tmp_path: Path) -> None:
     first, second, again = (kept(tmp_path, straight(200.0), 0.0, seed, "ideal") for seed in (1, 2, 1))
     assert first.last != second.last
     assert first.last == again.last

@@ -124,7 +124,7 @@ class Import:
 def imports_of(root: Path) -> Iterator[Import]:
     """Yield every import in the package at `root`.
 
-    A name imported from a package counts as a module where it is one. A text such as
+    A name imported from a package counts as a module if it is one. A text such as
     "scenario_compiler.worlds.carla:World" counts too: tables of lazily imported modules are written so.
     """
     for path in sorted(root.rglob("*.py")):

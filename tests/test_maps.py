@@ -254,7 +254,7 @@ def test_linked_lanes_meet_at_the_joints_of_roads(map_: Map) -> None:
                     assert (back.before if other_contact == "start" else back.after) == number_, where
 
 
-def test_no_driving_lane_ends_but_the_acceleration_lane(map_: Map) -> None:
+def test_only_the_acceleration_lane_ends(map_: Map) -> None:
     ends, begins = set(), set()
     for road in map_.roads.values():
         for index, section in enumerate(road.sections):
@@ -396,7 +396,7 @@ def test_marks_of_the_motorway_are_european(highway: Map) -> None:
     assert number(edge_line, "width") == 0.30
 
 
-def test_acceleration_lane_ends_while_the_shoulder_goes_on(highway: Map) -> None:
+def test_acceleration_lane_ends_while_the_shoulder_continues(highway: Map) -> None:
     solid, broken, taper, after = highway.road("west_entry").sections
     kinds = [marks(highway.road("west_entry"), -2, index)[0][1] for index in range(4)]
     assert kinds == ["solid", "broken", "broken", "solid"]
@@ -431,7 +431,7 @@ def test_town_turns_every_way_at_every_junction(town: Map) -> None:
         assert all(exits == set(ways) - {arm} for arm, exits in ways.items())
 
 
-def test_town_has_a_long_street_and_one_of_two_lanes_a_direction(town: Map) -> None:
+def test_town_has_a_long_street_and_one_with_two_lanes_in_each_direction(town: Map) -> None:
     assert town.road("main_street").length >= 400.0
     assert [geometry[0].tag for geometry in town.road("main_street").geometry] == ["line"]
     lanes = town.road("ring_north").sections[0].lanes
@@ -451,7 +451,7 @@ print(json.dumps({"waypoints": len(waypoints), "dead": dead, "ended": ended}))
 
 @pytest.mark.skipif(importlib.util.find_spec("carla") is None, reason="needs the CARLA client")
 def test_carla_loads_the_map_without_dead_ends(map_: Map, tmp_path: Path) -> None:
-    """CARLA's own samples stop 1 m or more before the acceleration lane's end, so its end is asked for by itself.
+    """CARLA's own samples stop 1 m or more before the acceleration lane's end, so its end is checked separately.
 
     The crossing's arms lead back to it, which the client can follow only after `map export --for carla`.
     """

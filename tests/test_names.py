@@ -134,7 +134,7 @@ def test_a_mistake_is_one_line_and_the_same_in_every_command(
     assert [one[:5] for one in told["validate {}"]] == [code]
 
 
-def test_a_plan_is_told_from_a_scenario(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_plan_is_distinguished_from_a_scenario(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     plan = tmp_path / "plan.json"
     call("compile", written(tmp_path), "-o", plan)
     capsys.readouterr()
@@ -143,7 +143,9 @@ def test_a_plan_is_told_from_a_scenario(tmp_path: Path, capsys: pytest.CaptureFi
     assert (code, len(found), "`run`, `sweep` and `export` take it" in found[0]) == (1, 1, True)
 
 
-def test_a_plan_that_uses_what_it_does_not_declare(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_plan_that_uses_an_undeclared_parameter_is_an_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     plan = tmp_path / "plan.json"
     call("compile", written(tmp_path), "-o", plan)
     content = json.loads(plan.read_text())

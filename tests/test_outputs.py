@@ -1,4 +1,4 @@
-"""What a command writes: whole or not there, never over what it reads, and said in one line where it cannot be."""
+"""Output files are written completely or not at all, never replace an input, and failures are reported in one line."""
 
 from __future__ import annotations
 
@@ -79,7 +79,9 @@ def told_in_one_line(capsys: pytest.CaptureFixture[str]) -> str:
 
 
 @pytest.mark.parametrize("words", WRITERS, ids=" ".join)
-def test_what_cannot_be_written_is_one_line(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_that_cannot_be_written_is_reported_in_one_line(
+    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
     assert call(*(word.replace("PLACE", "/proc/none/it") for word in words)) == 2
     line = told_in_one_line(capsys)
     assert "/proc/none" in line
@@ -96,7 +98,7 @@ def test_a_full_disk_leaves_no_half_file(words: tuple[str, ...], capsys: pytest.
     assert not [path for path in left if path.is_file()]
 
 
-def test_what_was_there_stays_where_it_cannot_be_replaced(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_that_cannot_be_replaced_stays_unchanged(capsys: pytest.CaptureFixture[str]) -> None:
     Path("it.json").write_text("old")
     with full_disk(100):
         assert call("compile", "mine.xml", "-o", "it.json") == 2
@@ -104,7 +106,7 @@ def test_what_was_there_stays_where_it_cannot_be_replaced(capsys: pytest.Capture
     assert Path("it.json").read_text() == "old"
 
 
-def test_a_conflict_a_conversion_and_a_report_that_cannot_be_written_are_one_line(
+def test_a_conflict_a_conversion_and_a_report_that_cannot_be_written_are_reported_in_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     Path("toolkit.xml").write_text(AISA)
@@ -119,7 +121,7 @@ def test_a_conflict_a_conversion_and_a_report_that_cannot_be_written_are_one_lin
     assert not Path("out/report.html").exists()
 
 
-def test_what_cannot_be_printed_is_one_line() -> None:
+def test_output_that_cannot_be_printed_is_reported_in_one_line() -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
             [sys.executable, "-m", "scenario_compiler", "list"],
@@ -131,7 +133,7 @@ def test_what_cannot_be_printed_is_one_line() -> None:
     assert (done.returncode, done.stderr) == (2, "scenario-compiler: output: No space left on device\n")
 
 
-def test_a_sweep_that_cannot_begin_is_not_to_be_resumed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_sweep_that_cannot_begin_does_not_mention_resume(capsys: pytest.CaptureFixture[str]) -> None:
     sweep = ("sweep", "mine.xml", "--perception", "ideal", "--vary", "speed=uniform(10, 20)")
     assert call(*sweep, "-o", "/proc/none/it") == 2
     assert "--resume" not in told_in_one_line(capsys)

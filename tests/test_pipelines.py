@@ -1,4 +1,4 @@
-"""docs/pipelines.md, the action and the pre-commit hook are true: what they run is run, on good and faulty files."""
+"""docs/pipelines.md, the action and the pre-commit hook are correct: their commands run, on good and faulty files."""
 
 from __future__ import annotations
 
@@ -76,14 +76,14 @@ def test_gitlab_gets_what_its_job_promises(folder: Path) -> None:
 
 
 def inputs(**given: str) -> dict[str, str]:
-    """Return the action's inputs: those given, else their defaults."""
+    """Return the action's inputs: the given ones, otherwise their defaults."""
     assert set(given) <= set(ACTION["inputs"])
     defaults = {name: str(one.get("default", "")) for name, one in ACTION["inputs"].items()}
     return defaults | given
 
 
 def step(name: str, folder: Path, given: Mapping[str, str]) -> tuple[subprocess.CompletedProcess[str], dict[str, str]]:
-    """Run a step of the action; return what came of it, and its outputs."""
+    """Run a step of the action; return its result and its outputs."""
     (found,) = (one for one in ACTION["runs"]["steps"] if one.get("name") == name)
     assert found["shell"] == "bash"
 

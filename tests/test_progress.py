@@ -1,4 +1,4 @@
-"""What the automation stops for it asks for, and what it stops for all the same it asks for after 5 s."""
+"""The automation requests before it stops for an obstacle, and 5 s after any other stop without a reason."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def driven(found: Compilation, intrusion: float) -> tuple[Recording, Outcome]:
 
 
 def slower_from(recording: Recording, speed: float) -> float:
-    """Return when the ego was first slower than a speed, infinite where it never was."""
+    """Return the time at which the ego was first slower than a speed; infinity if it never was."""
     slow = recording.v[:, 0] < speed
     return float(recording.t[np.argmax(slow)]) if slow.any() else np.inf
 
@@ -59,7 +59,7 @@ def first(recording: Recording, kind: str) -> float:
 
 @pytest.mark.parametrize("template", TEMPLATES)
 @pytest.mark.parametrize(("perception", "every"), PERCEPTIONS)
-def test_whatever_the_car_stops_for_it_asks_for_before_it_slows_down(
+def test_the_automation_requests_before_it_slows_down_for_an_obstacle(
     template: str, perception: Perception, every: int, tmp_path: Path
 ) -> None:
     found = compiled(tmp_path, template, WITHOUT_NO_PROGRESS, perception)
@@ -76,7 +76,7 @@ def test_whatever_the_car_stops_for_it_asks_for_before_it_slows_down(
 
 @pytest.mark.parametrize("template", TEMPLATES)
 @pytest.mark.parametrize(("perception", "every"), PERCEPTIONS)
-def test_a_car_that_asks_for_nothing_else_asks_when_it_has_stood_for_five_seconds(
+def test_without_another_cause_the_automation_requests_after_five_seconds_of_standing(
     template: str, perception: Perception, every: int, tmp_path: Path
 ) -> None:
     found = compiled(tmp_path, template, NO_PROGRESS_ALONE, perception)
@@ -93,7 +93,7 @@ def test_a_car_that_asks_for_nothing_else_asks_when_it_has_stood_for_five_second
     assert 40 < stopped * every < 81
 
 
-def test_a_stop_that_nobody_is_asked_about_has_a_word_of_its_own_and_fails(tmp_path: Path) -> None:
+def test_a_stop_without_a_request_has_its_own_resolution_and_fails(tmp_path: Path) -> None:
     recording, outcome = driven(compiled(tmp_path, "narrowing_road", NEVER_ASKS, "ideal"), 1.0)
     assert (outcome.resolution, outcome.result) == ("stopped", "fail")
     assert first(recording, "no_progress") == pytest.approx(slower_from(recording, 0.5) + 5.0, abs=0.1001)

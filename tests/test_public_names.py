@@ -1,4 +1,4 @@
-"""The doors of the package: the names that programs import, and what asking for none of them costs."""
+"""The public names of the package, and the modules that importing the package loads."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_an_unknown_name_is_an_attribute_error(package: str) -> None:
 
 
 @pytest.mark.parametrize("folder", ["examples", "docs", "README.md"])
-def test_what_users_read_imports_from_the_doors_alone(folder: str) -> None:
+def test_pages_and_examples_import_only_public_names(folder: str) -> None:
     where = REPOSITORY / folder
     files = [where] if where.is_file() else [path for end in ("*.py", "*.md") for path in sorted(where.rglob(end))]
     assert files
@@ -77,7 +77,7 @@ def test_importing_the_package_imports_nothing_else_of_it() -> None:
     assert found.stdout.split() == []
 
 
-def test_a_word_is_imported_without_the_stages() -> None:
+def test_importing_a_word_does_not_import_the_stages() -> None:
     probe = "import sys\nfrom scenario_compiler import Ego\nprint([m for m in ('numpy', 'cv2') if m in sys.modules])"
     found = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
     assert found.stdout == "[]\n"

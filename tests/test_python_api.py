@@ -1,4 +1,4 @@
-"""The page on scenarios in Python: its code runs, prints what it says, and has types."""
+"""The page on scenarios in Python: its code runs, prints the shown output, and passes mypy."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_code_of_the_page_has_types(tmp_path: Path) -> None:
     assert checked.stdout + checked.stderr == ""
 
 
-def test_names_that_mean_nothing_are_reported_at_once() -> None:
+def test_unknown_names_are_reported_at_once() -> None:
     scenario = Scenario(
         name="wrong",
         map="town_grid",
@@ -90,7 +90,7 @@ def conflict(tmp_path: Path) -> Path:
     return file
 
 
-def test_overrides_stand_in_place_of_the_scenario(conflict: Path) -> None:
+def test_overrides_replace_values_of_the_scenario(conflict: Path) -> None:
     plan = compile_scenario(conflict, overrides=Overrides("ideal", "lane_detection", step=0.1, duration=2.0), speed=30)
     assert (plan.perception, plan.step, plan.duration) == ("ideal", 0.1, 2.0)
     assert plan.controller is not None
@@ -111,7 +111,7 @@ def test_maps_are_looked_for_in_the_folders_that_are_given(conflict: Path, tmp_p
     assert compile_scenario(conflict, maps=[str(folder)]).map.file == str(folder / "mine.xodr")
 
 
-def test_a_parameter_of_a_taken_name_is_never_mistaken(conflict: Path) -> None:
+def test_a_parameter_with_the_name_of_an_argument_is_refused(conflict: Path) -> None:
     with pytest.raises(TypeError, match="maps is a list of folders, not '3'"):
         compile_scenario(conflict, maps="3")
     taken: dict[str, object] = {"overrides": 3}
@@ -123,6 +123,6 @@ def test_a_parameter_of_a_taken_name_is_never_mistaken(conflict: Path) -> None:
 
 
 @pytest.mark.parametrize("wrong", [{"step": 0.0}, {"step": 2.0}, {"duration": 0.0}, {"perception": "radar"}], ids=str)
-def test_overrides_that_cannot_be_meant_are_refused(wrong: dict[str, Any]) -> None:
+def test_impossible_overrides_are_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong))):
         Overrides(**wrong)

@@ -1,4 +1,4 @@
-"""Draws depend on nothing but their names, and are spread as they should be."""
+"""Draws depend only on their names, and have the right distributions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def test_a_draw_belongs_to_seed_variant_and_stream() -> None:
     assert uniform(1, 0, "a") == uniform(1, 0, "a")
 
 
-def test_draws_are_what_they_were() -> None:
+def test_draws_do_not_change_between_versions() -> None:
     assert uniform(1, 0, "driver/takeover_time/0") == 0.684528745967219
     assert normal(1, 0, "driver/takeover_time/0") == 0.48040068397159535
     assert random_hash(1, 2, 3, 4) == 549126174

@@ -1,4 +1,4 @@
-"""What the README shows is true: its conflict is valid, its commands and Python run; files that pages name exist."""
+"""The README is correct: its conflict is valid, its commands and its Python run; files that pages name exist."""
 
 from __future__ import annotations
 

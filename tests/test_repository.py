@@ -1,4 +1,4 @@
-"""The files that the repository's hosts and tools read are true, and links between its pages lead somewhere."""
+"""The files for the repository's hosts and tools are correct, and links between pages have a target."""
 
 from __future__ import annotations
 

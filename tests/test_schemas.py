@@ -1,4 +1,4 @@
-"""The files of schemas/, and pages of docs/, are what the models say; `--update` rewrites them."""
+"""The files of schemas/, and pages of docs/, agree with the models; `--update` rewrites them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The request comes later the less the forward sensor sees: with fog, rain, night and noise, and as they come up."""
+"""The shorter the forward sensor's range (fog, rain, night, noise), the later the request."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STEP = 0.1
 
 
 def request(folder: Path, kind: str = "camera", then: str = "", **weather: float) -> float:
-    """Return when the car asks that comes to a standing car, s."""
+    """Return the time of the request before a standing car, s."""
     numbers = {"sun": 45.0, "fog": 0.0, "rain": 0.0, "noise": 0.0, **weather}
     recording, outcome = next(runs(compiled(folder, CONFLICT.format(kind=kind, then=then, **numbers)), range(1, 2)))
     assert outcome.cause == "path_blocked"
@@ -37,7 +37,7 @@ def test_a_sweep_over_fog_moves_the_request_later(kind: str, tmp_path: Path) -> 
     assert found[-1] - found[0] > 4.0
 
 
-def test_a_radar_asks_in_the_thickest_fog_as_in_none(tmp_path: Path) -> None:
+def test_with_a_radar_the_request_is_the_same_in_the_thickest_fog(tmp_path: Path) -> None:
     assert request(tmp_path, "radar", fog=100.0) == pytest.approx(request(tmp_path, "radar"), abs=STEP + 1e-6)
 
 
@@ -49,7 +49,7 @@ def test_rain_night_and_the_cameras_noise_move_the_request_later(tmp_path: Path)
 
 
 def test_the_sensor_follows_the_weather_while_it_changes(tmp_path: Path) -> None:
-    """Fog that has come up before the obstacle is in range counts as if it had always been there."""
+    """Fog that comes up before the obstacle is in range has the same effect as constant fog."""
     fog = (
         '<when><time after="0.5"/><do><weather sun_altitude_angle="45" fog_density="80" fog_distance="0" '
         'precipitation="0" over_time="1"/></do></when>'

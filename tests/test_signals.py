@@ -1,4 +1,4 @@
-"""The automation and the built-in traffic stop at a red signal on their lane, wait without a word, and go at green."""
+"""The automation and the traffic stop at a red signal of their lane, wait without a request, and go at green."""
 
 from __future__ import annotations
 
@@ -59,7 +59,9 @@ def fronts(found: Compilation, recording: Recording, entity: int = 0) -> np.ndar
 
 
 @pytest.mark.parametrize("perception", ["ideal", pytest.param("camera", marks=pytest.mark.slow)])
-def test_the_automation_waits_at_red_without_a_word_and_goes_at_green(perception: Perception, tmp_path: Path) -> None:
+def test_the_automation_waits_at_red_without_a_request_and_goes_at_green(
+    perception: Perception, tmp_path: Path
+) -> None:
     found, recording, outcome = played(tmp_path, perception)
     at_red = recording.t < 20.0
     assert LINE - 5.0 < np.nanmax(fronts(found, recording)[at_red]) < LINE
@@ -103,7 +105,7 @@ def test_traffic_waits_at_red_and_goes_at_green(tmp_path: Path) -> None:
     assert not from_ew.any()
 
 
-def test_both_forms_of_the_engine_wait_alike(tmp_path: Path) -> None:
+def test_both_forms_of_the_engine_wait_equally(tmp_path: Path) -> None:
     found, compiled, _ = played(tmp_path, duration=8.0, others='<traffic vehicles="8" seed="4"/>')
     with open_world("kinematic", found.plan, found.network) as world:
         interpreted = run(found.plan, world, interpreted=True)
@@ -129,7 +131,7 @@ def test_both_forms_of_the_engine_wait_alike(tmp_path: Path) -> None:
         ("reduced", op.ASPECT_NONE),
     ],
 )
-def test_what_the_state_of_a_signal_says(state: str, aspect: int) -> None:
+def test_the_state_of_a_signal_determines_whether_traffic_stops(state: str, aspect: int) -> None:
     assert aspect_of(state) == aspect
 
 

@@ -1,4 +1,4 @@
-"""What stdout and stderr are makes no difference to what a command does: closed, broken, of another encoding."""
+"""Commands do the same with closed or broken standard streams and with streams of another encoding."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(("file", "code"), [("good.xml", 0), ("bad.xml", 1)])
 @pytest.mark.parametrize("streams", [">&-", "2>&-", ">&- 2>&-", "<&-", ">&- 2>&- <&-", "> /dev/null 2>&1"])
-def test_closed_streams_are_no_error(folder: Path, file: str, code: int, streams: str) -> None:
+def test_closed_streams_are_not_an_error(folder: Path, file: str, code: int, streams: str) -> None:
     done = shell(f"{PROGRAM} validate {file} {streams}", folder)
     assert done.returncode == code
     assert b"Traceback" not in done.stderr
@@ -40,7 +40,7 @@ def test_closed_streams_are_no_error(folder: Path, file: str, code: int, streams
 
 @pytest.mark.parametrize(("file", "code"), [("good.xml", 0), ("bad.xml", 1)])
 @pytest.mark.parametrize("form", ["text", "json", "sarif", "github"])
-def test_a_reader_that_is_gone_is_no_error(folder: Path, file: str, code: int, form: str) -> None:
+def test_a_reader_that_closes_the_pipe_is_not_an_error(folder: Path, file: str, code: int, form: str) -> None:
     both = f"{PROGRAM} validate {file} --format {form} 2>&1 | true; echo ${{PIPESTATUS[0]}}"
     done = shell(both, folder)
     assert done.stdout.split() == [str(code).encode()]
@@ -48,12 +48,12 @@ def test_a_reader_that_is_gone_is_no_error(folder: Path, file: str, code: int, f
 
 
 @pytest.mark.parametrize("command", ["explain SC401", "coverage conflict", "list", "map info town_grid", "--help"])
-def test_no_command_minds_that_nobody_reads(folder: Path, command: str) -> None:
+def test_no_command_fails_because_nobody_reads_its_output(folder: Path, command: str) -> None:
     done = shell(f"{PROGRAM} {command} | true; echo ${{PIPESTATUS[0]}}", folder)
     assert (done.stdout.split(), done.stderr) == ([b"0"], b"")
 
 
-def test_a_closed_stdout_is_no_file_of_the_run(folder: Path) -> None:
+def test_output_to_a_closed_stdout_does_not_go_into_a_file(folder: Path) -> None:
     """A file that is opened while stdout is closed must not get its number."""
     done = shell(f"{PROGRAM} compile good.xml -o plan.json >&-; {PROGRAM} new fresh --from cut_in >&-", folder)
     assert done.stderr.count(b"Traceback") == 0
@@ -61,7 +61,7 @@ def test_a_closed_stdout_is_no_file_of_the_run(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
-def test_what_the_encoding_lacks_is_an_escape(folder: Path, encoding: str) -> None:
+def test_characters_that_the_encoding_lacks_are_escaped(folder: Path, encoding: str) -> None:
     (folder / "straße–🚗.xml").write_text(BAD)
     done = shell(f"{PROGRAM} validate *.xml", folder, PYTHONIOENCODING=encoding)
     assert done.returncode == 1
@@ -85,7 +85,7 @@ FORBIDDEN += [chr(number) for number in (*range(0x202A, 0x202F), *range(0x2066, 
 
 
 @pytest.mark.parametrize("name", HOSTILE)
-def test_nothing_unseen_and_no_command_of_a_build_service_gets_through(name: str) -> None:
+def test_invisible_characters_and_commands_of_build_services_are_escaped(name: str) -> None:
     text = HOSTILE[name]
     for shown in (legible(text), legible_line(text), legible_json(text.replace("\n", ""))):
         assert not [one for one in FORBIDDEN if one in shown]
@@ -98,7 +98,7 @@ def test_nothing_unseen_and_no_command_of_a_build_service_gets_through(name: str
 
 
 @pytest.mark.parametrize("form", ["text", "json", "sarif", "github"])
-def test_file_names_reach_no_log_raw(tmp_path: Path, form: str) -> None:
+def test_file_names_are_escaped_in_logs(tmp_path: Path, form: str) -> None:
     folder = tmp_path / "library"
     folder.mkdir()
     names = [text.replace("/", "_") for name, text in HOSTILE.items() if "nul" not in name]
@@ -125,7 +125,7 @@ def test_file_names_reach_no_log_raw(tmp_path: Path, form: str) -> None:
 @pytest.mark.parametrize(
     "command", ["validate {}", "run {}", "compile {} -o x.json", "list {}", "report {}", "map info {}"]
 )
-def test_a_name_on_the_command_line_is_printed_as_it_can_be_seen(tmp_path: Path, command: str) -> None:
+def test_names_on_the_command_line_are_escaped(tmp_path: Path, command: str) -> None:
     words = [sys.executable, "-m", "scenario_compiler", *(w.format("\x1b[2J\u202e::error") for w in command.split())]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, timeout=120, check=False)
     told = (done.stdout + done.stderr).decode()

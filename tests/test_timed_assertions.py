@@ -1,4 +1,4 @@
-"""No test asserts how long something took, which a slow or busy machine fails: work is counted (`tests.work`).
+"""No test asserts a duration, which would fail on a slow or busy machine; work is counted instead (`tests.work`).
 
 A clock may be read to wait until a deadline. Times are compared in `tests/benchmarks` alone, as ratios in one run.
 """

@@ -1,4 +1,4 @@
-"""Reading a file never runs code that it names; code runs when the user has named it, and its faults are findings."""
+"""Reading a file never runs code that it names; only code that the user names runs, and its faults are reported."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ def test_no_command_imports_what_a_file_names(tmp_path: Path, model: str) -> Non
     assert not (tmp_path / "it_ran").exists()
 
 
-def test_an_openscenario_file_names_code_in_vain(tmp_path: Path) -> None:
+def test_an_openscenario_file_cannot_run_code(tmp_path: Path) -> None:
     (tmp_path / "stranger.py").write_text(HOSTILE)
     file = tmp_path / "named.xosc"
     file.write_text(OPENSCENARIO_EGO)
@@ -192,7 +192,7 @@ def test_an_openscenario_file_names_code_in_vain(tmp_path: Path) -> None:
     assert not (tmp_path / "it_ran").exists()
 
 
-def test_an_exported_conflict_names_code_in_vain(tmp_path: Path) -> None:
+def test_an_exported_conflict_cannot_run_code(tmp_path: Path) -> None:
     file = written(tmp_path, "stranger:Mine", code=HOSTILE)
     out = tmp_path / "out.xosc"
     exported, validated, ran = watched(tmp_path, f"export {file} -o {out}", f"validate {out}", f"run {out}")
@@ -204,7 +204,7 @@ def test_an_exported_conflict_names_code_in_vain(tmp_path: Path) -> None:
 
 
 def test_nothing_is_imported_from_the_current_folder(tmp_path: Path) -> None:
-    """`python -m` looks there first: a stranger's folder may hold modules of any name."""
+    """`python -m` looks there first, and another author's folder may contain modules of any name."""
     file = written(tmp_path, "lane_detection")
     for name in ("lxml", "pydantic", "numpy", "rich", "tomllib", "difflib", "argparse", "scenario_compiler_data"):
         (tmp_path / f"{name}.py").write_text(HOSTILE)
@@ -224,7 +224,7 @@ def test_a_module_that_the_command_line_names_is_found_in_the_current_folder(
     assert call("run", written(tmp_path, "elsewhere_else:Mine"), "--trust", tmp_path / "named.xml") == 1
 
 
-def test_a_plan_is_data_too(tmp_path: Path) -> None:
+def test_a_plan_cannot_run_code(tmp_path: Path) -> None:
     file = written(tmp_path, "stranger:Mine", code=HOSTILE)
     plan = tmp_path / "plan.json"
     sweep = f"sweep {plan} --vary x=values(1,2) -o {tmp_path}/s"
@@ -238,7 +238,7 @@ def test_a_plan_is_data_too(tmp_path: Path) -> None:
     assert content["controller"]["model"] == "stranger:Mine"
 
 
-def test_wrong_properties_are_found_with_trust_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_properties_are_found_only_in_trusted_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = written(tmp_path, "stranger:Mine", '<property name="throtle" value="0.5"/>')
     assert call("validate", file) == 0
     assert "SC504" not in capsys.readouterr().err
@@ -247,7 +247,7 @@ def test_wrong_properties_are_found_with_trust_alone(tmp_path: Path, capsys: pyt
 
 
 @pytest.mark.parametrize("name", ["stranger:Mine", "stranger", "{folder}/stranger.py:Mine", "{folder}/stranger.py"])
-def test_what_the_command_line_names_is_found_beside_the_scenario(
+def test_code_that_the_command_line_names_is_found_beside_the_scenario(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     model = "stranger.py:Mine" if ".py" in name else "stranger:Mine"
@@ -269,7 +269,7 @@ def test_a_controller_of_the_command_line_is_trusted_and_found_beside_the_scenar
     assert call("run", file, "--controller", "nowhere.py:Mine") == 1
 
 
-def test_a_trusted_scenario_file_brings_no_module_from_beside_it(
+def test_a_trusted_scenario_file_does_not_import_modules_beside_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = written(tmp_path, "stranger_beside:Mine")
@@ -280,11 +280,11 @@ def test_a_trusted_scenario_file_brings_no_module_from_beside_it(
     assert call("run", file, "--trust", file) == 0
 
 
-def test_a_trusted_scenario_file_brings_the_python_file_that_it_names(tmp_path: Path) -> None:
+def test_a_trusted_scenario_file_imports_the_python_file_that_it_names(tmp_path: Path) -> None:
     assert call("run", written(tmp_path, "stranger.py:Mine"), "--trust", tmp_path / "named.xml") == 0
 
 
-def test_the_users_configuration_trusts_for_good(tmp_path: Path, no_configuration: Path) -> None:
+def test_the_users_configuration_trusts_permanently(tmp_path: Path, no_configuration: Path) -> None:
     file = written(tmp_path, "stranger.py:Mine")
     configure(no_configuration, f'trust = ["{tmp_path}/stranger.py"]')
     assert call("run", file) == 0
@@ -294,9 +294,7 @@ def test_the_users_configuration_trusts_for_good(tmp_path: Path, no_configuratio
     assert call("run", file) == 1, "a list names code, not scenarios"
 
 
-def test_a_configuration_beside_the_scenario_counts_for_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_configuration_beside_the_scenario_is_ignored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = written(tmp_path, "stranger.py:Mine", code=HOSTILE)
     (tmp_path / "config.toml").write_text('trust = ["stranger.py"]')
     configure(tmp_path, f'trust = ["{tmp_path}/stranger.py"]')
@@ -308,7 +306,7 @@ def test_a_configuration_beside_the_scenario_counts_for_nothing(
 
 
 @pytest.mark.parametrize("text", ["trust = [", "trust = 3", "trust = [1]", "\udcff"])
-def test_a_configuration_that_cannot_be_read_is_said(
+def test_a_configuration_that_cannot_be_read_is_reported(
     tmp_path: Path, no_configuration: Path, capsys: pytest.CaptureFixture[str], text: str
 ) -> None:
     configure(no_configuration, "")
@@ -425,7 +423,7 @@ class Deaf:
 
 
 def with_detector(folder: Path, name: str) -> Path:
-    """Write a scenario that names a detector of a stranger, and the stranger's code; return the scenario."""
+    """Write a scenario that names an unknown author's detector, and its code; return the scenario."""
     (folder / "stranger.py").write_text(LANES)
     file = folder / "named.xml"
     text = NAMED.format(model="lane_detection", properties=f'<detector model="{name}"/>')
@@ -433,9 +431,7 @@ def with_detector(folder: Path, name: str) -> Path:
     return file
 
 
-def test_a_stranger_s_detector_runs_only_where_it_is_trusted(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_detector_in_a_file_runs_only_if_it_is_trusted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = with_detector(tmp_path, "stranger.py:Mine")
     assert call("validate", file) == 0
     capsys.readouterr()
@@ -468,7 +464,7 @@ def test_a_detector_that_fails_is_a_finding_with_its_name(
     assert f"'stranger.py:{name}'" in found["message"]
 
 
-def test_a_detector_is_ignored_by_a_controller_that_looks_for_no_lane(
+def test_a_detector_is_ignored_by_a_controller_that_does_not_use_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = written(tmp_path, "stranger.py:Mine", '<detector model="learned"/>')
@@ -496,7 +492,7 @@ def test_spelling_of_code(text: str, named: CodeName | None) -> None:
     assert code_name(text) == named
 
 
-def test_a_package_covers_what_is_in_it_and_nothing_that_begins_alike() -> None:
+def test_a_package_covers_its_modules_and_no_other_names_with_the_same_prefix() -> None:
     lab, labour = CodeName("lab.steering", "Mine"), CodeName("labour", "Mine")
     trust = Trust(("lab",))
     assert trust.allows(lab, "x.xml")

@@ -1,4 +1,4 @@
-"""Validating many files: each gives its findings in order, whatever the others are, and nothing heavy is loaded."""
+"""Validating many files: findings come in the files' order, and no heavy package is loaded."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_nothing_heavy_is_loaded() -> None:
     assert done.stdout.splitlines()[-1] == "[]", done.stdout + done.stderr
 
 
-def test_one_file_asks_for_little_work() -> None:
+def test_one_file_needs_little_work() -> None:
     program = (
         "import sys\nfrom tests.work import counted\n"
         "def check():\n    from scenario_compiler.cli import main\n"
@@ -82,7 +82,7 @@ def test_a_hostile_file_is_one_finding_and_the_rest_goes_on(tmp_path: Path, proc
     assert all(one.place.file == str(file) for file, some in zip(files, found, strict=True) for one in some)
 
 
-def test_what_cannot_be_read_in_a_folder_is_told(tmp_path: Path) -> None:
+def test_unreadable_files_of_a_folder_are_reported(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.xml")
     os.mkfifo(tmp_path / "pipe.xodr")
     (tmp_path / "dangling.xosc").symlink_to("nowhere")
@@ -98,7 +98,7 @@ def test_what_cannot_be_read_in_a_folder_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="nothing is hidden from the administrator")
-def test_a_folder_that_cannot_be_looked_into_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_read_is_reported(tmp_path: Path) -> None:
     hidden = tmp_path / "hidden"
     hidden.mkdir(mode=0)
     (found,) = validate_files(files_below(tmp_path))
@@ -132,7 +132,7 @@ def test_a_fault_of_the_program_is_a_finding_too(tmp_path: Path) -> None:
     assert len(found) == 1
 
 
-def test_a_road_file_fails_for_its_structure_alone(tmp_path: Path) -> None:
+def test_a_road_file_fails_only_for_its_structure(tmp_path: Path) -> None:
     road = tmp_path / "road.xodr"
     header = '<header revMajor="1" revMinor="4"/>'
     road.write_text(f"<OpenDRIVE>{header}</OpenDRIVE>", encoding="utf-8")
@@ -157,7 +157,7 @@ def test_warnings_are_allowed_in_the_file(tmp_path: Path) -> None:
     assert done.returncode == 1
 
 
-def test_a_fault_in_a_file_that_another_names_is_told_once(tmp_path: Path) -> None:
+def test_a_fault_in_a_file_that_another_names_is_reported_once(tmp_path: Path) -> None:
     study, asked = tmp_path / "study.xml", tmp_path / "effort.xml"
     study.write_text(
         '<study version="1" name="one" participants="1"><scenario name="a" target="obstacle_ahead"/>'

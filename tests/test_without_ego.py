@@ -1,4 +1,4 @@
-"""A scenario without an automated vehicle: plan, run, judgement and pictures are those of scripted vehicles alone."""
+"""Scenarios without an automated vehicle: plan, run, judgement and pictures of scripted vehicles only."""
 
 from __future__ import annotations
 

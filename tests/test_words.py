@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -12,6 +12,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 PAGES = (*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md")))
 MODULES = sorted((ROOT / "scenario_compiler").rglob("*.py"))
+BESIDE = sorted(path for folder in ("tests", "tools", "examples") for path in (ROOT / folder).rglob("*.py"))
 
 
 def banned() -> list[str]:
@@ -40,6 +41,15 @@ def texts_of(module: Path) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
+def names_and_docstrings_of(module: Path) -> Iterator[tuple[int, str]]:
+    """Yield the names of a module's tests, as words, and all docstrings, with their lines."""
+    for node in ast.walk(ast.parse(module.read_text("utf-8"))):
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
+            yield node.lineno, node.name.replace("_", " ")
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+            yield getattr(node, "lineno", 1), ast.get_docstring(node) or ""
+
+
 def test_the_glossary_bans_something() -> None:
     assert len(banned()) > 10
     assert found_in("A text that\nis none; it is told.") == ["text that is none", "is told"]
@@ -53,11 +63,14 @@ def test_pages_use_the_glossarys_words(page: Path) -> None:
     assert found_in(text) == []
 
 
-def test_docstrings_and_messages_use_the_glossarys_words() -> None:
+@pytest.mark.parametrize(("modules", "texts"), [(MODULES, texts_of), (BESIDE, names_and_docstrings_of)])
+def test_modules_use_the_glossarys_words(
+    modules: list[Path], texts: Callable[[Path], Iterator[tuple[int, str]]]
+) -> None:
     wrong = [
         f"{module.relative_to(ROOT)}:{line}: {phrase}"
-        for module in MODULES
-        for line, text in texts_of(module)
+        for module in modules
+        for line, text in texts(module)
         for phrase in found_in(text)
     ]
     assert wrong == []

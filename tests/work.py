@@ -1,4 +1,4 @@
-"""How much work code does, counted in lines of Python: the same on a fast machine, a slow one and a busy one."""
+"""Counts the lines of Python that code executes, which do not depend on the machine's speed or load."""
 
 from __future__ import annotations
 

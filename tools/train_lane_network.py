@@ -106,8 +106,8 @@ class LaneNetwork(nn.Module):
 
     The head gets the encoder's last step. Most of the time is spent in the layers at half the size, and most parameters
     are in the deep layers. For that reason feature maps are reduced to fewer channels before they are enlarged, and the
-    layers at half the size have more channels in the decoder than in the encoder, because there the columns are told
-    apart.
+    layers at half the size have more channels in the decoder than in the encoder, because there the columns are
+    distinguished.
     """
 
     def __init__(self) -> None:

@@ -97,8 +97,7 @@ OUTCOME: Mapping[str, tuple[str, str, str]] = {
     "failed": ("", "The criteria that failed, by their names in the conflict language, separated by spaces.", ""),
     "avoided_by": (
         "",
-        "Of the reference drivers that criteria name, those who have no collision where they drive from the start, a "
-        "space between.",
+        "Reference drivers of the criteria that have no collision if they drive from the start, separated by spaces.",
         "no criterion names one",
     ),
 }

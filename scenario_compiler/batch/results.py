@@ -235,7 +235,7 @@ class ResultStore:
 
 
 def table_of(columns: Columns, schema: pa.Schema) -> pa.Table:
-    """Return rows by column as a table; None where there is no value."""
+    """Return rows by column as a table; a missing value is None."""
     return pa.table([arrow_array(columns[field.name], field.type) for field in schema], schema=schema)
 
 

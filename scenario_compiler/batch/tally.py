@@ -31,7 +31,7 @@ class Tally:
 
     @classmethod
     def of(cls, results: Iterable[Any], resolutions: Iterable[Any], outside: Iterable[Any]) -> Tally:
-        """Count runs by their columns `TALLIED`; `outside` is NaN or None where a run stays inside."""
+        """Count runs by their columns `TALLIED`; `outside` is NaN or None if a run stays inside."""
         pairs = list(zip(results, resolutions, strict=True))
         passed, failed, broken_off = (sum(one == kind for one, _ in pairs) for kind in ("pass", "fail", "error"))
         unasked = sum(end == "no_request" and one != "error" for one, end in pairs)

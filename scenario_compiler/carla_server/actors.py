@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -21,6 +22,9 @@ WALKER_MASS = 80.0
 
 MAX_STEER = 70.0
 """Greatest angle of the front wheels, degrees: CARLA's public default."""
+
+TRUE = ("true", "yes", "on")
+INTEGER = re.compile(r"\s*[+-]?[0-9]+")
 
 TAGS = {
     "car": Tag.CAR,
@@ -72,6 +76,18 @@ class Actor:
     def tag(self) -> int:
         """Its semantic tag."""
         return Tag.UNLABELED
+
+    def says(self, name: str) -> bool:
+        """Return an attribute that is true or false, as CARLA's server reads its text.
+
+        "true", "yes" and "on" are true in upper and lower case, and so is a text that begins with an integer other than
+        0; every other text is false. CARLA's clients send "true" and "false" only (`ActorAttribute::Set`).
+        Source: `UActorBlueprintFunctionLibrary::ActorAttributeToBool` in CARLA, `FToBoolHelper::FromCStringWide` in
+        the Unreal Engine.
+        """
+        text = self.attributes[name]
+        number = INTEGER.match(text)
+        return text.lower() in TRUE or (number is not None and int(number[0]) != 0)
 
 
 @dataclass(eq=False)
@@ -158,7 +174,7 @@ class Car(Body):
     @property
     def sticky(self) -> bool:
         """Whether a control holds until the next one."""
-        return self.attributes.get("sticky_control", "true").lower() != "false"
+        return self.says("sticky_control")
 
     @property
     def two_wheeled(self) -> bool:

@@ -46,12 +46,12 @@ ready, s: a camera that is heard sends a picture of every tick, however busy the
 """
 
 JOINING = 1.0
-"""How long a new episode waits at most for the client that has loaded it to join the stream of snapshots anew, s.
+"""How long a new episode waits at most for the client that has loaded it to join the stream of snapshots again, s.
 
 A client leaves that stream when its call to load a map is answered, asks for the episode and joins it again. Only then
 may it see the new episode's first snapshot, as with CARLA's own worlds, which take long to load: on it, the client's
-Traffic Manager starts anew, and its process ends where it has no episode at that time
-(`Simulator::LoadEpisode`, `TrafficManagerLocal::Reset`).
+Traffic Manager starts again, and its process ends where it has no episode at that time (`Simulator::LoadEpisode`,
+`TrafficManagerLocal::Reset`).
 """
 
 SETTLING = 0.001
@@ -147,8 +147,8 @@ class Host:
         log: Called with each line of the server's log.
         stage: The world on the present map.
         streams: Who listens.
-        beginning: Waits until the episode begins that a client has loaded; None where none is about to begin.
-        gate: Opens when Traffic Managers that are held may go on; None where none is held.
+        beginning: Waits until the episode begins that a client has loaded; None if none is about to begin.
+        gate: Opens when Traffic Managers that are held may go on; None if none is held.
     """
 
     version: str

@@ -64,11 +64,10 @@ verified for CARLA's).
 """
 
 TRIGGER = "static.trigger.friction"
+"""Blueprint of a friction trigger."""
+
 SETTLES = 0.2
-LONGEST_FALL = 2.0
-"""Blueprint of a friction trigger; for how long a spawned vehicle is on its springs before it leans as the road does,
-and for how long it falls at most, s.
-"""
+"""For how long a vehicle that has been put somewhere is on its springs before it leans as the road does, s."""
 
 NO_FAILURE = 0
 GRAVITY = 9.81
@@ -79,6 +78,18 @@ see in the last snapshot, and a Traffic Manager does so in a thread, where an er
 """
 
 COLUMNS = ("x", "y", "z", "h", "pitch", "roll")
+
+
+@dataclass(frozen=True)
+class Fall:
+    """The fall of a vehicle: the pose of its reference point when it began, OpenDRIVE axes, and the time then, s."""
+
+    begin: Pose
+    since: float
+
+    def height(self, time: float) -> float:
+        """Return how high the vehicle is at a time while nothing is below it, m."""
+        return self.begin.z - 0.5 * GRAVITY * (time - self.since) ** 2
 
 
 @dataclass(frozen=True)
@@ -120,7 +131,7 @@ class Stage:
         self._stale = True
         self._leapt: set[int] = set()
         self._gone: dict[int, Gone] = {}
-        self._falling: dict[int, float] = {}
+        self._falling: dict[int, Fall] = {}
         self._triggers: list[Actor] = []
         self._attached: list[Actor] = []
         self._before = np.zeros((PLACES, 6))
@@ -169,7 +180,7 @@ class Stage:
         return actor
 
     def add_body(self, body: Body) -> Body:
-        """Take a body in; it stands on the road below it.
+        """Take a body in; it stands on the road below it, and a vehicle falls onto it.
 
         Raises:
             CallError: Something stands there already, or there are too many.
@@ -201,9 +212,7 @@ class Stage:
         self._by_place[place] = body
         self._leapt.add(place)
         if isinstance(body, Car):
-            above = max(pose.z - self.simulation.state.z[place], 0.0)
-            falls = math.sqrt(2.0 * above / GRAVITY)
-            self._falling[place] = self.time + min(max(falls, SETTLES), LONGEST_FALL)
+            self._falling[place] = Fall(pose, self.time)
         return body
 
     def get(self, number: int) -> Actor:
@@ -269,12 +278,13 @@ class Stage:
         yield from self._by_place.values()
 
     def pose_of(self, body: Body) -> Pose:
-        """Return the pose of a body's reference point, OpenDRIVE axes; while it falls, it leans as it was spawned."""
+        """Return the pose of a body's reference point, OpenDRIVE axes; while it falls, it leans as when it began to."""
         st, place = self.simulation.state, body.place
         pose = Pose(*(getattr(st, name)[place] for name in COLUMNS))
-        if place in self._falling:
-            spawned = pose_from_carla(body.spawned)
-            pose = pose._replace(pitch=spawned.pitch, roll=spawned.roll)
+        fall = self._falling.get(place)
+        if fall is not None:
+            height = max(pose.z, fall.height(self.time))
+            pose = pose._replace(z=height, pitch=fall.begin.pitch, roll=fall.begin.roll)
         return pose
 
     def transform_of(self, actor: Actor) -> CarlaTransform:
@@ -289,7 +299,7 @@ class Stage:
         return actor.transform
 
     def put(self, actor: Actor, transform: CarlaTransform) -> None:
-        """Put an actor somewhere; one with a parent relative to it.
+        """Put an actor somewhere; one with a parent relative to it. A vehicle that physics moves falls onto the road.
 
         Raises:
             CallError: That is too far away.
@@ -308,17 +318,19 @@ class Stage:
         self.simulation.pose(actor.place, pose, self.simulation.state.v[actor.place])
         self._leapt.add(actor.place)
         self._falling.pop(actor.place, None)
+        if isinstance(actor, Car) and actor.simulates:
+            self._falling[actor.place] = Fall(pose, self.time)
 
     def let_simulate(self, body: Body, simulates: bool) -> None:
-        """Say whether physics moves a body; one that has just been spawned then stays in the air."""
+        """Say whether physics moves a body; a vehicle falls from where it is then, or stays in the air."""
         if simulates == body.simulates:
             return
         body.simulates = simulates
-        falls = self._falling.pop(body.place, None) is not None
+        now = self.transform_of(body)
         self.simulation.let_pose(body.place, posed=not simulates)
         self.simulation.state.v[body.place] = 0.0
-        if falls and not simulates:
-            self.put(body, body.spawned)
+        if isinstance(body, Car):
+            self.put(body, now)
 
     def _is_above(self, body: Body, other: Body) -> bool:
         """Return whether a body that is being spawned is in the air over another one."""
@@ -326,7 +338,7 @@ class Stage:
         return body.spawned.z - body.up > top
 
     def friction_at(self, at: CarlaTransform) -> float | None:
-        """Return the friction of a friction trigger about a point, None where there is none; its extents are in cm."""
+        """Return the friction of a friction trigger about a point, None if there is none; its extents are in cm."""
         for actor in self._triggers:
             away = [a - b for a, b in zip(at[:3], self.transform_of(actor)[:3], strict=True)]
             axes = carla_axes(*actor.transform[3:])
@@ -502,12 +514,13 @@ class Stage:
         every, place, row = self.rows.every, self._place, self._row
         column = self.simulation.column
         pose = [column(name)[place] for name in COLUMNS]
-        for one, until in list(self._falling.items()):  # it leans as the road does once its wheels are on it
-            if until < self.time:
+        for one, fall in list(self._falling.items()):  # it leans as the road does once its wheels are on it
+            index, height = self._index[one], fall.height(self.time)
+            if height <= pose[2][index] and self.time > fall.since + SETTLES:
                 del self._falling[one]
                 continue
-            spawned = pose_from_carla(self._by_place[one].spawned)
-            pose[4][self._index[one]], pose[5][self._index[one]] = spawned.pitch, spawned.roll
+            pose[2][index] = max(pose[2][index], height)
+            pose[4][index], pose[5][index] = fall.begin.pitch, fall.begin.roll
         now = carla_rows(np.stack(pose), self._center, self._up)
         before = self._before[place]
         self._before[place] = now
@@ -515,6 +528,7 @@ class Stage:
         moved = now[:, :3] - before[:, :3]
         turned = (now[:, 4] - before[:, 4] + 180.0) % 360.0 - 180.0
         leapt = np.sqrt((moved * moved).sum(axis=1)) > LEAP * np.abs(speed) * dt + 1.0
+        leapt[[self._index[one] for one in self._falling]] = False
         if self._leapt:
             leapt |= np.isin(place, list(self._leapt))
             self._leapt.clear()

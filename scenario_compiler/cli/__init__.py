@@ -97,7 +97,7 @@ def start_lightly() -> None:
 
 
 class HelpFormatter(argparse.HelpFormatter):
-    """Adds to the help of an option whether it may be repeated, or its default, where the text does not say so."""
+    """Adds to the help of an option whether it may be repeated, or its default, unless the text states it."""
 
     def _get_help_string(self, action: argparse.Action) -> str:
         text = action.help or ""
@@ -112,7 +112,7 @@ class Subcommands(argparse._SubParsersAction):  # type: ignore[type-arg]
     """Makes each command's summary the description in its own help too, unless it has a longer one."""
 
     def add_parser(self, name: str, **settings: Any) -> argparse.ArgumentParser:
-        """Add the parser of a command; `help` is its summary, `description` what its own help says."""
+        """Add the parser of a command; `help` is its summary, `description` the text in its own help."""
         settings.setdefault("description", as_sentence(settings["help"]))
         parser: argparse.ArgumentParser = super().add_parser(name, **settings)
         return parser

@@ -1,4 +1,4 @@
-"""`list`, `new`, `preview` and `convert`: from a library to a conflict of one's own."""
+"""`list`, `new`, `preview` and `convert`: from a library to a conflict of your own."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ def _cards(options: argparse.Namespace, listed: list[Listed], sink: Diagnostics)
 
 
 def _command(one: Listed) -> str:
-    """Return the command that runs a conflict: by name for a packaged one, else as it is run from its file's folder."""
+    """Return the command that runs a conflict: by its name if it is packaged, otherwise from its file's folder."""
     from scenario_compiler.resources import library_folder
 
     ours = one.file.resolve().is_relative_to(library_folder().resolve())
@@ -200,7 +200,7 @@ def new_command(options: argparse.Namespace) -> int:
 
 
 def preview_command(options: argparse.Namespace) -> int:
-    """Draw the plan: its part of the map, the entities, the route, and when what happens."""
+    """Draw the plan: its part of the map, the entities, the route, and the conditions of its events."""
     if options.output.suffix not in (".png", ".svg"):
         raise WrongUse(f"{options.output}: a plan is drawn as .png or .svg")
     sink = new_sink(options)

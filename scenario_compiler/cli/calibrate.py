@@ -1,4 +1,4 @@
-"""`calibrate`: how well lane detection's confidence agrees with its errors, on any maps."""
+"""`calibrate`: measures how well the confidence of lane detection agrees with its errors, on any maps."""
 
 from __future__ import annotations
 

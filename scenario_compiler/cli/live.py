@@ -103,7 +103,7 @@ def drive_command(options: argparse.Namespace) -> int:
 
 @contextmanager
 def serving() -> Iterator[None]:
-    """Turn a missing package of the page server into WrongUse that names the extra which installs it."""
+    """Turn a missing package of the page server into a WrongUse that names the extra which installs it."""
     try:
         yield
     except ModuleNotFoundError as missing:
@@ -127,8 +127,8 @@ def serve_plan(
         network: The plan's map.
         options: Of the command: address, world, seed, folder and trusted code.
         of_world: Options of the world.
-        sink: Takes what is reported.
-        watches: Takes the finished run of `run --watch`, which nobody drives; None lets a person drive any number of
+        sink: Receives the diagnostics.
+        watches: Receives the finished run of `run --watch`, which nobody drives; None lets a person drive any number of
             runs.
 
     Returns:

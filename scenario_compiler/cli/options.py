@@ -32,7 +32,7 @@ PERCEPTIONS = ("camera", "ideal", "surrogate")
 """Sources of the lane confidence, as in `vocabulary.sensors.Perception`, which takes too long to load for help."""
 
 PYTHONS_THRESHOLDS = gc.get_threshold()
-"""When the garbage collector looks, before the command line lets it look seldom."""
+"""Thresholds of the garbage collector, before the command line lets it run seldom."""
 
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
@@ -45,7 +45,7 @@ class WrongUse(Exception):
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
-    """Return the likely spelling of an unknown word, in brackets and to follow it; "" if no known word is similar."""
+    """Return the likely spelling of an unknown word, in brackets, to write after it; "" if no known word is similar."""
     hint = did_you_mean(word, known)
     return f" ({hint})" if hint else ""
 
@@ -72,7 +72,7 @@ def keep_inputs(inputs: Iterable[str | Path], *outputs: Path | None) -> None:
 
 
 def inputs_of(plan: Plan) -> Iterator[str]:
-    """Yield the files that a plan was made from, as far as it names them."""
+    """Yield the files from which a plan was made, as far as it names them."""
     yield plan.map.file
     yield from {origin.file: None for origin in plan.origins.values()}
 
@@ -257,9 +257,9 @@ def keep_loaded() -> None:
 
 
 def stay_small() -> None:
-    """Let the collector look as often as Python does by itself: for a command that runs until it is interrupted.
+    """Restore Python's own thresholds of the garbage collector, for a command that runs until it is interrupted.
 
-    What is loaded by now is exempt, so that a round looks only at what runs, requests and edits have made since.
+    Everything loaded so far is exempt, so that a round only looks at what runs, requests and edits have made since.
     """
     keep_loaded()
     gc.set_threshold(*PYTHONS_THRESHOLDS)

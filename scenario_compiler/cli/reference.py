@@ -30,12 +30,12 @@ written.
 `compare`: the runs differ. `sweep`: all variants broke off, or the sweep itself did. |
 | 2 | wrong use: an unknown option, a missing name, a folder that is not empty, a file that cannot be written |
 | 3 | `run --strict`: a criterion failed; `sweep --pass-rate`: too few variants passed |
-| 130 | interrupted by Ctrl-C or SIGTERM: one line says so, and no file is left half written; a sweep keeps its \
+| 130 | interrupted by Ctrl-C or SIGTERM: one line reports it, and no file is left half written; a sweep keeps its \
 finished variants for `--resume` |
 
 ## Diagnostics
 
-As text, diagnostics go to stderr, so that stdout holds nothing but results. In every other format of `--format` they
+As text, diagnostics go to stderr, so that stdout has only results. In every other format of `--format` they
 go to stdout, and all other output goes to stderr.
 `explain CODE` explains a code and says what to do about it. At most 100 diagnostics of the same file, code and severity
 are listed; the rest are counted. Control characters, characters that change the direction of writing, and lines that a

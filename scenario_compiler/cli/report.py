@@ -1,4 +1,4 @@
-"""`report`, `frame` and `export-run`: what a run folder shows, and its run for other programs."""
+"""`report`, `frame` and `export-run`: pages, films and pictures of a run, and its data for other programs."""
 
 from __future__ import annotations
 
@@ -221,7 +221,7 @@ def _check_shown(run: Run) -> None:
 
 @contextmanager
 def needing(package: str) -> Iterator[None]:
-    """Turn a missing optional package into WrongUse that names the extra which installs it."""
+    """Turn a missing optional package into a WrongUse that names the extra which installs it."""
     try:
         yield
     except ModuleNotFoundError as missing:

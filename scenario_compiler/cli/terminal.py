@@ -1,4 +1,4 @@
-"""The one module that prints: legible lines, on streams that may be closed or broken.
+"""The only module that prints: lines without control characters, on streams that may be closed or broken.
 
 Text from a file, or a file's name, never reaches a terminal or a log without its control characters escaped (see
 `legible`). A reader that closes the pipe is not an error: the rest of the output is thrown away, and the command goes
@@ -112,7 +112,7 @@ def flush_streams() -> None:
     """Write all buffered output; a reader that has closed the pipe is not an error.
 
     Raises:
-        OSError: The output cannot be written, as on a full disk.
+        OSError: The output cannot be written, for example because the disk is full.
     """
     for stream in (sys.stdout, sys.stderr):
         try:

@@ -1,8 +1,8 @@
 """Controllers, which drive the ego from Python at control steps, and the table of their names.
 
 In: camera images, speed and the vehicle's state. Out: throttle, steer and brake. Imports perception, the plan and the
-hall. A controller or lane detector of one's own is named `package.module:Class` or `file.py:Class`; it is imported only
-where `Trust` allows it.
+hall. A user's own controller or lane detector is named `package.module:Class` or `file.py:Class`; it is imported only
+if `Trust` allows it.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def controller_class(name: str, trust: Trust | None = None, named_in: str = "") 
 
     Args:
         name: The controller's name.
-        trust: What the user trusts beside the list of the user's configuration file.
+        trust: Code that the user trusts, in addition to the list in the user's configuration file.
         named_in: Path of the file that names it.
 
     Raises:
@@ -99,7 +99,7 @@ def _untrusted(name: str, unchecked: str = ": its properties were not checked") 
 
 
 def _maker_of(detector: Detector, trust: Trust | None) -> DetectorMaker:
-    """Return what makes the detectors that a scenario names.
+    """Return the factory of the detector that a scenario names.
 
     Raises:
         ControllerError: There is no such detector, it is not trusted, or importing it fails.
@@ -150,7 +150,7 @@ def _values(controller: Controller, found: type[ControllerModel], named_in: str,
 
 
 def _is_path(annotation: Any) -> bool:
-    """Return whether a parameter is a path, or may be one."""
+    """Return whether a parameter is declared as a path, or as a path or None."""
     if isinstance(annotation, type) and issubclass(annotation, PurePath):
         return True
     return any(_is_path(one) for one in get_args(annotation))
@@ -159,8 +159,8 @@ def _is_path(annotation: Any) -> bool:
 def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) -> None:
     """Report a controller or a detector that does not exist, and properties that the controller does not take.
 
-    Of code that is not trusted the spelling alone is checked, and a warning says so. One of ours without properties is
-    not even imported: its parameters have defaults.
+    Of code that is not trusted only the spelling is checked, which a warning reports. A built-in controller without
+    properties is not imported, because its parameters have defaults.
 
     Raises:
         ConfigurationError: The user's configuration file cannot be read.
@@ -207,9 +207,9 @@ def _check_detector(detector: Detector, sink: Diagnostics, trust: Trust | None) 
 
 
 def refuse_untrusted(plan: Plan, sink: Diagnostics, trust: Trust | None = None) -> None:
-    """Report as an error that a run of the plan would import code that is not trusted; nothing is imported.
+    """Report an error if a run of the plan would import code that is not trusted; nothing is imported.
 
-    A run with ideal perception asks no controller, so there is nothing to refuse.
+    A run with ideal perception calls no controller, so it is not refused.
 
     Raises:
         ConfigurationError: The user's configuration file cannot be read.
@@ -229,7 +229,7 @@ def refuse_untrusted(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
 
 
 def report_controller(name: str, error: ControllerError, named_at: Place, sink: Diagnostics) -> None:
-    """Report why a controller or detector could not be had: at the line of its code if known, else at its name."""
+    """Report why a controller or detector cannot be used: at the line of its code if known, otherwise at its name."""
     hint = ""
     code = code_name(name)
     if error.code is UNTRUSTED_CONTROLLER and code is not None:

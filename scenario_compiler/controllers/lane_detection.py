@@ -1,10 +1,10 @@
 """The lane-keeping automation that drives by what its camera sees.
 
 Pure pursuit of the middle between the detected boundaries and a proportional speed controller, with the AISA toolkit's
-numbers (look-ahead 0.4 s within 3 to 20 m, speed gain 2). When the detector loses the lane, the last path it trusted is
-kept in the odometry's frame and followed to its end, and then on at the curvature that the lane had. Where a
-junction is in sight, a boundary that leaves the planned way is not that of the lane to follow: it counts the less the
-sooner it leaves. Whatever the forward sensor sees ahead in its way is followed at a time gap.
+numbers (look-ahead 0.4 s within 3 to 20 m, speed gain 2). When the detector loses the lane, the last trusted path is
+kept in the odometry's frame and followed to its end, and beyond its end at the curvature that the lane had. If a
+junction is in sight, a boundary that leaves the planned route does not belong to the lane to follow: the sooner it
+leaves, the less it counts. Anything that the forward sensor sees ahead in the path is followed at a time gap.
 """
 
 from __future__ import annotations
@@ -147,7 +147,7 @@ class LaneDetectionController(ControllerModel):
             self._path = _to_world(path, vehicle)
 
     def _pedals(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> tuple[float, float]:
-        """Return throttle and brake that hold the desired speed, or the gap to whatever is ahead."""
+        """Return throttle and brake that hold the desired speed, or the gap to what is ahead."""
         desired = min(vehicle.desired_speed, self._speed_of_bends(sensor_data.route))
         missing = self.params.speed_gain * (desired - speed)
         throttle, brake = min(max(missing, 0.0), 1.0), min(max(-missing / 4.0, 0.0), 1.0)
@@ -159,7 +159,7 @@ class LaneDetectionController(ControllerModel):
         return 0.0, max(brake, min(-followed / vehicle.max_deceleration, 1.0))
 
     def _speed_of_bends(self, way: Sequence[Point]) -> float:
-        """Return the speed at which the bends of the way ahead can be reached by comfortable braking, m/s."""
+        """Return the highest speed from which comfortable braking is enough for the bends of the route ahead, m/s."""
         slowest = math.inf
         for k in range(BEND_SPAN, len(way) - BEND_SPAN):
             curvature = _curvature(way[k - BEND_SPAN], way[k], way[k + BEND_SPAN])

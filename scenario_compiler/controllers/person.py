@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from scenario_compiler.recording.recording import Recording
 
 Wish = Literal["", "take_over", "hand_back", "leave", "request"]
-"""A person's wish to the automation; one who leaves lets it stop the vehicle, and one who looks on lets it request."""
+"""A person's wish to the automation: a person who leaves lets it stop the vehicle, an observer lets it request."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -117,7 +117,7 @@ HOMES = (
          unwritten="DeterministicMultiParameterDistribution ValueSetDistribution ParameterValueSet"),
     Home("expansion", _SAMPLED, "ParameterValueDistribution"),
 )  # fmt: skip
-"""Who reads what is no action, condition or position."""
+"""Modules that read elements other than actions, conditions and positions."""
 
 _TRAFFIC = "all vehicles of traffic drive by the same rules, and there is no traffic in an area: reported"
 _DESCRIPTION = "it describes the file and means nothing to a run"

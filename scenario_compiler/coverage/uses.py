@@ -69,7 +69,7 @@ VERDICT = 3
 
 BACKED = {"agrees", "not recorded, law stated"}
 UNBACKED = {"differs by decision", "not recorded"}
-"""What it says of a variant."""
+"""Its text for a variant."""
 
 
 def _said(counts: Counter[str]) -> str:

@@ -43,7 +43,7 @@ class Cursor:
 
 
 def cursor_at(draft: Draft, offset: int) -> Cursor | None:
-    """Return the cursor at an offset; None where nothing can be completed, as in a comment or after a value."""
+    """Return the cursor at an offset; None if nothing can be completed, as in a comment or after a value."""
     if any(start < offset < end or (offset == end == len(draft.text)) for start, end in draft.passed_over):
         return None
     tag = draft.innermost(offset)

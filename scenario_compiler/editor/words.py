@@ -99,7 +99,7 @@ def meaning_of(tag: Tag) -> Meaning | None:
 
 
 def meanings(root: Tag) -> Iterator[tuple[Tag, Meaning]]:
-    """Yield the elements that are words or wrappers of words, each with what it is, in document order."""
+    """Yield the elements that are words or wrappers of words, each with its kind, in document order."""
     word = ROOTS.get(root.name)
     waiting = [] if word is None else [(root, Meaning(word))]
     while waiting:

@@ -13,7 +13,7 @@ import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from pydantic import ValidationError
 from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
@@ -40,8 +40,14 @@ MOST_UNSHOWN = 2
 gets fewer pictures instead of later ones.
 """
 
+LOOKED_EVERY = 0.05
+"""Time between two checks whether all pages have been informed, s."""
+
 NO_MESSAGE = (ValueError, ValidationError, KeyError, TypeError, RecursionError)
 """Exceptions from reading a message of a page, after which its socket is closed."""
+
+
+Role = Literal["driver", "viewer"]
 
 
 @dataclass(eq=False)
@@ -50,7 +56,8 @@ class Viewer:
 
     Attributes:
         socket: Its connection.
-        waiting: The next picture for it; a later one replaces one that has not been sent.
+        role: Whether it drives or watches; the page is informed before anything else is sent.
+        waiting: The next message for it; a later picture replaces one that has not been sent.
         fresh: Set if there is one.
         sent: Number of sent messages with pictures.
         shown: Number of those that the page has processed; always 0 for a page that does not report it.
@@ -58,6 +65,7 @@ class Viewer:
     """
 
     socket: WebSocket
+    role: Role = "viewer"
     waiting: bytes | None = None
     fresh: asyncio.Event = field(default_factory=asyncio.Event)
     sent: int = 0
@@ -73,6 +81,24 @@ class Viewer:
         else:
             self.room.set()
 
+    def offer(self, content: bytes, *, last: bool) -> None:
+        """Have a message sent; the last one of a run does not wait until the page has processed the pictures."""
+        self.waiting = content
+        self.fresh.set()
+        if last:
+            self.room.set()
+
+    def let_drive(self) -> None:
+        """Have the page informed that it drives."""
+        self.role = "driver"
+        self.fresh.set()
+        self.room.set()
+
+    @property
+    def informed(self) -> bool:
+        """Whether it has processed everything; of a page that does not report it, whether everything was sent."""
+        return self.waiting is None and (not self.shown or self.shown >= self.sent)
+
 
 class Begin(Protocol):
     """Makes the next run, which has not started; None if there are no more runs."""
@@ -84,6 +110,9 @@ class Begin(Protocol):
 
 class Cockpit:
     """Connects pages and runs: the first page drives, later ones watch.
+
+    If the page that drives is gone, the next one that is open drives. So a page that is loaded again drives as before,
+    even if the server learns later that the old connection has ended.
 
     Attributes:
         session: The present run, or the last one; None before the first.
@@ -113,6 +142,7 @@ class Cockpit:
         self._viewers: list[Viewer] = []
         self._driver: Viewer | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._informing: asyncio.Task[None] | None = None
 
     @property
     def driving(self) -> bool:
@@ -136,14 +166,10 @@ class Cockpit:
         await connection.accept()
         viewer = Viewer(connection)
         self._viewers.append(viewer)
-        if not self._watched and self._driver is None:
-            self._driver = viewer
-            if self.session is not None and self.session.is_alive():
-                self.session.come_back()
+        self._seat()
         sending = asyncio.create_task(self._send(viewer))
         with contextlib.suppress(WebSocketDisconnect, asyncio.TimeoutError, *NO_MESSAGE):
             try:
-                await connection.send_json({"role": "driver" if viewer is self._driver else "viewer"})
                 if self._watched and self.session is None:
                     self._begin()
                 while True:
@@ -156,10 +182,19 @@ class Cockpit:
                 self._viewers.remove(viewer)
                 if viewer is self._driver:
                     self._driver = None
-                    if self.session is not None and self.session.is_alive():
+                    if self.session is not None:
                         self.session.leave()
+                    self._seat()
         with contextlib.suppress(RuntimeError, WebSocketDisconnect):
             await connection.close(code=1003)
+
+    def _seat(self) -> None:
+        """Let the page that has been open for longest drive if no page does."""
+        if not self._watched and self._driver is None and self._viewers:
+            self._driver = self._viewers[0]
+            self._driver.let_drive()
+            if self.session is not None:
+                self.session.come_back()
 
     async def _hear(self, viewer: Viewer, text: str) -> None:
         """Process a message of a page; ValueError for an invalid one."""
@@ -177,14 +212,12 @@ class Cockpit:
         elif kind == "input" and session is not None and session.wheel is not None:
             session.wheel.tell(Told.model_validate(message))
         elif kind == "start":
-            if session is not None and session.ended:  # the page knows of the end before its thread is over
-                await asyncio.to_thread(session.join)
-            if not self.driving:
-                self._begin()
+            await self._start(viewer)
         elif kind == "stop" and session is not None and self._may_stop:
             session.stop()
         elif kind == "given" and session is not None:
-            session.give(Given.model_validate(message))
+            if message.pop("run") == session.number:  # a browser may begin to speak after the run, in the next one
+                session.give(Given.model_validate(message))
         elif kind == "latency" and session is not None:
             session.latencies += [float(one) for one in message["samples"][:200]]
             session.clock_offset = float(message["offset"])
@@ -193,36 +226,57 @@ class Cockpit:
             if said is not None:
                 await viewer.socket.send_json(said)
 
-    def _begin(self) -> None:
-        self.session = self._begins(self._show) or self.session
-        if self.session is not None and self.session.ident is None:
-            self.session.start()
+    async def _start(self, viewer: Viewer) -> None:
+        """Begin the next run if none is under way; the page that asks is informed if there is none."""
+        if self.session is not None and self.session.ended:  # the page knows of the end before its thread is over
+            await asyncio.to_thread(self.session.join)
+        if not self.driving and not self._begin():
+            await viewer.socket.send_json({"refused": True})
+
+    def _begin(self) -> bool:
+        """Begin the next run; return whether there is one."""
+        begun = self._begins(self._show)
+        if begun is None:
+            return False
+        self.session = begun
+        begun.start()
+        return True
 
     def _show(self, picture: Picture) -> bool:
         """Give a picture to every page; called in the thread of the run."""
-        loop = self._loop
-        if loop is None or loop.is_closed():
-            return False
+        assert self._loop is not None
         text = json.dumps(picture.about, separators=(",", ":")).encode()
         parts = (len(text).to_bytes(4, "big"), text, len(picture.ahead).to_bytes(4, "big"))
         content = b"".join((*parts, picture.ahead, picture.mirror))
         taken = all(viewer.waiting is None for viewer in self._viewers)
-        loop.call_soon_threadsafe(self._offer, content, "end" in picture.about)
+        try:
+            self._loop.call_soon_threadsafe(self._offer, content, "end" in picture.about)
+        except RuntimeError:  # the server has ended, and its loop is closed
+            return False
         return taken
 
     def _offer(self, content: bytes, last: bool) -> None:
         for viewer in self._viewers:
-            viewer.waiting = content
-            viewer.fresh.set()
+            viewer.offer(content, last=last)
         if last and self._ended is not None:
-            asyncio.get_running_loop().call_later(1.0, self._ended)
+            self._informing = asyncio.create_task(self._inform(self._ended))
+
+    async def _inform(self, ended: Callable[[], None]) -> None:
+        """Call a function when each page has been informed of the end of a run, or is gone."""
+        while not all(viewer.informed for viewer in self._viewers):
+            await asyncio.sleep(LOOKED_EVERY)
+        ended()
 
     async def _send(self, viewer: Viewer) -> None:
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+            role: Role | None = None
             while True:
+                if viewer.role != role:
+                    role = viewer.role
+                    await viewer.socket.send_json({"role": role})
                 await viewer.fresh.wait()
-                content, viewer.waiting = viewer.waiting, None
                 viewer.fresh.clear()
+                content, viewer.waiting = viewer.waiting, None
                 if content is not None:
                     await viewer.socket.send_bytes(content)
                     viewer.count(sent=1)

@@ -128,7 +128,8 @@ class Session(threading.Thread):
     Attributes:
         wheel: The person at the wheel; None for a run that is only watched.
         folder: Folder of this run.
-        ended: Description of how it ended; empty while it goes on.
+        going: Whether its last step is still to come; its files are written after that step.
+        ended: Description of how it ended; empty until its files are written.
         now: Time of the run, s.
         state: State of the takeover.
         held: Why the run stands still, `paused` or `probe`; empty while it goes on.
@@ -170,7 +171,7 @@ class Session(threading.Thread):
                 make_folder(self.folder)
             inputs = None if self.folder is None else self.folder / "inputs.jsonl"
             self.wheel = Wheel(drive.plan, inputs)
-        self.ended = ""
+        self.going, self.ended = True, ""
         self.latencies: list[float] = []
         self.clock_offset = math.nan
         self._lost, self._shown = 0, 0
@@ -178,6 +179,7 @@ class Session(threading.Thread):
         self._slipped = 0.0
         self._stopping = threading.Event()
         self._happened: deque[tuple[EventKind, str, str]] = deque()
+        self._ending = threading.Lock()
 
     def stop(self) -> None:
         """End the run as soon as possible."""
@@ -185,14 +187,17 @@ class Session(threading.Thread):
 
     def abort(self) -> None:
         """End the run, and mark it."""
-        self.marks.add("aborted")
-        self.stop()
+        with self._ending:
+            if self.going:
+                self.marks.add("aborted")
+                self.stop()
 
     def request(self) -> None:
         """Let the automation request a takeover now, and mark the run."""
-        if self.wheel is not None:
-            self.marks.add("requested")
-            self.wheel.request()
+        with self._ending:
+            if self.wheel is not None and self.going:
+                self.marks.add("requested")
+                self.wheel.request()
 
     def pause(self) -> None:
         """Stop the run until it is resumed."""
@@ -208,20 +213,24 @@ class Session(threading.Thread):
 
     def leave(self) -> None:
         """Record that the page of the person is gone."""
-        if self.wheel is not None:
-            self.wheel.leave()
-            self.marks.add("person_left")
-            self._happened.append(("person_left", "", ""))
+        with self._ending:
+            if self.wheel is not None and self.going:
+                self.wheel.leave()
+                self.marks.add("person_left")
+                self._happened.append(("person_left", "", ""))
 
     def come_back(self) -> None:
         """Record that the person has a page again."""
-        if self.wheel is not None:
-            self.wheel.come_back()
-            self._happened.append(("person_back", "", ""))
+        with self._ending:
+            if self.wheel is not None and self.going:
+                self.wheel.come_back()
+                self._happened.append(("person_back", "", ""))
 
     def give(self, given: Given) -> None:
         """Record how the page presented a message to the driver."""
-        self._happened.append(("message_given", given.modality, given.by))
+        with self._ending:
+            if self.going:
+                self._happened.append(("message_given", given.modality, given.by))
 
     def run(self) -> None:
         """Execute the run, write its folder, and set how it ended."""
@@ -231,7 +240,9 @@ class Session(threading.Thread):
             with open_world(drive.world, drive.plan, drive.network, **drive.options) as world:
                 execution = Execution(drive.plan, world, drive.seed, trust=drive.trust, person=self.wheel)
                 self._go(execution)
-                self._take_down(execution)
+                with self._ending:  # from here on, nothing that happens belongs to the run
+                    self.going = False
+                    self._take_down(execution)
                 recording = execution.finish("user" if self._stopping.is_set() else "")
                 if drive.found is not None:
                     drive.found(world.findings)

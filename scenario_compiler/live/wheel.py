@@ -76,8 +76,11 @@ class InputFile:
             os.fsync(self._file.fileno())
 
     def _sync(self) -> None:
-        while self._due.wait() and self._syncing is not None:
+        while True:
+            self._due.wait()
             self._due.clear()
+            if self._syncing is None:  # asked after the event is cleared: a file closed just before has set it
+                return
             try:
                 os.fsync(self._file.fileno())
             except OSError as fault:

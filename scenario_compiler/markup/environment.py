@@ -83,7 +83,7 @@ class Environment:
                 raise UnknownNameError(name, start + _find(name, inner), self.bindings)
         meant = expression.substitute(self.bindings)
         if meant.names and not meant.bounded:
-            raise ExpressionError("the expression becomes too long where the meaning of its names is put in", start)
+            raise ExpressionError("the expression becomes too long when its names are replaced by their values", start)
         return meant
 
     def keep_within(self, holder: str, expression: Expression, limits: AttributeSpelling) -> None:

@@ -124,7 +124,7 @@ def place_children(
             )
             reading.sink.add(
                 codes.ELEMENT_ORDER,
-                f"<{child.tag}> must stand before <{before}> in <{element.tag}>",
+                f"<{child.tag}> must come before <{before}> in <{element.tag}>",
                 reading.origin(child),
                 hint="the order is " + ", ".join("|".join(f"<{tag}>" for tag in rule.tags) for rule in rules),
             )
@@ -168,7 +168,7 @@ def _unwrapped(
             codes.UNKNOWN_ATTRIBUTE,
             f"<{wrapper.tag}> has no attributes",
             reading.origin(wrapper).name_of(name),
-            hint=f"it holds {_choice(rule.words)}",
+            hint=f"it contains {_choice(rule.words)}",
         )
     _report_text(wrapper, reading)
     inner: list[etree._Element] = []
@@ -208,10 +208,10 @@ def _report_unknown_child(
 def _hint_for_unknown(name: str, parent: etree._Element, rules: tuple[ChildRule, ...]) -> str:
     known = [tag for rule in rules for tag in rule.tags]
     if not known:
-        return f"<{parent.tag}> holds no elements"
+        return f"<{parent.tag}> has no child elements"
     for rule in rules:
         if rule.wrapper and name in rule.words:
-            return f"<{name}> stands in <{rule.wrapper}>, which stands in <{parent.tag}>"
+            return f"put <{name}> into a <{rule.wrapper}> in <{parent.tag}>"
         meant = {} if rule.wrapper else dict(_standard_terms(rule.words))
         if _term(name) in meant:
             return f"did you mean '{meant[_term(name)]}'?"

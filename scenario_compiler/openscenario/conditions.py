@@ -150,7 +150,9 @@ class _Measured:
             known = (word.coordinates, word.distance) in (("road", "longitudinal"), ("entity", "euclidianDistance"))
             element.set("alongRoute", output.text(along, word))
         if not known:
-            output.tell_lost(word, f"1.0 measures no {word.distance} distance in the system '{word.coordinates}'")
+            output.tell_lost(
+                word, f"1.0 cannot measure a {word.distance} distance in the coordinate system '{word.coordinates}'"
+            )
 
 
 class _Target:
@@ -190,7 +192,9 @@ class _Other:
         elif word.with_type:
             element.append(made("ByType", type=word.with_type))
         else:
-            output.tell_lost(word, "OpenSCENARIO asks which entity or type is touched; this one waits for any")
+            output.tell_lost(
+                word, "OpenSCENARIO requires the touched entity or its type; this condition accepts any entity"
+            )
             element.append(made("ByType", type="vehicle"))
 
 
@@ -334,7 +338,7 @@ def read_condition(node: Node) -> Condition | None:
     if form is None:
         node.read_whole()
         known = [*BY_ENTITY.by_tag, *BY_VALUE.by_tag]
-        node.report(codes.UNKNOWN_ELEMENT, f"<{node.tag}> is no condition", hint=did_you_mean(node.tag, known))
+        node.report(codes.UNKNOWN_ELEMENT, f"<{node.tag}> is not a condition", hint=did_you_mean(node.tag, known))
         return None
     condition: Condition | None = form.read(node)
     return condition
@@ -357,7 +361,9 @@ def _write_own(word: Word, output: Output) -> etree._Element:
     if isinstance(word, EventCondition):
         name = f"{name}.{word.name}"
     rule = "lessThan" if field == "below" else "equalTo"
-    output.tell_lost(word, f"<{word.tag()}> is written as the user-defined value '{name}', which others must provide")
+    output.tell_lost(
+        word, f"<{word.tag()}> is written as the user-defined value '{name}', which another program must supply"
+    )
     return made("UserDefinedValueCondition", name=name, rule=rule, value=output.text(getattr(word, field), word))
 
 

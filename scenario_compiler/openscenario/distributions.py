@@ -96,13 +96,13 @@ def _add_listed(node: Node, found: _Found) -> None:
 
 
 def _is_plain(value: str) -> bool:
-    """Return whether a value may stand in a comma-separated list."""
+    """Return whether a value is allowed in a comma-separated list."""
     return value != "" and value == value.strip() and not set(value) & set(",()")
 
 
 def _add_sets(node: Node, name: str, sets: list[dict[str, str]], found: _Found) -> None:
     if not sets:
-        node.report(BAD_DISTRIBUTION, f"<{node.tag}> lists no value")
+        node.report(BAD_DISTRIBUTION, f"<{node.tag}> contains no value")
         return
     number = 1
     while (counter := name if number == 1 else f"{name}_{number}") in found.sets:
@@ -118,7 +118,9 @@ def _add_range(node: Node, name: str, found: _Found) -> None:
     limits = _limits(node)
     step = node.float("stepWidth")
     if limits is None or step <= 0.0 or (limits[1] - limits[0]) / step > MOST_VALUES:
-        node.report(BAD_DISTRIBUTION, "a range needs limits that rise and a step above 0 that fits into it")
+        node.report(
+            BAD_DISTRIBUTION, "a range needs an upper limit above the lower one, and a step above 0 that fits into it"
+        )
         return
     count = math.floor((limits[1] - limits[0]) / step + 1e-9) + 1
     last = limits[0] + (count - 1) * step
@@ -152,7 +154,7 @@ def _add_drawn(node: Node, found: _Found) -> None:
     axis = _DRAWN[inner.tag](inner, name)
     fault = "it lacks limits or values" if axis is None else axis.fault()[1]
     if axis is None or fault:
-        inner.report(BAD_DISTRIBUTION, f"<{inner.tag}> cannot be drawn from: {fault}")
+        inner.report(BAD_DISTRIBUTION, f"<{inner.tag}> cannot be sampled: {fault}")
         return
     found.axes.append(axis.written_at(inner.origin))
     if isinstance(axis, Poisson):
@@ -162,7 +164,7 @@ def _add_drawn(node: Node, found: _Found) -> None:
 def _report_user_defined(node: Node) -> None:
     node.read_whole()
     message = (
-        f"the distribution '{node.text('type', '')}' is known to another program only; the parameter stays as it is"
+        f"the distribution '{node.text('type', '')}' is defined by another program only; the parameter keeps its value"
     )
     node.report(BAD_DISTRIBUTION, message)
 

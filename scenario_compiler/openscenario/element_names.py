@@ -105,7 +105,7 @@ class ElementNames:
             return word
         nearest = max(fitting, key=lambda path: _shared(path, around))
         if len(fitting) > 1:
-            message = f"{len(fitting)} elements are called '{word.element}'; {BETWEEN.join(nearest)} is meant"
+            message = f"{len(fitting)} elements are called '{word.element}'; {BETWEEN.join(nearest)} is used"
             sink.add(AMBIGUOUS_STORYBOARD_ELEMENT, message, word.place_of("storyboardElementRef"))
         return word.model_copy(update={"element": BETWEEN.join(nearest)}).written_at(word.origin)
 

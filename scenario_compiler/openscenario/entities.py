@@ -71,7 +71,7 @@ def _add_object(
         node.read_whole()
         node.report(
             names.DUPLICATE_NAME,
-            f"an entity named '{name}' is there already",
+            f"there is already an entity named '{name}'",
             "name",
             related=names.first_at(known.places.get(name)),
         )
@@ -119,7 +119,7 @@ def _described(node: Node) -> Node | None:
     external = node.child("ExternalObjectReference")
     if external is not None:
         name = external.text("name")
-        external.report(EXTERNAL_OBJECT, f"what '{name}' is, is described elsewhere; it is taken to be a car")
+        external.report(EXTERNAL_OBJECT, f"'{name}' is described outside this file; a car is used for it")
         return None
     found = given(node, *OBJECTS)
     if found is None and node.child("CatalogReference") is None:
@@ -130,7 +130,7 @@ def _described(node: Node) -> Node | None:
 def _add_selection(node: Node, known: Known) -> None:
     name = node.text("name")
     if name in known.entities or name in known.selections:
-        message = f"an entity or selection named '{name}' is there already"
+        message = f"there is already an entity or selection named '{name}'"
         node.report(names.DUPLICATE_NAME, message, "name", related=names.first_at(known.places.get(name)))
         return
     known.places[name] = node.place("name")

@@ -16,7 +16,7 @@ VERSIONS = ((1, 0), (1, 1), (1, 2), (1, 3))
 
 
 def read_forgiving(path: str | Path, sink: Diagnostics) -> Document | None:
-    """Read a file as `read_document` does; comments that hold two hyphens are mended, with a warning."""
+    """Read a file as `read_document` does; comments that contain two hyphens are corrected, with a warning."""
     attempt = Diagnostics()
     document = read_document(path, attempt)
     if document is None and any(one.code is MALFORMED for one in attempt.found):
@@ -41,7 +41,7 @@ def _read_again(path: str | Path) -> bytes:
 
 
 def _mended(raw: bytes) -> Iterator[bytes]:
-    """Yield the pieces of a file, with its comments mended; a comment without an end stays as it is."""
+    """Yield the pieces of a file with corrected comments; a comment without an end is unchanged."""
     at = 0
     while (begin := raw.find(b"<!--", at)) >= 0 and (end := raw.find(b"-->", begin + 4)) >= 0:
         yield raw[at : begin + 4]

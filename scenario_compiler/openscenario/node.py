@@ -256,7 +256,7 @@ class Node:
         name = self.text(attribute, default)
         members = self._members(name, attribute)
         if name in self.reading.known.selections and len(members) != 1:
-            message = f"'{name}' is a selection of {len(members)}; its first member is taken"
+            message = f"'{name}' is a selection of {len(members)}; its first member is used"
             self.report(ONE_ENTITY, message, attribute)
         return members[0] if members else name
 

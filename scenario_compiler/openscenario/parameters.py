@@ -38,7 +38,7 @@ def declared_parameters(
         for declaration in group.children("ParameterDeclaration"):
             name = declared_name(declaration)
             if name in found:
-                message = f"a parameter '{name}' is declared here already; this declaration counts"
+                message = f"a parameter '{name}' is already declared here; the later declaration is used"
                 declaration.report(REPEATED_PARAMETER, message, "name", related=names.first_at(places[name]))
             places[name] = declaration.place("name")
             one = _declared(declaration.inner(found), name, given or {})

@@ -95,7 +95,9 @@ def check_tilt(node: Node) -> None:
     for attribute in ("p", "r"):
         angle = node.float(attribute, 0.0)
         if abs(math.remainder(angle, 2.0 * math.pi)) > 1.0e-6:
-            node.report(TILT, f"{attribute} = {angle:g} rad has no effect: the road gives pitch and roll", attribute)
+            node.report(
+                TILT, f"{attribute} = {angle:g} rad has no effect: the road determines pitch and roll", attribute
+            )
 
 
 class _Along:
@@ -213,15 +215,15 @@ def read_point(node: Node) -> Point | None:
     """Return the point of a <Position> element, or of another element with one; report an unknown element."""
     inner = node.first()
     if inner is None:
-        node.report(codes.MISSING_ELEMENT, f"<{node.tag}> holds no position")
+        node.report(codes.MISSING_ELEMENT, f"<{node.tag}> contains no position")
         return None
     if inner.tag in ON_CURVES:
         inner.read_whole()
-        inner.report(POSITION_NOT_HERE, f"<{inner.tag}> cannot stand in <{_outside(node)}>")
+        inner.report(POSITION_NOT_HERE, f"<{inner.tag}> is not allowed in <{_outside(node)}>")
         return None
     if inner.tag not in POINTS.by_tag:
         inner.read_whole()
-        inner.report(codes.UNKNOWN_ELEMENT, f"<{inner.tag}> is no position")
+        inner.report(codes.UNKNOWN_ELEMENT, f"<{inner.tag}> is not a position")
         return None
     point: Point | None = POINTS.by_tag[inner.tag].read(inner)
     return point

@@ -19,10 +19,10 @@ UNSAID = {
     "world": "a plan binds it to a lane; in CARLA's axes it means the middle of the vehicle's box",
     "spawn_point": "a plan binds it to a lane",
     "numbered_spawn_point": "a plan binds it to a lane",
-    "random_spawn_point": "OpenSCENARIO draws no positions",
-    "random": "OpenSCENARIO draws no positions",
+    "random_spawn_point": "OpenSCENARIO has no random positions",
+    "random": "OpenSCENARIO has no random positions",
     "ahead_of": "it follows the lane over junctions in the entity's direction of travel",
-    "beside": "it is measured from where the entity stands in its lane",
+    "beside": "it is measured from the entity's position in its lane",
 }
 """Tags of the positions that OpenSCENARIO cannot express, with the reasons."""
 

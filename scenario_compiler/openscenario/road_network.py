@@ -39,7 +39,7 @@ def read_signal_controllers(root: Node) -> tuple[SignalController, ...]:
     for node in [one for group in signals for one in group.children("TrafficSignalController")]:
         controller = _controller(node)
         if controller.name in found:
-            message = f"a controller of traffic signals named '{controller.name}' is there already"
+            message = f"a controller of traffic signals named '{controller.name}' already exists"
             first = names.first_at(found[controller.name].origin)
             node.report(names.DUPLICATE_NAME, message, "name", related=first)
         found.setdefault(controller.name, controller)

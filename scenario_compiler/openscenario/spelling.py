@@ -257,7 +257,7 @@ class Children:
         words = getattr(word, self.field)
         missing = self.wanted - len(words) if words else 0
         if missing > 0:
-            output.tell_lost(word, f"<{element.tag}> has {self.wanted} <{self.form.tag}> at least")
+            output.tell_lost(word, f"<{element.tag}> needs at least {self.wanted} <{self.form.tag}>")
         for one in (*words, *words[-1:] * missing):
             element.append(self.form.write(one, output))
 

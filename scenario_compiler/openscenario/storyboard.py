@@ -105,7 +105,7 @@ def _actors(node: Node, maneuvers: Iterable[Maneuver]) -> tuple[str, ...]:
     if actors.boolean("selectTriggeringEntities", False):
         starts = [event.start for maneuver in maneuvers for event in maneuver.events]
         found += [entity for start in starts for entity in _triggering(start)]
-        message = "the entities that trigger the events act: all that the events' conditions name are taken"
+        message = "the actors are the triggering entities: all entities in the events' conditions are used"
         actors.report(TRIGGERING_ACTORS, message, "selectTriggeringEntities")
     return tuple(dict.fromkeys(found))
 

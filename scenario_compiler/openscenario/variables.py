@@ -31,7 +31,7 @@ def read_variables(root: Node) -> dict[str, Variable]:
             if name in found:
                 first = names.first_at(found[name].origin)
                 node.report(
-                    names.DUPLICATE_NAME, f"a variable '{name}' is declared here already", "name", related=first
+                    names.DUPLICATE_NAME, f"a variable '{name}' is already declared here", "name", related=first
                 )
             monitor = node.tag == "MonitorDeclaration"
             kind = "boolean" if monitor else node.choice("variableType", TYPES, "string")

@@ -150,7 +150,7 @@ def _box(node: Node, kind: ObjectType) -> Box:
     if center is not None:
         center.read_whole()
     if max(extents[:2]) <= 0.0:
-        size.report(NO_VEHICLE_SIZE, f"the box of this <{node.tag}> has no extent")
+        size.report(NO_VEHICLE_SIZE, f"the box of this <{node.tag}> has the size 0")
         return usual
     length, width, height = (max(LEAST_SIZE, extent) for extent in extents)
     return Box(length, width, height, middle)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from importlib import resources
@@ -44,7 +45,7 @@ FEATURES = (
     *("prominence_lately", "painted_lately", "along_lately", "stretch_lately", "contrast_along_lately"),
     *("near_lately", "far_lately", "weber_lately"),
 )
-"""Names of the features, in order."""
+"""Names of the features in the order of the confidence's weights."""
 
 _HALVES = slice(round(1.0 / X_STEP), round(7.0 / X_STEP)), slice(round(7.0 / X_STEP), round(13.0 / X_STEP))
 """Rows from 6 to 12 m and from 12 to 18 m ahead of the camera."""
@@ -61,10 +62,11 @@ SHORT = 0.01
 DARKEST = 4.0
 """Brightness of the ground below which the contrast of paint with it says nothing, grey levels."""
 
-LASTING = [FEATURES.index(name.removesuffix("_lately")) for name in FEATURES if name.endswith("_lately")]
-"""Features of which running means are features as well: paint that was there a moment ago is there."""
+LATELY = "_lately"
+"""Ending of the names of running means."""
 
-WEBER = FEATURES.index("weber")
+LASTING = tuple(name.removesuffix(LATELY) for name in FEATURES if name.endswith(LATELY))
+"""Features of which running means are features as well: paint that was there a moment ago is there."""
 
 NEWEST = 0.3
 """Least weight of the newest image in them."""
@@ -173,10 +175,28 @@ def features(
     ]
     rows = []
     for own, others, other, past in ((mine[0], mine[1], right, before[0]), (mine[1], mine[0], left, before[1])):
-        row = np.array([*own, others[WEBER], other.painted, float((other.on_curve[_HALVES[0]] > STANDS_OUT).mean())])
-        lately = row[LASTING] if past.evidence is None else past.evidence + past.share * (row[LASTING] - past.evidence)
-        rows.append(np.concatenate([row, lately]))
+        of_both = {
+            **own,
+            "other_weber": others["weber"],
+            "other_painted": other.painted,
+            "other_near": float((other.on_curve[_HALVES[0]] > STANDS_OUT).mean()),
+        }
+        now = np.array([of_both[name] for name in LASTING])
+        lately = now if past.evidence is None else past.evidence + past.share * (now - past.evidence)
+        means = {name + LATELY: float(mean) for name, mean in zip(LASTING, lately, strict=True)}
+        rows.append(in_order(FEATURES, {**of_both, **means}))
     return rows[0], rows[1]
+
+
+def in_order(names: tuple[str, ...], numbers: Mapping[str, float]) -> Floats:
+    """Return the features (len(names),) in the order of their names.
+
+    Raises:
+        RuntimeError: A name has no number, or a number has another name.
+    """
+    if numbers.keys() != set(names):
+        raise RuntimeError(f"features without a number or a name: {sorted(numbers.keys() ^ set(names))}")
+    return np.array([numbers[name] for name in names])
 
 
 def evidence(row: Floats) -> tuple[float, ...]:
@@ -186,7 +206,7 @@ def evidence(row: Floats) -> tuple[float, ...]:
 
 def _of_side(
     fit: Fit, other: Fit, known: Circumstances, before: Before, sign: float, picture: tuple[float, float]
-) -> list[float]:
+) -> dict[str, float]:
     """Return the features of one side but those that need the other side's or the memory's."""
     near = slice(0, round(15.0 / X_STEP))
     window = np.ones(4) / 4.0
@@ -197,54 +217,58 @@ def _of_side(
     scale, brightness = picture
     y = arc_y(fit.curve, PLACES - X_FROM)
     moved = None if before.trusted is None else float(arc_y(fit.curve, MIDDLE - X_FROM)) - before.trusted
-    return [
-        math.log(max(fit.prominence, 0.1)),
-        fit.painted,
-        5.0 * fit.residual,
-        math.log1p(float(np.sort(fit.contrast[near])[-20:].mean()) / 10.0),
-        0.1 * fit.support,
-        scale,
-        min(max(abs(wide - known.width) - 0.2, 0.0), 1.0),
-        _along(fit),
-        math.log1p(longest),
-        math.log1p(float(np.sort(bright)[-16:].mean()) / 10.0),
-        min(max(fit.green, 0.0), 30.0) / 10.0,
-        min(max(fit.nearest - 6.0, 0.0), 12.0) / 4.0,
-        fit.farthest / 10.0,
-        40.0 * abs(float(fit.curve[2])),
-        min(max(abs(float(fit.curve[0])) - 1.75, -1.0), 1.5),
-        _log_deviation(fit),
-        *(float((fit.on_curve[rows] > STANDS_OUT).mean()) for rows in _HALVES),
-        *(0.1 * (fit.support - rival) for rival in fit.rivals),
-        20.0 * abs(known.tilt.pitch),
-        60.0 * known.tilt.deviation,
-        0.0 if moved is None else min(4.0 * abs(moved), 2.0),
-        0.0 if moved is None else 1.0,
-        1.0 if known.way else 0.0,
-        math.log(max(other.prominence, 0.1)),
-        _along(other),
-        _log_deviation(other),
-        float((other.on_curve[_HALVES[1]] > STANDS_OUT).mean()),
-        min(20.0 * abs(float(apart[1])), 2.0),
-        min(100.0 * abs(float(apart[2])), 2.0),
-        *_paint(fit, near, brightness),
-        *_deviations(fit, known, y),
-        40.0 * sign * float(fit.curve[2]),
-        min(max(sign * float(arc_y(fit.curve, np.array(-X_FROM))) - 1.75, -1.5), 1.5),
-        10.0 * sign * float(fit.curve[1]),
-        *_moved(y, before),
-        min(40.0 * known.unsettled, 3.0),
-        min(40.0 * abs(known.seen.pitch - known.tilt.pitch), 3.0),
-        _in_decimetres(5.0 * min(known.seen.deviation, 1.0)),
-        min(abs(wide - 3.5), 2.0),
-        min(max(wide - known.width, -1.5), 1.5),
-        math.log1p(known.noise),
-        fit.stray,
-        10.0 * fit.scatter,
-    ]
+    nearer, farther = (float((fit.on_curve[rows] > STANDS_OUT).mean()) for rows in _HALVES)
+    inner, outer = (0.1 * (fit.support - rival) for rival in fit.rivals)
+    return {
+        "prominence": math.log(max(fit.prominence, 0.1)),
+        "painted": fit.painted,
+        "residual": 5.0 * fit.residual,
+        "contrast": math.log1p(float(np.sort(fit.contrast[near])[-20:].mean()) / 10.0),
+        "support": 0.1 * fit.support,
+        "row_scale": scale,
+        "width_off": min(max(abs(wide - known.width) - 0.2, 0.0), 1.0),
+        "along": _along(fit),
+        "stretch": math.log1p(longest),
+        "contrast_along": math.log1p(float(np.sort(bright)[-16:].mean()) / 10.0),
+        "green": min(max(fit.green, 0.0), 30.0) / 10.0,
+        "blind": min(max(fit.nearest - 6.0, 0.0), 12.0) / 4.0,
+        "reach": fit.farthest / 10.0,
+        "curvature": 40.0 * abs(float(fit.curve[2])),
+        "offset": min(max(abs(float(fit.curve[0])) - 1.75, -1.0), 1.5),
+        "slope_deviation": _log_deviation(fit),
+        "near": nearer,
+        "far": farther,
+        "inner_rival": inner,
+        "outer_rival": outer,
+        "tilt": 20.0 * abs(known.tilt.pitch),
+        "tilt_deviation": 60.0 * known.tilt.deviation,
+        "moved": 0.0 if moved is None else min(4.0 * abs(moved), 2.0),
+        "remembered": 0.0 if moved is None else 1.0,
+        "way": 1.0 if known.way else 0.0,
+        "other_prominence": math.log(max(other.prominence, 0.1)),
+        "other_along": _along(other),
+        "other_slope_deviation": _log_deviation(other),
+        "other_far": float((other.on_curve[_HALVES[1]] > STANDS_OUT).mean()),
+        "apart_slope": min(20.0 * abs(float(apart[1])), 2.0),
+        "apart_curvature": min(100.0 * abs(float(apart[2])), 2.0),
+        **_paint(fit, near, brightness),
+        **_deviations(fit, known, y),
+        "turn": 40.0 * sign * float(fit.curve[2]),
+        "place": min(max(sign * float(arc_y(fit.curve, np.array(-X_FROM))) - 1.75, -1.5), 1.5),
+        "heading": 10.0 * sign * float(fit.curve[1]),
+        **_moved(y, before),
+        "unsettled": min(40.0 * known.unsettled, 3.0),
+        "seen_off": min(40.0 * abs(known.seen.pitch - known.tilt.pitch), 3.0),
+        "seen_deviation": _in_decimetres(5.0 * min(known.seen.deviation, 1.0)),
+        "width": min(abs(wide - 3.5), 2.0),
+        "wide": min(max(wide - known.width, -1.5), 1.5),
+        "noise": math.log1p(known.noise),
+        "stray": fit.stray,
+        "scatter": 10.0 * fit.scatter,
+    }
 
 
-def _paint(fit: Fit, near: slice, brightness: float) -> list[float]:
+def _paint(fit: Fit, near: slice, brightness: float) -> dict[str, float]:
     """Return how what lies on the arc compares with the ground beside it, and the longest gap in it."""
     shown = fit.on_curve > STANDS_OUT
     marked, beside = shown[near], fit.beside
@@ -255,18 +279,18 @@ def _paint(fit: Fit, near: slice, brightness: float) -> list[float]:
         spread = float(np.log(np.maximum(contrast, 1.0)).std())
         uneven = min(float(fit.step[near][marked].mean()) / (float(contrast.mean()) + 1.0), 3.0)
     gap, last = _longest_run(~shown[_JUDGED])
-    return [
-        math.log1p(10.0 * float(weber.mean())),
-        spread,
-        uneven,
-        math.log(max(float(beside[near].mean()), 1.0)),
-        brightness,
-        0.25 * gap * X_STEP,
-        last / (_JUDGED.stop - _JUDGED.start),
-    ]
+    return {
+        "weber": math.log1p(10.0 * float(weber.mean())),
+        "weber_spread": spread,
+        "uneven": uneven,
+        "beside": math.log(max(float(beside[near].mean()), 1.0)),
+        "ground": brightness,
+        "gap": 0.25 * gap * X_STEP,
+        "gap_at": last / (_JUDGED.stop - _JUDGED.start),
+    }
 
 
-def _deviations(fit: Fit, known: Circumstances, y: Floats) -> list[float]:
+def _deviations(fit: Fit, known: Circumstances, y: Floats) -> dict[str, float]:
     """Return how far the boundary may be off where it has to be right, by its rows and by the tilt.
 
     A tilt p moves what is seen at x to x (1 - p x / h), y (1 - p x / h), h being the camera's height (see
@@ -275,20 +299,20 @@ def _deviations(fit: Fit, known: Circumstances, y: Floats) -> list[float]:
     slope = (arc_y(fit.curve, PLACES - X_FROM + SHORT) - y) / SHORT
     lever = float(np.abs(PLACES * (PLACES * slope - y)).max()) / known.height
     tilted = lever * known.tilt.deviation
-    return [
-        *(_in_decimetres(one) for one in fit.deviations),
-        lever,
-        _in_decimetres(tilted),
-        _in_decimetres(math.hypot(tilted, max(fit.deviations))),
-    ]
+    near, far = fit.deviations
+    return {
+        "deviation_near": _in_decimetres(near),
+        "deviation_far": _in_decimetres(far),
+        "lever": lever,
+        "deviation_tilt": _in_decimetres(tilted),
+        "deviation": _in_decimetres(math.hypot(tilted, max(near, far))),
+    }
 
 
-def _moved(y: Floats, before: Before) -> tuple[float, float]:
+def _moved(y: Floats, before: Before) -> dict[str, float]:
     """Return how far the boundary is from where the image before had it, in the middle and where it is farthest."""
-    if before.places is None:
-        return 0.0, 0.0
-    away = np.abs(y - before.places)
-    return min(4.0 * float(away[2]), 3.0), min(2.0 * float(away.max()), 3.0)
+    away = np.zeros(len(PLACES)) if before.places is None else np.abs(y - before.places)
+    return {"last_moved": min(4.0 * float(away[2]), 3.0), "last_far": min(2.0 * float(away.max()), 3.0)}
 
 
 def _in_decimetres(deviation: float) -> float:

@@ -263,7 +263,7 @@ class ClassicalLaneDetector:
                 if abs(start - looked_at) <= PITCH_STEP:
                     break
             unsettled = abs(start - looked_at)
-            # Where one look after the other shows another tilt, the two sides are no lane's.
+            # If successive searches show different tilts, the two sides do not belong to one lane.
             seen = Tilt(seen.pitch, math.hypot(seen.deviation, unsettled))
             known = replace(known, tilt=found, seen=seen, unsettled=unsettled)
             painted = self._painted(features(fits, ridges, known, before))

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.confidence import Confidence, load_confidence, noise_of
+from scenario_compiler.perception.confidence import Confidence, in_order, load_confidence, noise_of
 from scenario_compiler.perception.lane_detector import Boundary, LaneResult, LaneState
 from scenario_compiler.perception.road_plane import Tilt, tilt_of_widening
 
@@ -250,14 +250,31 @@ def _features(side: _Side, other: _Side, tilt: Tilt, width: float, sigma: float,
     moved = 0.0
     if before is not None:
         moved = abs(float((np.vander(x, 3) @ np.array(side.curve))[0] - before.y(x)[0]))
-    return np.array([
-        _logit(side.painted), side.present, side.certain, side.spread, side.alone, min(side.residual, 3.0),
-        side.reach[1] / 10.0, 80.0 * abs(side.curve[0]), min(abs(abs(side.curve[2]) - 1.75), 1.5),
-        20.0 * abs(tilt.pitch), 60.0 * tilt.deviation, min(off, 1.0),
-        _logit(other.painted), other.present, other.certain, min(20.0 * abs(side.curve[1] - other.curve[1]), 2.0),
-        min(100.0 * abs(side.curve[0] - other.curve[0]), 2.0), math.log(sigma + 1.0), float(before is not None),
-        min(4.0 * moved, 2.0),
-    ])  # fmt: skip
+    return in_order(
+        LEARNED_FEATURES,
+        {
+            "painted": _logit(side.painted),
+            "present": side.present,
+            "certain": side.certain,
+            "spread": side.spread,
+            "alone": side.alone,
+            "residual": min(side.residual, 3.0),
+            "reach": side.reach[1] / 10.0,
+            "curvature": 80.0 * abs(side.curve[0]),
+            "offset": min(abs(abs(side.curve[2]) - 1.75), 1.5),
+            "tilt": 20.0 * abs(tilt.pitch),
+            "tilt_deviation": 60.0 * tilt.deviation,
+            "width_off": min(off, 1.0),
+            "other_painted": _logit(other.painted),
+            "other_present": other.present,
+            "other_certain": other.certain,
+            "apart_slope": min(20.0 * abs(side.curve[1] - other.curve[1]), 2.0),
+            "apart_curvature": min(100.0 * abs(side.curve[0] - other.curve[0]), 2.0),
+            "noise": math.log(sigma + 1.0),
+            "remembered": float(before is not None),
+            "moved": min(4.0 * moved, 2.0),
+        },
+    )
 
 
 def _logit(p: float) -> float:

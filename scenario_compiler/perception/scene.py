@@ -47,7 +47,7 @@ class Uprights:
         tag: (N,) uint8, a `labels.Tag`.
         instance: (N,) int32 number of the thing to which the face belongs.
         two_sided: (N,) bool, whether the face is visible from behind too.
-        lamp: (N,) uint8, 0 if the face is no lamp of a traffic light, else 1 for red, 2 for yellow, 3 for green.
+        lamp: (N,) uint8, 0 if the face is not a lamp of a traffic light, else 1 for red, 2 for yellow, 3 for green.
         place: (N, 2) float32 position of the face, m from the origin: its centre, or that of its board.
         signals: Instances of the traffic lights by their id in the road file.
         origin: (3,) float64, world, m.

@@ -60,7 +60,7 @@ UNKNOWN_LANE = Code(
 BEYOND_ROAD = Code(
     "SC373",
     "beyond-road",
-    "A position is before the begin or beyond the end of its road. s is measured along the road's reference line from "
+    "A position is before the start or beyond the end of its road. s is measured along the road's reference line from "
     "0 to the road's length.\n\n"
     '    <lane road="3" lane="-1" s="900"/>     road 3 is 400 m long',
 )
@@ -200,7 +200,7 @@ class Binder:
                 position.place_of("lane"),
                 hint=f"lanes there: {', '.join(map(str, lanes)) or 'none'}"
                 if nearest is None
-                else f"lane {nearest} is meant",
+                else f"lane {nearest} is used",
                 severity=Severity.ERROR if nearest is None else Severity.WARNING,
             )
             if nearest is None:
@@ -221,7 +221,7 @@ class Binder:
         length = self.network.road(position.road).length
         if not 0.0 <= s <= length:
             message = f"s = {s:g} m is outside road '{position.road}', which is {length:.2f} m long"
-            hint = "the road's end is meant"
+            hint = "the road's end is used"
             self.sink.add(BEYOND_ROAD, message, position.place_of("s"), hint=hint, severity=Severity.WARNING)
         return min(max(s, 0.0), length)
 
@@ -263,7 +263,7 @@ class Binder:
         projection = read_projection(header.geo_reference)
         if projection is None:
             hint = f"its geoReference is '{header.geo_reference}'" if header.geo_reference else "it has no geoReference"
-            message = f"the map '{self.network.name}' names no known projection"
+            message = f"the map '{self.network.name}' does not specify a known projection"
             self.sink.add(NOT_ON_EARTH, message, position.origin, hint=hint)
             return None
         x, y = projection.project(math.radians(position.latitude), math.radians(position.longitude))
@@ -289,7 +289,7 @@ class Binder:
             points = {**self._map_points(), **self.named}
             found = points.get(position.name)
             message = f"neither the scenario nor the map '{self.network.name}' has a spawn point '{position.name}'"
-            known = did_you_mean(position.name, points) or "the map names no spawn points"
+            known = did_you_mean(position.name, points) or "the map has no spawn points"
             hint = f"{known} (the map is {self.network.path})"
             place = position.place_of("name")
         else:
@@ -329,7 +329,7 @@ class Binder:
         if not all(known):
             return None
         if not spans_of(self.network, position):
-            self.sink.add(NO_RANDOM_PLACE, "no lane is left to choose from", position.origin)
+            self.sink.add(NO_RANDOM_PLACE, "no lane matches this position", position.origin)
             return None
         return position
 

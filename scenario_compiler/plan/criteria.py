@@ -26,5 +26,5 @@ def check_criteria(scenario: Scenario, takeover: Takeover, sink: Diagnostics) ->
             message = "the ego vehicle has no <destination> to reach"
             sink.add(UNFULFILLABLE, message, criterion.origin)
         elif isinstance(criterion, Requested) and criterion.cause is not None and criterion.cause not in causes:
-            message = f"no request has the cause '{criterion.cause}': the takeover has no such <cause>"
+            message = f"no request has the cause '{criterion.cause}': <takeover> does not enable this <cause>"
             sink.add(UNFULFILLABLE, message, criterion.place_of("cause"))

@@ -102,7 +102,7 @@ def kept_entities(
         count = vehicles_of(action, duration)
         asked = count if isinstance(action, TrafficSourceAction) else action.vehicles
         if count < asked or (count == 0 and isinstance(action, TrafficSourceAction)):
-            sink.add(LESS_TRAFFIC, f"this action has {count} vehicles", action.origin)
+            sink.add(LESS_TRAFFIC, f"the action gets {count} vehicles", action.origin)
         for k in range(count):
             yield _entity(action, f"{group}.{k + 1}", k, models)
 

@@ -238,7 +238,7 @@ def find_way(draft: PlanDraft, entity: str, written: Position) -> tuple[FoundLan
     bound = bind_fixed(draft, written)
     placed = next((one.start for one in draft.entities if one.id == entity), None)
     if isinstance(placed, RandomPosition | AnyOfPosition):
-        message = f"'{entity}' starts at random, so its way to a destination would differ from run to run"
+        message = f"'{entity}' starts at random, so its route to a destination would differ from run to run"
         draft.sink.add(RANDOM_HERE, message, placed.origin)
         return None, ()
     standing = draft.standings.get(entity)
@@ -261,7 +261,7 @@ def bind_fixed(draft: PlanDraft, position: Position) -> BoundPosition | None:
     """Bind a position that must be the same in every run, and report one that is random."""
     bound = draft.binder.bind(position, 0.0)
     if isinstance(bound, RandomPosition | AnyOfPosition):
-        draft.sink.add(RANDOM_HERE, f"<{position.word}> is random in each run", position.origin)
+        draft.sink.add(RANDOM_HERE, f"<{position.word}> is drawn again in each run", position.origin)
         return None
     return bound
 

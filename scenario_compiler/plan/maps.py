@@ -105,6 +105,6 @@ def open_plan_map(
         name = str(own.resolve())
     network = open_map(name, None, FilePlace(plan.name), sink, maps)
     if network is not None and network.sha256 != plan.map.sha256:
-        sink.add(CHANGED_MAP, f"the map '{plan.map.name}' is not the one of the plan", FilePlace(network.path))
+        sink.add(CHANGED_MAP, f"the map '{plan.map.name}' differs from the map of the plan", FilePlace(network.path))
         return None
     return network

@@ -37,7 +37,7 @@ def _check_on_road(binder: Binder, stretch: Markings | SecondaryMarkings, begin:
         beyond = begin >= road.length
         s, attribute = (begin, "from") if beyond else (end, "to")
         message = f"s = {s:g} m is outside road '{stretch.road}', which is {road.length:.2f} m long"
-        hint = "nothing is painted" if beyond else "the road's end is meant"
+        hint = "nothing is painted" if beyond else "the road's end is used"
         binder.sink.add(BEYOND_ROAD, message, stretch.place_of(attribute), hint=hint, severity=Severity.WARNING)
         if beyond:
             return

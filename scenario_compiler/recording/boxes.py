@@ -61,7 +61,7 @@ def least_by_bounds(bounds: Singles, exact: Callable[[Places], Floats]) -> Float
 
     Args:
         bounds: Lower bounds, (m - 1, ..., n); infinite where there is no value.
-        exact: Returns the values at k places, (k,); infinite where there is none.
+        exact: Returns the values at k places, (k,); infinite if there is none.
     """
 
     def least_within(limit: Floats) -> Floats:

@@ -531,7 +531,7 @@ MEASURES: tuple[Measure, ...] = (
         "s",
         "Time from the request until lane keeping is stable. From the response on, the time in which the "
         f"driver drives is divided into consecutive windows of {WINDOW:g} s. Lane keeping is stable from the "
-        "begin of the first window from which on the standard deviation of the lateral position is at most "
+        "start of the first window from which on the standard deviation of the lateral position is at most "
         f"{BAND:g} m in every window. A lane change counts as motion.",
         f"there was no response or no such window, or the driver drove for less than {WINDOW:g} s",
         stabilisation_time,

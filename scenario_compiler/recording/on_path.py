@@ -80,7 +80,7 @@ def drac_of_room(room: Floats) -> Floats:
 
 
 def times_at(traces: Traces, places: Places) -> Floats:
-    """Return the times to collision at k places, s, (k,); infinite where there is none."""
+    """Return the times to collision at k places, s, (k,); infinite if there is none."""
     gap, closing = ahead_at(traces, places)
     counts = np.isfinite(gap) & (closing > 0)
     return np.where(counts, gap / np.where(counts, closing, 1.0), np.inf)
@@ -153,7 +153,7 @@ def along_path(traces: Traces, places: Places) -> tuple[Floats, Floats, Floats]:
 
 
 def time_bounds(traces: Traces) -> Singles:
-    """Return times that no time to collision is below, s, (m - 1, ..., n); infinite where there is none."""
+    """Return times that no time to collision is below, s, (m - 1, ..., n); infinite if there is none."""
     gap, closing = bounds_ahead(traces)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(closing > 0.0, gap / closing, np.float32(np.inf))

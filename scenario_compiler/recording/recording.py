@@ -85,7 +85,7 @@ class Column:
         name: Its name, the same in the type and in the file.
         kind: "float"; "integer"; "flag"; "road": index into `Recording.roads`; "state", "cause", "source"
             and "wish": code of `names`.
-        nothing: Value where there is none.
+        nothing: Value that means a missing one.
         far: The engine's `FAR` stands for "none" and is recorded as NaN.
         trajectory: Part of the trajectory hash.
     """

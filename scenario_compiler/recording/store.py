@@ -80,7 +80,7 @@ def read_recording(path: Path) -> Recording:
     except RecordingError:
         raise
     except _UNREADABLE as problem:
-        raise RecordingError(f"{path} is no recording: {problem}") from problem
+        raise RecordingError(f"{path} is not a recording: {problem}") from problem
 
 
 def _metadata(recording: Recording) -> dict[bytes, bytes]:

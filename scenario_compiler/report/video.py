@@ -47,7 +47,7 @@ ABOVE, AHEAD, SEEN = 90.0, 22.0, math.radians(42.0)
 
 CODECS = (
     ("libx264", {"crf": "28", "preset": "veryfast"}),
-    ("libvpx-vp9", {"crf": "33", "b": "0", "deadline": "realtime"}),
+    ("libvpx-vp9", {"crf": "33", "b": "0", "deadline": "realtime", "cpu-used": "8"}),
 )
 """Codecs of MP4 with their options: H.264, and VP9 if PyAV was built without it."""
 

@@ -55,12 +55,12 @@ def _decoded(raw: bytes, key: str, path: str) -> tuple[ParsedNetwork, list[Diagn
     """Return the network in a cache file and the findings made when it was read; ValueError for another file."""
     start = len(MAGIC) + DIGEST_SIZE
     if raw[: len(MAGIC)] != MAGIC or hashlib.sha256(raw[start:]).digest() != raw[len(MAGIC) : start]:
-        raise ValueError("it is damaged, or no file of the cache")
+        raise ValueError("it is damaged, or not a file of the cache")
     (size,) = struct.unpack_from("<Q", raw, start)
     start += 8
     head = json.loads(raw[start : start + size])
     if head["key"] != key:
-        raise ValueError("it is of another road file, or was made by another version")
+        raise ValueError("it belongs to another road file, or was made by another version")
     start += size
     arrays = object.__new__(RoadTables)
     for name, count in head["columns"]:

@@ -191,7 +191,7 @@ class Network:
         return geometry.road_grade(self.tables, i, s)
 
     def speed_limit(self, road: str, lane: int, s: float) -> float | None:
-        """Return the lane's speed limit, else the road's, m/s; `inf` for "no limit", None where none is stated."""
+        """Return the lane's speed limit, else the road's, m/s; `inf` for "no limit", None if none is given."""
         i, s = self._place(road, s)
         n = self.tables
         row = lanes.lane_row(n, i, lane, s)

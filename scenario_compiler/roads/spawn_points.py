@@ -104,7 +104,7 @@ def _reason(error: Exception) -> str:
         return "it is not written in UTF-8"
     if isinstance(error, KeyError):
         return f"a [[spawn_point]] has no {error.args[0]}"
-    return "a [[spawn_point]] has a text where a number is due, or is no table"
+    return "a [[spawn_point]] has a text instead of a number, or is not a table"
 
 
 @lru_cache(maxsize=8)

@@ -19,11 +19,11 @@ CAUSED = frozenset({op.EVENT_WARNING, op.EVENT_REQUEST, op.EVENT_ESCALATION, op.
 """Codes of events that have a cause."""
 
 NAMED = frozenset({"storyboard_start", "storyboard_end"})
-"""Kinds of events that tell of an event of the storyboard."""
+"""Kinds of log entries about events of the storyboard."""
 
 
 def named_events(plan: Plan, program: Program) -> dict[int, tuple[str, str]]:
-    """Return the name of each event of the storyboard, and who does it where that is one, by the event's element."""
+    """Return the name of each event of the storyboard and its only actor (empty if it has several), by its element."""
     elements = (at for at, kind in enumerate(program.element_kind) if kind == op.ELEMENT_EVENT)
     events = (
         (event.name, group.actors[0] if len(group.actors) == 1 else "") for group, event in plan.storyboard.events()
@@ -32,7 +32,7 @@ def named_events(plan: Plan, program: Program) -> dict[int, tuple[str, str]]:
 
 
 def actions_of(plan: Plan) -> Iterator[tuple[Word, str]]:
-    """Yield each action with the entity that does it, empty for none, in the order of a program's rows."""
+    """Yield each action with the entity that executes it (empty for none), in the order of a program's rows."""
     ego = plan.entities[0].id if plan.entities else ""
     for entity in plan.entities:
         if entity.path is not None:
@@ -47,7 +47,7 @@ def actions_of(plan: Plan) -> Iterator[tuple[Word, str]]:
 
 
 def _doer(word: Word, ego: str) -> str:
-    """Return whom an action of the run concerns: the ego vehicle, or none."""
+    """Return the entity that an action of the run concerns: the ego vehicle, or none."""
     return ego if ACTIONS[NUMBERS[word.tag()]].whose == "ego" else ""
 
 
@@ -55,14 +55,14 @@ class EventLog:
     """Reads the engine's log while a run goes on."""
 
     def __init__(self, plan: Plan, program: Program) -> None:
-        """Note what the numbers of the log stand for."""
+        """Store the meaning of the numbers in the log."""
         self.plan = plan
         self._named = named_events(plan, program)
         self._actions = list(actions_of(plan))
         self._read = 0
 
     def news(self, state: State) -> Iterator[EventRow]:
-        """Yield what has been logged since the last call; messages of actions are rows of their own."""
+        """Yield the events logged since the last call; each channel of a message action is a row of its own."""
         kept = min(state.log_count[0], len(state.log_kind))
         news = range(self._read, kept)
         self._read = kept

@@ -247,7 +247,7 @@ class Execution:
         trust: Trust | None = None,
         person: Person | None = None,
     ) -> None:
-        """Put everything where the run begins; the arguments are those of `run`."""
+        """Prepare everything for the start of the run; the arguments are those of `run`."""
         self.plan = plan
         self.world = world
         self.lowered = lowered(plan, world.network, posed=world.moves_ego)
@@ -298,7 +298,7 @@ class Execution:
             self._note_events()
 
     def _let_act(self, person: Person) -> None:
-        """Write what the person does into the state's input columns."""
+        """Write the person's inputs into the state's input columns."""
         st = self.state
         done = person.act(st.clock[0], TAKEOVER_STATES[st.takeover_state[0]])
         st.person_throttle[0], st.person_brake[0], st.person_steer[0] = done.throttle, done.brake, done.steer
@@ -324,7 +324,7 @@ class Execution:
 
     @contextmanager
     def _noticing_failures(self) -> Iterator[None]:
-        """End the run where the world, the controller or the engine fails, and note it as its last event."""
+        """End the run if the world, the controller or the engine fails, and record the reason as its last event."""
         try:
             yield
         except WorldError as error:
@@ -340,7 +340,7 @@ class Execution:
 
     @contextmanager
     def _of_controller(self) -> Iterator[None]:
-        """Make whatever a controller raises a failure of the controller."""
+        """Turn any exception of a controller into a failure of the controller."""
         try:
             yield
         except ControllerError:
@@ -425,7 +425,7 @@ class Execution:
             self.lanes[column][0] = getattr(boundary, name, math.nan)
 
     def _note_events(self) -> None:
-        """Take down what the engine logged since the last time, and the message that the driver gets."""
+        """Record the events that the engine has logged since the last call, and the messages to the driver."""
         for told in self.messenger.come(self.state.clock[0]):
             self.builder.add(told)
         for row in self.log.news(self.state):

@@ -16,7 +16,7 @@ ENDS = ("warning_over", "response", "override", "hand_back", "activation", "stan
 """Events that end the messages to the driver."""
 
 SAME_TIME = 1e-6
-"""Times that are less apart count as one, s."""
+"""Times that differ by less than this are equal, s."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ TEXTS: dict[Language, Texts] = {
 
 
 def message_parts(event: str, cause: str, content: tuple[Content, ...]) -> tuple[str, ...]:
-    """Return the names of the texts that tell of an event with the contents that the policy asks for.
+    """Return the names of the texts for an event, with the contents that the policy requires.
 
     They are keys of `Texts.named`; an event without a text has none.
     """
@@ -164,7 +164,7 @@ def message_parts(event: str, cause: str, content: tuple[Content, ...]) -> tuple
 
 
 def message_text(event: str, cause: str, content: tuple[Content, ...], language: Language = "en") -> str:
-    """Return the sentence for an event with the contents that the policy asks for; empty when there is none."""
+    """Return the sentence for an event, with the contents that the policy requires; empty if there is none."""
     named = TEXTS[language].named
     parts = [named[name] for name in message_parts(event, cause, content)]
     text = ": ".join(parts[:2]) if len(parts) < 3 else f"{parts[0]}: {parts[1]}, {parts[2]}"
@@ -176,10 +176,10 @@ class Shown:
     """A message to the driver.
 
     Attributes:
-        modality: By which channel.
-        text: What is said; what a tone or an icon stands for.
+        modality: Channel of the message.
+        text: Its text; for a tone or an icon, its meaning.
         language: Its language.
-        parts: Names of the texts that it consists of, keys of `Texts.named`; none where it is the author's own.
+        parts: Names of the texts that it consists of, keys of `Texts.named`; none for an author's own text.
     """
 
     modality: Modality
@@ -189,17 +189,17 @@ class Shown:
 
 
 class Messenger:
-    """Tells the driver what a policy says, and ends each message with its reason."""
+    """Gives the driver the messages of a policy, and ends each message together with its reason."""
 
     def __init__(self, plan: Plan) -> None:
-        """Take the policy of a plan."""
+        """Prepare the messages of a plan's policy."""
         self._policy = plan.takeover
         self._values = parameter_values(plan.parameters)
         self.shown: tuple[Shown, ...] = ()
         self._waiting: list[tuple[float, Shown]] = []
 
     def heed(self, row: EventRow) -> Iterator[EventRow]:
-        """Yield what an event of the takeover makes begin and end."""
+        """Yield the messages that begin or end because of an event of the takeover."""
         asks = row.kind in get_args(Told)
         if not asks and row.kind not in ENDS:
             return
@@ -209,7 +209,7 @@ class Messenger:
             yield from self.come(row.t)
 
     def come(self, t: float) -> Iterator[EventRow]:
-        """Yield the messages whose time has come."""
+        """Yield the messages that are due."""
         due = [one for time, one in self._waiting if time <= t + SAME_TIME]
         if due:
             self._waiting = [one for one in self._waiting if one[0] > t + SAME_TIME]

@@ -36,8 +36,8 @@ def picture_of(
         plan: The plan of the run.
         view: The driver's view, BGR.
         seen: The camera's latest image.
-        controller: The controller, for what it draws and says.
-        control: Its latest answer.
+        controller: The controller, for its drawing and its texts.
+        control: Its latest output.
         speed: Speed of the ego vehicle, m/s.
         kind: Kind of the event.
         cause: Cause of the request, empty without one.

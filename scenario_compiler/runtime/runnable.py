@@ -9,11 +9,11 @@ from scenario_compiler.plan.store import BAD_PLAN
 from scenario_compiler.roads import Network
 
 INCONSISTENT = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
-"""What making a program of a plan that contradicts itself can end in."""
+"""Exceptions that a contradictory plan can cause when a program is made from it."""
 
 
 def check_runnable(plan: Plan, network: Network, file: str, sink: Diagnostics) -> None:
-    """Report a plan of which no program can be made, at the file that it was read from."""
+    """Report a plan from which no program can be made, at the file from which it was read."""
     try:
         build_program(plan, network)
     except INCONSISTENT as fault:

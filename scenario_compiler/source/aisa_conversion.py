@@ -62,7 +62,7 @@ def _converted(source: AisaConfig, name: str, catalogs: Catalogs, sink: Diagnost
     scenario = filed_scenario(source, name, {}, found, catalogs, usual_start=START)
     if scenario is not None and scenario.ego is not None and scenario.ego.start == START:
         scenario = scenario.model_copy(update={"parameters": (*scenario.parameters, *START_PARAMETERS)})
-        message = f"the scenario '{name}' has no waypoint named 'start'; converted, its start is to be given"
+        message = f"the scenario '{name}' has no waypoint named 'start'; the conflict needs a start"
         hint = "--set start_x=X --set start_y=Y --set start_yaw=YAW, in CARLA's axes"
         found.add(names.NO_START, message, scenario.origin, hint=hint, severity=Severity.WARNING)
     report_off_map(source, name, {}, found, Severity.WARNING)

@@ -28,6 +28,6 @@ def read_aisa(document: Document, sink: Diagnostics) -> AisaConfig:
         if name in scenarios:
             place = document.origin(element, "name")
             first = names.first_at(document.origin(scenarios[name], "name"))
-            sink.add(names.DUPLICATE_NAME, f"a scenario named '{name}' is in this file already", place, related=first)
+            sink.add(names.DUPLICATE_NAME, f"this file already has a scenario named '{name}'", place, related=first)
         scenarios.setdefault(name, element)
     return AisaConfig(document, scenarios)

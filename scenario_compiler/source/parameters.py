@@ -68,7 +68,7 @@ def bind_arguments(declared: Declared, arguments: Mapping[str, str], sink: Diagn
         elif parameter.default is None:
             sink.add(
                 names.MISSING_PARAMETER,
-                f"the parameter '{name}' has no default and is not given",
+                f"the parameter '{name}' has neither a default nor a value",
                 parameter.origin,
                 hint=f"--set {name}=...",
             )

@@ -47,7 +47,7 @@ UNKNOWN_ITEM = Code(
 EMPTY_RANGE = Code(
     "SC263",
     "empty-range",
-    "The end of a range is not above its begin: a scale or number item whose greatest answer is not above its least, "
+    "The end of a range is not above its start: a scale or number item whose greatest answer is not above its least, "
     "or a probe whose latest time is before its earliest.\n\n"
     '    <probe from="14" to="6">...</probe>     from="6" to="14"\n\n'
     "Exchange the two numbers.",
@@ -66,15 +66,15 @@ WRONG_POINTS = Code(
     "SC266",
     "wrong-points",
     "A scale cannot be shown as it is: it has more than 101 points, or a label at a point that it does not have or "
-    "that has a label already.\n\n"
+    "that has a label already. A choice needs at least two options.\n\n"
     '    <scale name="agreement" from="1" to="7"><label at="9" text="fully"/></scale>     at="7"\n\n'
-    "Correct the label; a <number_item> takes any number of a wide range.",
+    "Correct the label or add an option; a <number_item> takes any number of a wide range.",
 )
 LATE_PROBE = Code(
     "SC267",
     "late-probe",
-    "A probe may come only after the longest time that a run of a scenario takes, and then it does not come.\n\n"
-    '    <probe from="30" to="40">...</probe>     in a scenario with duration="20"\n\n'
+    "A probe may come after the longest time that a run of a scenario takes, and then it does not come.\n\n"
+    '    <probe from="10" to="40">...</probe>     in a scenario with duration="20"\n\n'
     "Let the probe come earlier, or the scenario last longer.",
     Severity.WARNING,
 )
@@ -84,6 +84,43 @@ NOBODY_TAKES_OVER = Code(
     "A scenario of a study has no automated vehicle. Nobody can take over in it, so it cannot be a trial.\n\n"
     '    <scenario name="passing" target="traffic.xosc"/>     a storyboard without an automated ego\n\n'
     "Name a scenario with a controller, such as a conflict of the library.",
+)
+
+IDLE_PART = Code(
+    "SC253",
+    "idle-part",
+    "A part of a study or questionnaire has no effect: a break after more trials than a session has (none comes after "
+    "the last trial), a probe with the share 0, or a scale that no item uses.\n\n"
+    '    <break every="20"/>     in a session of eight trials: every="4"\n\n'
+    "Correct the number or the name, or remove the part.",
+    Severity.WARNING,
+)
+LATE_CONSENT = Code(
+    "SC254",
+    "late-consent",
+    "Something is recorded before the participant consents, or the same consent is asked for twice.\n\n"
+    '    <before><ask file="age.xml"/><consent file="consent.md"/></before>     the consent first\n\n'
+    "Begin with the consent.",
+    Severity.WARNING,
+)
+WRONG_TOLERANCE = Code(
+    "SC268",
+    "wrong-tolerance",
+    "The tolerance of a query does not fit its subject. Who is in control and whether the path is blocked are answered "
+    "by a choice, so a tolerance has no effect. The speed is compared with a tenth of a km/h, so hardly any answer "
+    "counts as correct without a tolerance.\n\n"
+    '    <query name="blocked" about="blocked" text="Was the road free?" tolerance="2"/>\n\n'
+    "Remove the tolerance, or give the speed one, such as 10.",
+    Severity.WARNING,
+)
+EQUAL_LEVELS = Code(
+    "SC269",
+    "equal-levels",
+    "Two levels of a factor differ by their names alone, so conditions that should differ are the same.\n\n"
+    '    <setting name="near"><set parameter="distance" to="40"/></setting>\n'
+    '    <setting name="far"><set parameter="distance" to="40"/></setting>     to="80"\n\n'
+    "Correct what was copied; `repetitions` lets participants meet a condition several times.",
+    Severity.WARNING,
 )
 
 

@@ -65,12 +65,14 @@ def _take_in(image: Token, folder: Path, place: Place, sink: Diagnostics) -> Non
     """Replace the address of a picture by the contents of its file."""
     address = str(image.attrs["src"])
     if urlsplit(address).scheme or address.startswith("//"):
-        sink.add(UNREADABLE_PART, f"'{address}' is no file beside the page, which is shown without a network", place)
+        sink.add(
+            UNREADABLE_PART, f"'{address}' is not a file beside the page; pages are shown without a network", place
+        )
         return
     name = unquote(address)
     kind = TYPES.get(Path(name).suffix.lower())
     if kind is None:
-        sink.add(UNREADABLE_PART, f"'{name}' is no picture: {', '.join(TYPES)} are", place)
+        sink.add(UNREADABLE_PART, f"'{name}' is not a picture in one of the formats {', '.join(TYPES)}", place)
         return
     try:
         content = read_file(folder / name, LARGEST)

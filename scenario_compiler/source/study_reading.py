@@ -39,6 +39,7 @@ from scenario_compiler.source.study import (
     square_rows,
 )
 from scenario_compiler.source.study_file import StudyFile
+from scenario_compiler.source.study_idle import report_idle, report_unused
 from scenario_compiler.source.study_page import read_page
 
 MOST_POINTS = 101
@@ -56,6 +57,7 @@ def read_study(document: Document, sink: Diagnostics) -> StudyFile:
         return StudyFile(document)
     for named in (study.scenarios, study.hmis, study.settings, () if study.probe is None else study.probe.queries):
         _report_doubles(named, sink)
+    report_idle(study, sink)
     for setting in study.settings:
         _report_repeated(setting.values, "parameter", f"'{setting.name}' sets the parameter '{{}}' already", sink)
     parts = (
@@ -70,12 +72,13 @@ def read_study(document: Document, sink: Diagnostics) -> StudyFile:
     if probe is not None and probe.latest < probe.earliest:
         _report_empty("the probe", probe.earliest, probe.latest, probe.place_of("to"), sink)
     rows = square_rows(len(conditions_of(study)))
+    fewer = study.participants // rows * rows
     if study.order == "latin_square" and study.participants % rows:
         sink.add(
             UNEVEN_SQUARE,
             f"{study.participants} participants do not fill the {rows} rows of the balanced Latin square evenly",
             study.place_of("participants"),
-            hint=f"{study.participants // rows * rows or rows} or {(study.participants // rows + 1) * rows} do",
+            hint=f"{fewer} or {fewer + rows} do" if fewer else f"{rows} do",
         )
     pages = {}
     for step in _pages_of(study):
@@ -112,10 +115,13 @@ def read_questionnaire(document: Document, sink: Diagnostics) -> StudyFile:
     for scale in found.scales:
         if scale.most > scale.least:
             _report_points(scale, sink)
+    report_unused(found, sink)
     _report_names(found.items, sink)
     for score in found.scores:
-        for name in score.of:
-            if name not in numbers:
+        for k, name in enumerate(score.of):
+            if name in score.of[:k]:
+                sink.add(names.DUPLICATE_NAME, f"'{score.name}' counts '{name}' twice", score.place_of("of"))
+            elif name not in numbers:
                 message = f"there is no item '{name}' whose answer is a number"
                 sink.add(UNKNOWN_ITEM, message, score.place_of("of"), hint=did_you_mean(name, numbers))
     return StudyFile(document, questionnaire=found)
@@ -151,6 +157,8 @@ def _report_names(items: Iterable[Item], sink: Diagnostics) -> None:
             sink.add(names.DUPLICATE_NAME, message, item.place_of("name"))
         if isinstance(item, ChoiceItem):
             values = [one.value for one in item.options]
+            if len(values) == 1:
+                sink.add(WRONG_POINTS, f"'{item.name}' has only one option", item.place_of("name"))
             for n, option in enumerate(item.options):
                 if option.value in values[:n]:
                     message = f"'{item.name}' has an option with the value '{option.value}' already"

@@ -111,7 +111,7 @@ class TemplateScope:
     def report_taken(self, kind: str, name: str, place: Place, sink: Diagnostics) -> None:
         """Report that a name of this scope is already used, and where."""
         article = "" if kind == "traffic" else "an " if kind[0] in "aeiou" else "a "
-        message = f"{article}{kind} '{name}' is there already"
+        message = f"there is already {article}{kind} '{name}'"
         sink.add(names.DUPLICATE_NAME, message, place, related=names.first_at(self.places.get((kind, name))))
 
     def _numbered(self, stem: str) -> str:
@@ -317,7 +317,7 @@ class Expander:
         """Count an item and return whether it may be added; report the first one above the limit."""
         self.contents.count += 1
         if self.contents.count == self.most + 1 and not self.trial:
-            message = f"more than {self.most} items come together here"
+            message = f"more than {self.most} items are inserted here"
             reading.sink.add(names.TOO_MANY_ITEMS, message, reading.origin(element))
         if self.contents.depth <= (MOST_NESTED_TRIED if self.trial else MOST_NESTED):
             return not self.has_too_many
@@ -383,7 +383,7 @@ class Expander:
             scope.all_read = False
             return
         if len(values) > MOST_ROUNDS:
-            message = f"{len(values)} rounds are too many; at most {MOST_ROUNDS} are made"
+            message = f"{len(values)} rounds are too many; at most {MOST_ROUNDS} are allowed"
             reading.sink.add(names.TOO_MANY_ITEMS, message, reading.origin(element))
             return
         name = scope.name_part(fields.get("id", ""), word.tag(), reading.origin(element, "id"), reading.sink)
@@ -428,7 +428,7 @@ class Expander:
         identity = f"{template.document.path}#{use.template}"
         if identity in chain:
             uses = " uses ".join(f"'{one.rsplit('#', 1)[1]}'" for one in (*chain[chain.index(identity) :], identity))
-            reading.sink.add(names.TEMPLATE_CYCLE, f"{uses}: it never ends", use.origin)
+            reading.sink.add(names.TEMPLATE_CYCLE, f"{uses}, without end", use.origin)
             return
         name = scope.name_use(use, reading.sink)
         inner = self._inside(name, scope, use.origin)
@@ -542,7 +542,7 @@ def _shelve(library: Library, templates: dict[str, Part], sink: Diagnostics) -> 
     for name in library.own_templates:
         part, there = library.templates[name], templates.get(name)
         if there is not None and there.document.path != part.document.path:
-            message = f"a template named '{name}' is in {there.document.path} already"
+            message = f"a template named '{name}' is already in {there.document.path}"
             sink.add(names.DUPLICATE_NAME, message, part.document.origin(part.element, "name"))
     for name, part in library.templates.items():
         if name in library.own_templates or name not in templates:

@@ -31,7 +31,7 @@ def check_variation(vary: Vary, declared: Declared, sink: Diagnostics) -> None:
         if fault:
             sink.add(BAD_VARIATION, fault, axis.place_of(attribute))
         elif axis.parameter in varied:
-            message = f"'{axis.parameter}' is varied already"
+            message = f"'{axis.parameter}' is varied twice"
             sink.add(BAD_VARIATION, message, axis.place_of("parameter"))
         elif parameter is not None:
             _check_values(axis, parameter, sink)
@@ -51,7 +51,7 @@ def _check_values(axis: Axis, parameter: Parameter, sink: Diagnostics) -> None:
             if typed(text, parameter, axis.place_of("of"), sink) is None:
                 return
     elif parameter.type == "integer" and not (isinstance(axis, Poisson) or _counts(axis)):
-        message = f"'{parameter.name}' is an integer: whole numbers are listed, counted by <poisson>, or <grid> steps"
+        message = f"'{parameter.name}' is an integer, which needs whole numbers: a list, <poisson>, or steps of <grid>"
         sink.add(BAD_VARIATION, message, axis.place_of("parameter"))
     elif parameter.type in ("text", "boolean"):
         message = f"'{parameter.name}' is a {parameter.type}, which only <choice>, <values> and <weighted> vary"

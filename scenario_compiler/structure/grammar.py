@@ -24,9 +24,9 @@ class Faults:
     Attributes:
         order: The children are those that are needed, in another order.
         misplaced: A child stands too often or too late.
-        excluded: A condition of the format does not hold; None where it has none.
-        blank: Blanks in an element that is empty; None where they are no fault.
-        other_version: What another version has; None where that is a fault like any other.
+        excluded: A condition of the format is not met; None if the format has no conditions.
+        blank: Blanks in an element that must be empty; None if they are allowed.
+        other_version: A word of another version; None if that is a fault like any other.
         loose: A value that only looks different from what it should be; None as above.
     """
 
@@ -58,7 +58,7 @@ class Grammar:
         faults: The codes of what is wrong.
         words_since: First minor version whose words are checked.
         required_since: First minor version that requires attributes.
-        stands_for_word: Tells which texts may stand in place of any word.
+        stands_for_word: Returns whether a text is allowed in place of any word.
         loosely: Returns the value of a kind (in a minor version) that a wrongly written text seems to mean, or None.
         groups: Models of the format's own words for children, by minor version.
         conditions: What an element demands beyond its declaration, by the declaration's name.
@@ -131,7 +131,7 @@ class Grammar:
         return any(attribute is None or attribute in self.declaration(name, minor).attributes for name in names)
 
     def reachable(self, minor: int) -> frozenset[str]:
-        """Return the names of the declarations that stand anywhere below the root in a version, the root's too."""
+        """Return the names of the declarations at or below the root in a version."""
         if minor not in self._reachable:
             found: set[str] = set()
             pending = [self.root]

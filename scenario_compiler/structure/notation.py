@@ -39,8 +39,8 @@ class Declaration:
         name: Name in the tables.
         attributes: By name.
         content: The children's order.
-        text: Kind of the text ("" any), None where no text may stand.
-        anything: Whether any children may stand in it.
+        text: Kind of the text ("" for any); None if no text is allowed.
+        anything: Whether any children are allowed.
         switch: An attribute and the declarations that take over by its value.
     """
 
@@ -53,7 +53,7 @@ class Declaration:
 
     @property
     def empty(self) -> bool:
-        """True when nothing may stand in the element."""
+        """Whether the element must be empty."""
         return len(self.content.names) == 1 and self.text is None and not self.anything
 
     def cases(self) -> list[str]:

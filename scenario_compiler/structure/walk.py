@@ -103,7 +103,7 @@ class _Walk:
                 attribute = self._declared(declaration, minor).attributes.get(name)
                 return attribute is None or not attribute.required
 
-            code, hint = self._elsewhere(code, self._versions(without), "it may be left out in")
+            code, hint = self._elsewhere(code, self._versions(without), "it is optional in")
         self.findings.report(code, f"<{local_name(element)}> lacks {name}", element, hint=hint)
 
     def value(self, element: etree._Element, name: str | None, value: str, attribute: Attribute, minor: int) -> None:
@@ -114,7 +114,7 @@ class _Walk:
             return
         code, hint = self.faults.bad_value, ""
         words = self.grammar.words_of(kind, minor) if kind in self.grammar.words else None
-        expected = "none of its words" if words is not None else f"not {self.grammar.kinds[kind].described}"
+        expected = "not one of the allowed words" if words is not None else f"not {self.grammar.kinds[kind].described}"
         if self._names_other_versions(code) and (words is not None or self.faults.other_version is not None):
             checked = [one for one in self.grammar.minors if one >= self.grammar.words_since]
             code, hint = self._elsewhere(code, [one for one in checked if self.grammar.is_value(kind, value, one)])
@@ -134,7 +134,7 @@ class _Walk:
             message = f"text in <{local_name(element)}>: '{stray.strip()[:40]}'"
             self.findings.report(self.faults.stray_text, message, element)
         elif declaration.empty and texts and self.faults.blank is not None:
-            message = f"blanks in <{local_name(element)}>, in which nothing may stand"
+            message = f"blanks in <{local_name(element)}>, which must be empty"
             self.findings.report(self.faults.blank, message, element)
 
     def unknown_element(
@@ -153,7 +153,7 @@ class _Walk:
                 found = self._in_other_version(child, declaration, knowing)
             if not hint and self.findings.lists(code):
                 hint = did_you_mean(tag[:80], declaration.content.tags())
-        self.findings.report(code, f"<{local_name(parent)}> has no child <{tag[:60]}>", child, hint=hint)
+        self.findings.report(code, f"<{tag[:60]}> is not allowed in <{local_name(parent)}>", child, hint=hint)
         return found
 
     def _in_other_version(
@@ -177,7 +177,7 @@ class _Walk:
         if self.faults.other_version is None:
             return ""
         fitting = self._versions(lambda minor: _fits(self._declared(declaration, minor), tags))
-        return self._elsewhere(self.faults.other_version, fitting, "these children are complete and in order in")[1]
+        return self._elsewhere(self.faults.other_version, fitting, "these children are valid in")[1]
 
     def _declared(self, declaration: Declaration, minor: int) -> Declaration:
         return self.grammar.declaration(declaration.name, minor)
@@ -193,7 +193,7 @@ class _Walk:
         if not minors or self.minor in minors:
             return code, ""
         others = ", ".join(f"1.{minor}" for minor in minors)
-        hint = f"{says} {self.grammar.name} {others}; the file says 1.{self.minor}"
+        hint = f"{says} {self.grammar.name} {others}; the file's version is 1.{self.minor}"
         return self.faults.other_version or code, hint
 
 
@@ -251,7 +251,7 @@ class _Children:
         counts = Counter(tags)
         state, before = self.content.start, ""
         for child, tag in self.known:
-            where = "occurs too often or too late" if counts[tag] > 1 else f"has no place after <{before}>"
+            where = "occurs too often or too late" if counts[tag] > 1 else f"is not allowed after <{before}>"
             state = self._step(state, child, tag, where)
             before = tag
         if not self.content.complete(state) and (lacking := self.content.missing(state, None)) is not None:
@@ -269,7 +269,7 @@ class _Children:
             self._report(self.walk.faults.missing_element, message, child)
             return lacking[1]
         expected = self.content.expected(state)
-        hint = f"here may stand: {', '.join(expected)}" if 0 < len(expected) <= 12 else ""
+        hint = f"allowed here: {', '.join(expected)}" if 0 < len(expected) <= 12 else ""
         self._report(self.walk.faults.misplaced, f"<{tag}> {where} in <{self._name()}>", child, hint)
         return state
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -104,6 +105,11 @@ class Attendance:
         return self.steps[step_reached(self.journal.records)]
 
     @property
+    def _admitted(self) -> bool:
+        """Whether the experimenter has let the session begin, perhaps before the program was started again."""
+        return any(one["kind"] == "started" for one in self.journal.records)
+
+    @property
     def token(self) -> str:
         """A text that changes whenever the participant's page must change."""
         return f"{self.step.number}/{self.presence}"
@@ -111,8 +117,14 @@ class Attendance:
     @property
     def session(self) -> Session | None:
         """The run under way."""
-        found = None if self.cockpit is None else self.cockpit.session
+        cockpit = self.cockpit
+        found = None if cockpit is None else cockpit.session
         return found if found is not None and found.is_alive() else None
+
+    def cockpit_at(self, step: str) -> Cockpit | None:
+        """Return the wheel of a step's run; None if the session is at another step."""
+        with self._lock:
+            return self.cockpit if str(self.step.number) == step else None
 
     def close(self) -> None:
         """End the current run, which is repeated when the participant continues, and close the journal."""
@@ -133,40 +145,51 @@ class Attendance:
             if self.presence in ("waiting", "paused"):
                 self.journal.add("started", self.step.number)
                 self.presence = "started"
-            if self.session is not None:
-                self.session.resume()
+            session = self.session
+            if session is not None:
+                session.resume()
 
     def pause(self) -> None:
         """Stop the current run, and let the participant wait."""
         with self._lock:
+            session = self.session
             if self.presence == "started":
-                self.journal.add("paused", self.step.number, t=None if self.session is None else self.session.now)
+                self.journal.add("paused", self.step.number, t=None if session is None else session.now)
                 self.presence = "paused"
-            if self.session is not None:
-                self.session.pause()
+            if session is not None:
+                session.pause()
 
     def abort(self) -> None:
         """End and mark the current run; the next step follows."""
-        if self.session is not None:
-            self.journal.add("aborted", self.step.number, t=self.session.now)
-            self.session.abort()
+        with self._lock:
+            session = self.session
+            if session is not None and session.going:
+                self.journal.add("aborted", self.step.number, t=session.now)
+                session.abort()
 
     def request(self) -> None:
         """Let the automation of the current run request a takeover now."""
-        if self.session is not None:
-            self.journal.add("requested", self.step.number, t=self.session.now)
-            self.session.request()
+        with self._lock:
+            session = self.session
+            if session is not None and session.going:
+                self.journal.add("requested", self.step.number, t=session.now)
+                session.request()
 
     def note(self, text: str) -> None:
         """Write a note of the experimenter."""
         if not text.strip() or len(text) > LONGEST_NOTE:
             raise OutOfPlaceError(f"a note has 1 to {LONGEST_NOTE} characters")
-        self.journal.add("note", self.step.number, text=text, t=None if self.session is None else self.session.now)
+        with self._lock:
+            session = self.session
+            self.journal.add("note", self.step.number, text=text, t=None if session is None else session.now)
 
     # What the participant does.
 
     def go_on(self, number: int, answers: Mapping[str, str]) -> None:
         """Store the answers of a step's page; answers to an earlier step have no effect.
+
+        Answers that arrive when the experimenter has just paused the session, or from a page that was open when the
+        program was started again, are stored as well.
 
         Raises:
             OutOfPlaceError: They do not belong to the step, or an answer is missing or wrong.
@@ -175,7 +198,8 @@ class Attendance:
             step = self.step
             if number < step.number:
                 return
-            if number > step.number or step.kind in ("drive", "end") or self.presence != "started":
+            closed = self.presence == "declined" or not self._admitted
+            if number > step.number or step.kind in ("drive", "end") or closed:
                 raise OutOfPlaceError("this step has not been reached")
             if step.kind == "consent" and answers.get("agree") != "yes":
                 self.journal.add("declined", step.number)
@@ -207,36 +231,40 @@ class Attendance:
         return None
 
     def _answer(self, message: Mapping[str, Any]) -> None:
-        probe, session = self.rules.compilation.study.probe, self.session
-        if probe is None or session is None or session.held != "probe" or self._run["probed"]:
-            return
-        answers = {}
-        for query in probe.queries:
-            given = str(message["answers"][query.name])
-            if len(given) > LONGEST_NOTE or given not in CHOICES.get(query.about, (given,)):
-                raise OutOfPlaceError(f"'{query.name}' has no answer of its choices")
-            answers[query.name] = given
-        attempt, seconds = self._run["attempt"], _seconds(message)
-        self.journal.add("probe", self.step.number, attempt=attempt, t=session.now, answers=answers, seconds=seconds)
-        self._run["probed"] = True
-        session.go_on()
+        probe = self.rules.compilation.study.probe
+        with self._lock:
+            session = self.session
+            if probe is None or session is None or session.held != "probe" or self._run["probed"]:
+                return
+            answers = {}
+            for query in probe.queries:
+                given = str(message["answers"][query.name])
+                if len(given) > LONGEST_NOTE or given not in CHOICES.get(query.about, (given,)):
+                    raise OutOfPlaceError(f"'{query.name}' has no answer of its choices")
+                answers[query.name] = given
+            attempt, seconds = self._run["attempt"], _seconds(message)
+            t = session.now
+            self.journal.add("probe", self.step.number, attempt=attempt, t=t, answers=answers, seconds=seconds)
+            self._run["probed"] = True
+            session.go_on()
 
     def _searched(self, message: Mapping[str, Any], task: SearchTask, trial: Trial) -> dict[str, Any]:
         """Write an answer to the present picture of the secondary task, if it is one; return the picture to show."""
-        session, number = self.session, self._run.get("number", 0)
-        if session is not None and message.get("number") == number:
-            shown, chosen = search_picture(task, trial.seed, number), int(message["chosen"])
-            self.journal.add(
-                "search",
-                self.step.number,
-                attempt=self._run["attempt"],
-                t=session.now,
-                number=number,
-                right=chosen == shown.target,
-                seconds=_seconds(message),
-            )
-            number = self._run["number"] = number + 1
-        return {"number": number, "circles": search_picture(task, trial.seed, number).circles}
+        with self._lock:
+            session, number = self.session, self._run.get("number", 0)
+            if session is not None and session.going and message.get("number") == number:
+                shown, chosen = search_picture(task, trial.seed, number), int(message["chosen"])
+                self.journal.add(
+                    "search",
+                    self.step.number,
+                    attempt=self._run["attempt"],
+                    t=session.now,
+                    number=number,
+                    right=chosen == shown.target,
+                    seconds=_seconds(message),
+                )
+                number = self._run["number"] = number + 1
+            return {"number": number, "circles": search_picture(task, trial.seed, number).circles}
 
     # Runs.
 
@@ -248,12 +276,10 @@ class Attendance:
         if step.kind == "end":
             self.presence = "finished"
         elif step.trial is not None:
-            self.cockpit = Cockpit(self._begin, may_stop=False, heard=self.heard)
+            self.cockpit = Cockpit(partial(self._begin, step.number), may_stop=False, heard=self.heard)
 
-    def drive(self) -> Drive:
-        """Return the settings of the step's run."""
-        trial = self.step.trial
-        assert trial is not None
+    def drive(self, trial: Trial) -> Drive:
+        """Return the settings of a trial's run."""
         planned, attempt = planned_run(self.rules.compilation, trial), self._run.get("attempt", 1)
         folder = self.seat.run_folder(trial.number, attempt)
         plan, network = planned.plan, planned.network
@@ -270,15 +296,18 @@ class Attendance:
             otherwise=self.rules.compilation.study.language,
         )
 
-    def _begin(self, show: Callable[[Picture], bool]) -> Session | None:
-        """Return a new run of the step, with files of its own; a run after a crash is another attempt."""
+    def _begin(self, number: int, show: Callable[[Picture], bool]) -> Session | None:
+        """Return a new run of a step, with files of its own; a run after a crash is another attempt.
+
+        There is none while the session is paused, and none for a page of an earlier step.
+        """
         with self._lock:
             step = self.step
-            if step.trial is None or self.presence != "started":
+            if step.trial is None or step.number != number or self.presence != "started":
                 return None
             attempt = attempts_at(self.journal.records, step.number) + 1
             self._run = {"attempt": attempt, "number": 0, "probed": False}
-            drive = self.drive()
+            drive = self.drive(step.trial)
             assert drive.folder is not None
             make_folder(drive.folder)
             self.journal.add("begun", step.number, attempt=attempt)

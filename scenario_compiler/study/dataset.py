@@ -40,7 +40,7 @@ BIDS_VERSION = "1.9.0"
 Row = dict[str, Any]
 
 EVENT_COLUMNS = (
-    Column("onset", "number", "s", "Time from the begin of the run."),
+    Column("onset", "number", "s", "Time from the start of the run."),
     Column("duration", "number", "s", "Duration; missing where something happens at one instant."),
     Column("trial_type", "text", "", "What happened: an event of the run, probe (an answer to a query) or search (an "
            "answer in the secondary task)."),
@@ -70,7 +70,7 @@ TRIAL_COLUMNS = (
     Column("resolution", "text", "", "How the first request ended."),
     Column("cause", "text", "", "Cause of the first request.", "without a request"),
     Column("override_time", "number", "s", "Time of the first takeover without a request, at a warning for example, "
-           "from the begin of the run. If no request came afterwards, resolution is no_request, and the times from a "
+           "from the start of the run. If no request came afterwards, resolution is no_request, and the times from a "
            "request are missing.", "when nobody took over without a request"),
     Column("recording", "text", "", "Folder of the run, from the folder of the study."),
     *(Column(one.name, "number", one.unit, one.definition, one.undefined, one.source) for one in MEASURES),

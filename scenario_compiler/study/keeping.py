@@ -51,7 +51,7 @@ def study_folder(root: Path, compilation: StudyCompilation, *, pilot: bool) -> I
         if json.loads(file.read_text(encoding="utf-8")) != manifest:
             raise StudyError(f"{root} holds the data of another study, or of this one before it was changed")
     elif any(root.iterdir()):
-        raise StudyError(f"{root} is not empty and holds no study")
+        raise StudyError(f"{root} is not empty and contains no study")
     make_folder(file.parent)
     try:
         with locked(root / "sourcedata" / "study.lock"):

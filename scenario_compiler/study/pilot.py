@@ -1,6 +1,6 @@
 """Takes driver models through a study: the same steps and the same files as for people.
 
-The driver of each trial is drawn anew, without properties of a person that persist from one trial to the next. Answers
+The driver of each trial is drawn again, without properties of a person that persist from one trial to the next. Answers
 to questionnaires and probes are drawn uniformly, so that tables have their form; they have no meaning. A model does no
 secondary task.
 """

@@ -1,6 +1,6 @@
 """The pages of a study: those of the participants, and that of the experimenter.
 
-A participant's page is made anew at each step, so that a page that is loaded again shows the participant's present
+A participant's page is made again at each step, so that a page that is loaded again shows the participant's present
 step.
 """
 
@@ -145,8 +145,8 @@ class StudyServer:
             return self._rendered("message.html.jinja", **values, message=self.words["thanks"])
         if attendance.presence in ("waiting", "paused") and attendance.session is None:
             return self._rendered("waiting.html.jinja", **values)
-        if step.kind == "drive":
-            return HTMLResponse(drive_page(attendance.drive().language, base))
+        if step.trial is not None:
+            return HTMLResponse(drive_page(attendance.drive(step.trial).language, base))
         if step.kind == "ask":
             asked = source.questionnaires[step.file]
             return self._rendered("questionnaire.html.jinja", **values, asked=asked)
@@ -188,9 +188,9 @@ class StudyServer:
                 for one in (() if study.probe is None else study.probe.queries)
             ]
             texts = {key: words[key] for key in ("continue", "probe", "paused", "over")}
-            told = described(attendance.drive())
+            told = described(attendance.drive(step.trial))
             told["name"], told["summary"] = f"{words['run']} {step.trial.number}", ""
-            told["study"] = {"words": texts, "queries": queries}
+            told["study"] = {"step": step.number, "words": texts, "queries": queries}
             told["study"] |= {"search": None if study.task is None else {"words": words["search"]}}
             return JSONResponse(told)
 
@@ -198,8 +198,10 @@ class StudyServer:
 
     async def _socket(self, connection: WebSocket) -> None:
         attendance = self.attendances.get(connection.path_params["number"])
-        cockpit = None if attendance is None else attendance.cockpit
-        if self.door.refusal(connection) or cockpit is None:
+        cockpit = None
+        if attendance is not None and not self.door.refusal(connection):
+            cockpit = await asyncio.to_thread(attendance.cockpit_at, connection.query_params.get("step", ""))
+        if cockpit is None:
             await connection.close(code=1008)
         else:
             await cockpit.serve(connection)
@@ -233,7 +235,8 @@ class StudyServer:
 
 def _row(one: Attendance) -> dict[str, Any]:
     """Return a participant's row on the experimenter's page."""
-    step, session, trial = one.step, one.session, one.step.trial
+    step, session, cockpit = one.step, one.session, one.cockpit
+    trial = step.trial
     what = f"{step.kind} {step.file}".strip() if trial is None else f"{trial.role} {trial.what}"
     return {
         "participant": one.participant,
@@ -243,7 +246,7 @@ def _row(one: Attendance) -> dict[str, Any]:
         "steps": len(one.steps),
         "what": what,
         "presence": one.presence,
-        "page": one.cockpit is not None and one.cockpit.occupied,
+        "page": cockpit is not None and cockpit.occupied,
         "run": None if session is None else {"t": round(session.now, 1), "state": session.state, "held": session.held},
         "notes": sum(record["kind"] == "note" for record in one.journal.records),
     }

@@ -59,7 +59,7 @@ def tidy_rows(root: Path) -> list[dict[str, str]]:
         StudyError: The folder contains no study.
     """
     if not (root / MANIFEST).is_file():
-        raise StudyError(f"{root} holds no study")
+        raise StudyError(f"{root} contains no study")
     tables: dict[str, list[dict[str, str]]] = {}
     for file in sorted(root.glob("sub-*/ses-*/beh/*_beh.tsv")):
         task = file.stem.split("_task-")[1].removesuffix("_beh")
@@ -97,7 +97,7 @@ def write_tidy(root: Path, output: Path) -> int:
     """
     rows = tidy_rows(root)
     if not rows:
-        raise StudyError(f"{root} holds no run yet")
+        raise StudyError(f"{root} contains no run yet")
     lines = [list(rows[0]), *([value if value != MISSING else "" for value in row.values()] for row in rows)]
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(lines)

@@ -45,7 +45,7 @@ class ConditionCoverage(_Part):
 
     tag: str = Field(description="OpenLABEL's tag.")
     words: str = Field(description="What it says.")
-    group: tuple[str, ...] = Field(description="Where it stands in the tree, outermost first.")
+    group: tuple[str, ...] = Field(description="Its place in the tree, outermost first.")
     scenarios: tuple[str, ...] = Field(description="FILE#name of the scenarios with it.")
     values: dict[str, tuple[float, float]] = Field(description="Least and greatest value of what belongs to it.")
 

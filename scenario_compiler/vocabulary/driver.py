@@ -85,8 +85,8 @@ class Driving(Word):
         maximum=1,
     )
     steers: float = attribute(
-        "Share of drivers who steer around an obstacle where there is room and brake where there is none. The "
-        "remaining drivers do both at once. The default is our own choice.",
+        "Share of drivers who steer around an obstacle if there is room, and brake if there is not. The remaining "
+        "drivers do both at once. The default is our own choice.",
         default=1.0,
         quantity="fraction",
         minimum=0,

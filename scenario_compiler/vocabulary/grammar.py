@@ -72,7 +72,7 @@ class ChildRule:
 
     @property
     def tags(self) -> tuple[str, ...]:
-        """The tags that may stand in the parent."""
+        """The tags that are allowed in the parent."""
         return (self.wrapper,) if self.wrapper else tuple(self.words)
 
 

@@ -1,7 +1,7 @@
-"""How the automation `lane_detection` drives where a scenario's properties do not say otherwise.
+"""How the automation `lane_detection` drives, unless a scenario's properties change it.
 
 The look-ahead of 0.4 s within 3 to 20 m and the gain of 2 are the AISA toolkit's. The controller's parameters have
-these defaults, and surrogate perception drives by them.
+these defaults, and surrogate perception uses them.
 """
 
 from __future__ import annotations
@@ -20,4 +20,4 @@ LANE_KEEPING: dict[str, float] = {
 """Name of a parameter to its default, in the order in which the engine has them; SI units."""
 
 TRUSTED = 0.3
-"""Confidence from which a boundary leads the path; the request's own threshold."""
+"""Confidence from which a boundary determines the path: the request's own threshold."""

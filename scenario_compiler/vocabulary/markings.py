@@ -8,13 +8,13 @@ MarkColour = Literal["white", "yellow", "orange", "red", "blue"]
 
 
 class Markings(Word):
-    """The paint along a stretch of a road: colour, cover, and a quality that changes linearly from begin to end."""
+    """The paint along a stretch of a road: colour, cover, and a quality that changes linearly from start to end."""
 
     word: Literal["markings"] = "markings"
 
     road: str = attribute("Id of the road in the map.", names="road")
     s_from: Number = attribute(
-        "Begin of the stretch along the reference line, m.", name="from", quantity="length", minimum=0
+        "Start of the stretch along the reference line, m.", name="from", quantity="length", minimum=0
     )
     s_to: Number = attribute("End of the stretch along the reference line, m.", name="to", quantity="length", minimum=0)
     lane: int | None = attribute(
@@ -22,14 +22,14 @@ class Markings(Word):
         default=None,
     )
     quality: Number | None = attribute(
-        "Quality at the begin: 1 is fresh paint, 0 is no paint. The map's quality if left out.",
+        "Quality at the start: 1 is fresh paint, 0 is no paint. The map's quality if left out.",
         default=None,
         quantity="fraction",
         minimum=0,
         maximum=1,
     )
     quality_to: Number | None = attribute(
-        "Quality at the end; the same as at the begin if left out.",
+        "Quality at the end; the same as at the start if left out.",
         default=None,
         quantity="fraction",
         minimum=0,
@@ -57,7 +57,7 @@ class SecondaryMarkings(Word):
 
     road: str = attribute("Id of the road in the map.", names="road")
     s_from: Number = attribute(
-        "Begin of the line along the reference line, m.", name="from", quantity="length", minimum=0
+        "Start of the line along the reference line, m.", name="from", quantity="length", minimum=0
     )
     s_to: Number = attribute("End of the line along the reference line, m.", name="to", quantity="length", minimum=0)
     t: Number = attribute(
@@ -82,7 +82,7 @@ class LineBeside(Word):
 
     entity: str = attribute("Id of the entity from which the line is measured.", names="entity")
     s_from: Number = attribute(
-        "Begin of the line, m along the road from the entity, positive in the direction that the entity faces.",
+        "Start of the line, m along the road from the entity, positive in the direction that the entity faces.",
         name="from",
         default=0.0,
         quantity="length",

@@ -13,7 +13,7 @@ _HEAD = (
     "# The language, element by element\n\n"
     "This page is generated from the declarations of the language's words: change those, then run `make generate`.\n"
     "`schemas/conflict.xsd` contains the same information for editors.\n\n"
-    "The children of an element must stand in the order in which they are listed. Any value can be replaced by a\n"
+    "The children of an element must have the order in which they are listed. Any value can be replaced by a\n"
     "parameter, `$name`, or by an expression over parameters, `${...}`. Numbers are decimal, in the given unit.\n"
     "Expressions support `+ - * / % ^`, comparisons, `and`, `or`, `not`, parentheses, and the functions "
 )
@@ -28,7 +28,7 @@ Examples = Mapping[tuple[str, str], str]
 
 @dataclass(frozen=True)
 class Group:
-    """Words that may stand in the same elements.
+    """Words that are allowed in the same elements.
 
     Attributes:
         name: Name of one of them.
@@ -69,7 +69,7 @@ def language_page(roots: Iterable[type[Word]], examples: Examples, head: str = "
 
 
 def _groups(parents: Mapping[type[Word], tuple[type[Word], ...]]) -> list[Group]:
-    """Return the groups of words that may stand in the same places, if these are many, so that they are listed once."""
+    """Return the groups of words that are allowed in the same places, if these are many, to list them once."""
     counts = Counter(parents.values())
     found = []
     for places, count in counts.items():
@@ -127,7 +127,7 @@ def _section(
 
 
 def _tags(parents: tuple[type[Word], ...]) -> list[str]:
-    """Return the tags of elements that a word may stand in; a wrapper's tag where it stands in one."""
+    """Return the tags of elements that may contain a word; the wrapper's tag if it is in one."""
     wrappers = [rule.wrapper for parent in parents for rule in grammar_of(parent).children if rule.wrapper]
     return [*(parent.tag() for parent in parents), *wrappers, ""]
 

@@ -6,8 +6,8 @@ from typing import Literal
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 Perception = Literal["camera", "ideal", "surrogate"]
-"""What the lane confidence comes from: the camera's image, the map's marks, or a function that was fitted to what the
-camera's detector says."""
+"""Source of the lane confidence: the camera's image, the map's marks, or a function that was fitted to the output of
+the camera's detector."""
 
 FailureKind = Literal[
     "noise",
@@ -68,7 +68,7 @@ class Failure(Word):
 
     kind: FailureKind = attribute("Kind of the failure.")
     onset: Number = attribute(
-        "Begin of the failure, s after the start of the run or after the action.",
+        "Start of the failure, s after the start of the run or after the action.",
         default=0.0,
         quantity="time",
         minimum=0,

@@ -122,7 +122,7 @@ Language = Literal["en", "de", "fi", "sv"]
 
 
 Told = Literal["warning", "request", "escalation", "minimum_risk"]
-"""Events that messages announce. A message ends when its event gives way to another one or its reason ends."""
+"""Events that messages announce. A message ends when another event follows or its reason ends."""
 
 
 class Say(Word):
@@ -192,8 +192,8 @@ class Takeover(Word):
         exclusive=True,
     )
     warning_lead: Number = attribute(
-        "Least time from the warning to the request, for causes that can be foreseen, s. A limit ahead that is "
-        "detected too late for this is not warned of.",
+        "Least time from the warning to the request, for causes that can be foreseen, s. There is no "
+        "warning of a limit that is detected too late for this.",
         default=1.0,
         quantity="time",
         minimum=0,
@@ -241,9 +241,9 @@ class Takeover(Word):
         minimum=0,
     )
     causes: tuple[Cause, ...] = child("The enabled causes; all causes if none is given.", default=())
-    driver: Driver | DriverModel = child("Who answers.", default_factory=Driver.model_construct)
+    driver: Driver | DriverModel = child("The driver who responds.", default_factory=Driver.model_construct)
     messages: tuple[Message, ...] = child("How the automation informs the driver.", default=())
     automation: Automation = child(
         "Behaviour of the automation before and after a request.", default_factory=Automation.model_construct
     )
-    inputs: Inputs = child("What measures count as the driver's input.", default_factory=Inputs.model_construct)
+    inputs: Inputs = child("What counts as the driver's input.", default_factory=Inputs.model_construct)

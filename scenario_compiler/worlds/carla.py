@@ -149,7 +149,7 @@ class CarlaOptions(WorldOptions):
     camera: Literal["carla", "built-in"] | None = Field(
         default=None, description="Whose pictures the automation sees; CARLA's unless the paint is changed."
     )
-    recording: str = Field(default="", description="Name of a recording that the server makes; none where empty.")
+    recording: str = Field(default="", description="Name of a recording that the server makes; none if empty.")
 
 
 class CarlaWorld:
@@ -355,8 +355,7 @@ class CarlaWorld:
         )
         self._actors[0] = actor
         actor.set_simulate_physics(self.moves_ego)
-        if not self.moves_ego:
-            actor.set_transform(self._transform(0, state.pose))
+        actor.set_transform(self._transform(0, state.pose))  # else it would fall while it begins to drive
         physics, half = actor.get_physics_control(), actor.bounding_box.extent
         self._max_steer = math.radians(max((wheel.max_steer_angle for wheel in physics.wheels), default=70.0))
         wheels = [(wheel.damping_rate, wheel.radius / 100.0) for wheel in physics.wheels]

@@ -88,11 +88,11 @@ class EntityState:
 class Entities(Sequence[EntityState]):
     """The entities at one instant; the state of an entity is built when it is first read.
 
-    Two are equal where all states are.
+    Two instances are equal if all their states are equal.
     """
 
     def __init__(self, count: int, state_of: Callable[[int], EntityState]) -> None:
-        """Take how many there are, and what builds one's state from columns that no longer change."""
+        """Store the number of entities, and a function that builds an entity's state from unchanging columns."""
         self._state_of = state_of
         self._built: list[EntityState | None] = [None] * count
 

@@ -1,4 +1,4 @@
-"""A Dask cluster of a scheduler and three worker processes on this machine gives the table of the local run."""
+"""A Dask cluster with three worker processes on this machine gives the same table as the local run."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def test_a_cluster_gives_the_local_table_though_a_worker_is_killed(
 
 
 @pytest.mark.slow
-def test_a_missing_cluster_is_said() -> None:
+def test_a_missing_cluster_is_reported() -> None:
     from scenario_compiler.batch.cluster import Cluster
 
     with pytest.raises(SweepError, match="no Dask cluster answers at tcp://127"):

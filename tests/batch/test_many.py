@@ -1,4 +1,4 @@
-"""Many seeds from Python: a table that agrees with single runs, and says how far it is."""
+"""Many seeds from Python: a table that agrees with single runs, and its progress."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_a_table_agrees_with_single_runs(plan: Plan, network: Network) -> None:
     assert html.count("<tr>") == 3
 
 
-def test_a_recording_is_a_table_of_pandas_as_its_file_is(plan: Plan, network: Network, tmp_path: Path) -> None:
+def test_a_recording_gives_pandas_the_same_table_as_its_file(plan: Plan, network: Network, tmp_path: Path) -> None:
     with open_world("kinematic", plan, network) as world:
         recording = run(plan, world)
     write_recording(recording, tmp_path / "recording.parquet")

@@ -1,4 +1,4 @@
-"""Reference drivers as a line to hold against: a criterion, a column of a sweep and a curve in its report."""
+"""Reference drivers for comparison: a criterion, a column of a sweep and a curve in its report."""
 
 from __future__ import annotations
 
@@ -43,9 +43,7 @@ def conflict(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("interpreted", [False, True])
-def test_a_collision_fails_where_the_reference_driver_has_none(
-    conflict: Path, tmp_path: Path, interpreted: bool
-) -> None:
+def test_a_collision_fails_if_the_reference_driver_has_none(conflict: Path, tmp_path: Path, interpreted: bool) -> None:
     count = 4 if interpreted else 12
     spec = SweepSpec(vary=(f"gap=grid(8, 60, {count})",), method="grid", perception="ideal", interpreted=interpreted)
     run_sweep(conflict, spec, tmp_path / "sweep", workers=1, report=not interpreted)

@@ -1,4 +1,4 @@
-"""Samples: the distributions' moments, the methods' evenness, and what a sample depends on."""
+"""Samples: the distributions' moments, the evenness of the methods, and the dependence on seed and index."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def test_a_distribution_fits_the_kinds_whose_values_it_gives(text: str, fitting:
     assert {kind for kind in kinds if not misfit(parse_distribution(text), kind)} == fitting
 
 
-def test_a_random_sample_depends_on_seed_and_index_alone() -> None:
+def test_a_random_sample_depends_on_seed_and_index_only() -> None:
     short = make_sampler(SweepSpec(vary=("a=uniform(0, 1)",), samples=3))
     long = make_sampler(SweepSpec(vary=("b=normal(0, 1)", "a=uniform(0, 1)"), samples=300))
     assert [short.sample(k)["a"] for k in range(3)] == [long.sample(k)["a"] for k in range(3)]
@@ -141,13 +141,13 @@ def test_repeats_have_the_same_values_and_other_seeds(method: Method, where: tup
         assert often.seed_of(index) == 5 + index % 3
 
 
-def test_a_latin_hypercube_has_one_point_a_stratum() -> None:
+def test_a_latin_hypercube_has_one_point_in_each_stratum() -> None:
     points = latin_hypercube(["a", "b"], 50, 1)
     for axis in (0, 1):
         assert sorted((points[:, axis] * 50).astype(int).tolist()) == list(range(50))
 
 
-def test_sobol_is_evener_than_chance() -> None:
+def test_sobol_points_are_more_even_than_random_ones() -> None:
     points = sobol(["a", "b"], 256, 3)
     counts = [0] * 16
     for x, y in points:

@@ -1,4 +1,4 @@
-"""Searches: a boundary to its tolerance, a minimum, and taking both up again."""
+"""Searches: a boundary to its tolerance, a minimum, and resuming both."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_the_distance_at_which_collisions_begin_is_found(conflict: Path, tmp_pat
     assert again == found
 
 
-def test_a_search_is_taken_up_again(conflict: Path, tmp_path: Path) -> None:
+def test_an_interrupted_search_is_resumed(conflict: Path, tmp_path: Path) -> None:
     spec = _spec("distance=uniform(20, 200)", settings={"speed": "8"})
     whole = find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0)
     with pytest.raises(SweepError, match="--resume"):
@@ -42,7 +42,7 @@ def test_a_search_is_taken_up_again(conflict: Path, tmp_path: Path) -> None:
     assert whole == find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0, resume=True)
 
 
-def test_no_boundary_is_said(conflict: Path, tmp_path: Path) -> None:
+def test_a_missing_boundary_is_reported(conflict: Path, tmp_path: Path) -> None:
     spec = _spec("distance=uniform(20, 200)")
     for when, text in (("final_speed > 1000", "at neither end"), ("braking", "neither a measure"), ("a <", "read")):
         with pytest.raises(SweepError, match=text):

@@ -1,4 +1,4 @@
-"""takeovers.parquet: every takeover of every variant, in a sweep as in the outcome of its run."""
+"""takeovers.parquet has every takeover of every variant, as in the outcome of its run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One table of what pictures cost: `python tests/benchmarks/camera_figures.py`.
+"""Prints a table of the cost of pictures: `python tests/benchmarks/camera_figures.py`.
 
 Every figure is the median of several rounds, in CPU time (user and system) of one thread; each round measures all of
 them one after the other, so that ratios are of one run. Pictures are of a drive along the packaged motorway.

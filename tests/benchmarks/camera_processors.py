@@ -1,4 +1,4 @@
-"""Measures how far pictures, and what is detected in them, differ between processors.
+"""Measures how far pictures, and detections in them, differ between processors.
 
     python -m tests.benchmarks.camera_processors
 

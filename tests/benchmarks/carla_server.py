@@ -1,4 +1,4 @@
-"""How fast `serve-carla` is with CARLA's own client: ticks a second, and CPU time of the server a tick.
+"""Measures `serve-carla` with CARLA's own client: ticks per second, and CPU time of the server per tick.
 
     python -m tests.benchmarks.carla_server
 

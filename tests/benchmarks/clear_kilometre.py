@@ -1,4 +1,4 @@
-"""Drives lane detection over every given map at a clear noon, and counts takeover requests where nothing calls for one.
+"""Drives lane detection over given maps at a clear noon, and counts takeover requests without a reason.
 
     python tests/benchmarks/clear_kilometre.py [--metres 1000] [--jobs 2] MAP...
 

@@ -1,4 +1,4 @@
-"""What the language server does a CPU second: `python tests/benchmarks/editor_figures.py`.
+"""Prints the language server's answers per CPU second: `python tests/benchmarks/editor_figures.py`.
 
 The file is one of the library's, repeated to 500 lines. Each figure is the median CPU time of several answers to a
 text that has just changed, so that nothing is kept from the answer before. The ratio is to the 100 ms that an answer

@@ -1,4 +1,4 @@
-"""Measures how detectors, the sensor's health and the request answer to camera failures of every kind and severity.
+"""Measures how detectors, the sensor's health and the request react to camera failures of every kind and severity.
 
     python -m tests.benchmarks.failure_curves docs
 

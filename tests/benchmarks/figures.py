@@ -1,4 +1,4 @@
-"""One table of what the program does a CPU second, measured in one run: `python tests/benchmarks/figures.py`.
+"""Prints a table of the program's work per CPU second, measured in one run: `python tests/benchmarks/figures.py`.
 
 Every figure is the median of several runs, in CPU time (user and system). Ratios are against figures of esmini 3.6
 that were measured on a like machine (two shared cores); a figure of both programs from one run on one machine counts

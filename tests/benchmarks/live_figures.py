@@ -1,4 +1,4 @@
-"""One table of what a person at the wheel gets: `python tests/benchmarks/live_figures.py`.
+"""Prints a table of pictures and delays for a person at the wheel: `python tests/benchmarks/live_figures.py`.
 
 `drive` serves 1280 x 720 pictures to a page in headless Chromium on the same machine, which presses and releases a key
 all the time. The page and the server measure themselves; both share the machine's cores. Nothing else should run.

@@ -1,4 +1,4 @@
-"""Memory of a server over many short runs: `python -m tests.benchmarks.memory_figures [drive|study] [COUNT]`.
+"""Measures a server's memory over many runs: `python -m tests.benchmarks.memory_figures [drive|study] [COUNT]`.
 
 `study` serves four participants who drive at the same time, `COUNT` runs each; `drive` serves one page. Runs take
 0.4 s, so that what a run leaves behind shows as often as in a long day: eight hours of runs of a minute are 480.
@@ -33,7 +33,7 @@ def studied(folder: Path, count: int) -> list[float]:
     found: list[float] = []
 
     def drive(server: Served, participant: int) -> None:
-        for held in soaking.runs(server, count, f"/participant/{participant}/socket"):
+        for held in soaking.runs(server, count, f"/participant/{participant}/socket?step={{}}"):
             found.append(held)
             if len(found) % 20 == 0:
                 print(f"{time.monotonic():.0f} s: {len(found)} runs, {held:.1f} MiB", flush=True)

@@ -1,4 +1,4 @@
-"""One table of how fast road files are read and points located: `python tests/benchmarks/roads_figures.py`.
+"""Prints a table of the speed of reading roads and locating points: `python tests/benchmarks/roads_figures.py`.
 
 Every figure is the median of several rounds, in CPU time (user and system); ours and `carla.Map`'s are measured in the
 same round where the client is installed. Town04 is taken from the corpus (SCENARIO_COMPILER_CORPUS); the large networks
@@ -72,7 +72,7 @@ def cpu(work: Callable[[], object]) -> float:
 
 
 def carla_client() -> Any | None:
-    """Return the module of CARLA's client, None where it is not installed."""
+    """Return the module of CARLA's client, None if it is not installed."""
     try:
         return importlib.import_module("carla")
     except ImportError:

@@ -35,7 +35,7 @@ ENDLESS = """\
 def drive(server: Served, participant: int) -> None:
     """Take the pictures of a participant's run for some time."""
     here = origin(server)
-    address = f"{here.replace('http', 'ws')}/participant/{participant}/socket"
+    address = f"{here.replace('http', 'ws')}/participant/{participant}/socket?step=0"
     with connect(address, origin=Origin(here), max_size=None) as page:
         page.recv()
         page.send('{"kind": "start"}')

@@ -1,4 +1,4 @@
-"""What surrogate perception costs beside ideal perception: `python tests/benchmarks/surrogate_figures.py`.
+"""Measures surrogate perception's cost relative to ideal perception: `python tests/benchmarks/surrogate_figures.py`.
 
 The steps of a sweep in a CPU second, for each of five conflicts of the library as they are: the best of several rounds,
 both perceptions in turn. And one sweep of many variants from the scenario file to the table of results.

@@ -1,4 +1,4 @@
-"""The table of figures can be printed; what stands in it is measured by hand."""
+"""The table of figures can be printed; its values are measured by hand."""
 
 from __future__ import annotations
 

@@ -16,6 +16,9 @@ from typing import Any
 import pytest
 
 STEP = 0.05
+LANDED = 8
+"""Ticks after which a vehicle stands on the road that has been spawned 0.5 m above it, where spawn points are."""
+
 PATIENCE = 10.0
 
 

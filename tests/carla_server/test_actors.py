@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.carla_server.conftest import STEP, Served
+from tests.carla_server.conftest import LANDED, STEP, Served
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
 """Run by `make test-carla`."""
@@ -36,7 +36,7 @@ def test_the_library_has_carlas_vehicles_with_their_attributes(world: Any) -> No
 
 def test_a_vehicle_stands_where_it_was_spawned(world: Any, spawn: Spawn) -> None:
     car = spawn("vehicle.tesla.model3", role_name="hero", color="10,20,30")
-    world.tick()
+    ticks(world, LANDED)
     there, wanted = car.get_transform(), world.get_map().get_spawn_points()[0]
     assert there.location.distance(wanted.location) < 0.6
     assert there.location.z == pytest.approx(0.0, abs=1e-3)
@@ -44,6 +44,38 @@ def test_a_vehicle_stands_where_it_was_spawned(world: Any, spawn: Spawn) -> None
     assert (car.attributes["role_name"], car.attributes["color"]) == ("hero", "10,20,30")
     assert car.bounding_box.extent.x == pytest.approx(4.792 / 2)
     assert world.get_actor(car.id).type_id == "vehicle.tesla.model3"
+
+
+def fallen(count: int) -> float:
+    """Return how far a body falls in a number of ticks, m."""
+    return 0.5 * 9.81 * (count * STEP) ** 2
+
+
+def test_a_vehicle_falls_onto_the_road_from_where_it_was_spawned_or_put(world: Any, spawn: Spawn) -> None:
+    """Programs such as MACAD-Gym take a vehicle whose height is 0 after the first tick for one that is not there."""
+    import carla
+
+    car, point = spawn("vehicle.tesla.model3"), world.get_map().get_spawn_points()[0]
+    sensor = world.spawn_actor(
+        world.get_blueprint_library().find("sensor.other.gnss"), carla.Transform(carla.Location(z=1.0)), attach_to=car
+    )
+
+    def falls_from(height: float) -> None:
+        speed = 0.0
+        for count in range(1, 40):
+            world.tick()
+            here = max(height - fallen(count), 0.0)
+            assert car.get_location().z == pytest.approx(here, abs=2e-3)
+            assert sensor.get_location().z == pytest.approx(here + 1.0, abs=2e-3)
+            speed = min(speed, car.get_velocity().z)
+        assert speed == pytest.approx(-math.sqrt(2.0 * 9.81 * height), rel=0.2)
+        assert car.get_velocity().length() < 1e-3
+
+    falls_from(point.location.z)
+    point.location.z = 6.0
+    car.set_transform(point)
+    falls_from(6.0)
+    sensor.destroy()
 
 
 def test_a_blocked_place_is_refused(world: Any, spawn: Spawn) -> None:
@@ -100,6 +132,7 @@ def test_a_control_that_does_not_stick_is_forgotten(world: Any, spawn: Spawn) ->
     import carla
 
     car = spawn("vehicle.audi.tt", sticky_control="false")
+    ticks(world, LANDED)
     car.apply_control(carla.VehicleControl(throttle=1.0))
     world.tick()
     world.tick()
@@ -111,7 +144,7 @@ def test_velocities_and_impulses(world: Any, spawn: Spawn) -> None:
     import carla
 
     car = spawn("vehicle.audi.tt")
-    world.tick()
+    ticks(world, LANDED)
     ahead = car.get_transform().get_forward_vector()
     car.set_target_velocity(carla.Vector3D(ahead.x * 7.0, ahead.y * 7.0, 0.0))
     ticks(world, 2)
@@ -210,6 +243,8 @@ def test_a_transform_moves_it_and_physics_can_be_switched_off(world: Any, spawn:
     assert car.get_velocity().length() < 1e-3
     car.set_simulate_physics(True)
     ticks(world, 2)
+    assert car.get_location().z == pytest.approx(2.0 + point.location.z - fallen(2), abs=0.01)
+    ticks(world, 14)
     assert car.get_location().z == pytest.approx(0.0, abs=0.01)
 
 
@@ -244,7 +279,7 @@ def test_cars_that_meet_collide_and_lose_speed(world: Any, spawn: Spawn) -> None
     assert rear.get_velocity().length() < 7.0
 
 
-def test_a_walker_walks_where_it_is_told(world: Any, spawn: Spawn) -> None:
+def test_a_walker_walks_where_it_is_commanded(world: Any, spawn: Spawn) -> None:
     import carla
 
     point = world.get_map().get_spawn_points()[3]
@@ -370,7 +405,7 @@ def test_the_levels_boxes_are_those_of_what_stands_there(world: Any, spawn: Spaw
 def test_a_vehicle_in_the_air_stays_there_without_physics(world: Any, spawn: Spawn) -> None:
     """The co-simulation with SUMO spawns vehicles so, and moves them itself."""
     below, point = spawn("vehicle.audi.tt", 3), world.get_map().get_spawn_points()[3]
-    world.tick()
+    ticks(world, LANDED)
     point.location.z += 25.0
     above = spawn("vehicle.tesla.model3", point)
     above.set_simulate_physics(False)
@@ -388,7 +423,7 @@ def test_a_ray_meets_all_that_it_passes_through(world: Any, spawn: Spawn) -> Non
     import carla
 
     car = spawn("vehicle.audi.tt", 3)
-    world.tick()
+    ticks(world, LANDED)
     at = car.get_location()
     above, below = carla.Location(at.x, at.y, at.z + 10.0), carla.Location(at.x, at.y, at.z - 10.0)
     roof, road = world.cast_ray(above, below)
@@ -456,6 +491,7 @@ def test_sticky_control_is_read_as_clients_write_it(world: Any, spawn: Spawn) ->
     import carla
 
     car = spawn("vehicle.audi.tt", sticky_control="False")
+    ticks(world, LANDED)
     car.apply_control(carla.VehicleControl(throttle=1.0))
     ticks(world, 3)
     assert car.get_velocity().length() == pytest.approx(3.5 * STEP, rel=0.05)

@@ -122,7 +122,7 @@ def send_calls(server: Served, count: int, seed: int) -> None:
 
 
 def send_noise(port: int, count: int, seed: int) -> None:
-    """Send bytes that are nothing, or the begin of something."""
+    """Send bytes that are nothing, or the start of something."""
     dice = random.Random(seed)
     for _ in range(count):
         what = dice.randrange(4)

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.labels import Tag
-from tests.carla_server.conftest import STEP, Served
+from tests.carla_server.conftest import LANDED, STEP, Served
 from tests.perception.test_terrain import tilted
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
@@ -47,12 +47,14 @@ def scene(world: Any, spawn: Spawn) -> Iterator[tuple[Any, Any, Callable[..., Li
     import carla
 
     rear = spawn("vehicle.tesla.model3")
-    world.tick()
+    for _ in range(LANDED):
+        world.tick()
     at = rear.get_transform()
     way = at.get_forward_vector()
     place = carla.Transform(at.location + carla.Location(way.x * AHEAD, way.y * AHEAD, 0.2), at.rotation)
     front = spawn("vehicle.audi.tt", place, color="255,0,0")
-    world.tick()
+    for _ in range(LANDED):
+        world.tick()
     made: list[Listening] = []
 
     def attach(
@@ -75,7 +77,7 @@ def pixels(image: Any) -> NDArray[np.uint8]:
 SMALL = {"image_size_x": 320, "image_size_y": 240}
 
 
-def test_noise_begins_anew_with_each_sensor(world: Any, spawn: Spawn) -> None:
+def test_noise_starts_again_with_each_sensor(world: Any, spawn: Spawn) -> None:
     """As in CARLA, the seed alone decides: a repetition at another frame has the same noise."""
     runs = []
     for _ in range(2):
@@ -136,7 +138,7 @@ def test_depth_and_kinds_are_of_the_same_scene(world: Any, scene: Any) -> None:
     del rear
 
 
-def test_normals_are_told_in_the_axes_of_the_world(world: Any, scene: Any) -> None:
+def test_normals_are_given_in_the_axes_of_the_world(world: Any, scene: Any) -> None:
     rear, _, attach = scene
     normals = attach("sensor.camera.normals", x=2.0, z=0.8, **SMALL)
     kinds = attach("sensor.camera.semantic_segmentation", x=2.0, z=0.8, **SMALL)
@@ -322,7 +324,7 @@ def test_radar_measures_how_fast_it_comes_nearer(world: Any, scene: Any) -> None
     assert max(abs(one.azimuth) for one in found) <= math.radians(5.0) + 1e-6
 
 
-def test_an_obstacle_ahead_is_told_with_its_distance(world: Any, scene: Any) -> None:
+def test_an_obstacle_ahead_is_reported_with_its_distance(world: Any, scene: Any) -> None:
     _, front, attach = scene
     near = attach("sensor.other.obstacle", x=2.4, z=0.8, distance=30)
     far = attach("sensor.other.obstacle", x=2.4, z=0.8, distance=5)
@@ -360,7 +362,7 @@ def test_imu_feels_gravity_acceleration_and_turns(world: Any, scene: Any) -> Non
     assert told.compass == pytest.approx(compass, abs=1e-3)
 
 
-def test_leaving_the_lane_is_told(world: Any, scene: Any) -> None:
+def test_leaving_the_lane_is_reported(world: Any, scene: Any) -> None:
     import carla
 
     rear, _, attach = scene

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.carla_server.conftest import STEP, Served
+from tests.carla_server.conftest import LANDED, STEP, Served
 from tests.carla_server.test_sensors import Listening, Spawn, pixels
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
@@ -38,7 +38,8 @@ def test_constant_velocity_beside_managed_cars_and_again_in_a_reloaded_world(ser
         library, points = world.get_blueprint_library(), world.get_map().get_spawn_points()
         managed = [world.spawn_actor(library.find("vehicle.tesla.model3"), point) for point in points[10:18]]
         steady = world.spawn_actor(library.find("vehicle.carlamotors.carlacola"), points[0])
-        world.tick()
+        for _ in range(LANDED):
+            world.tick()
         begun = {one.id: one.get_location() for one in (*managed, steady)}
         for one in managed:
             one.set_autopilot(True, MANAGER)
@@ -176,7 +177,7 @@ def test_who_is_destroyed_has_a_box_until_the_next_snapshot(world: Any, spawn: S
 
 
 def test_a_walkers_controller_without_a_mesh_does_no_harm(world: Any, spawn: Spawn) -> None:
-    """The crowd lives in the client and needs a navigation mesh, of which there is none; walkers obey all the same."""
+    """The crowd lives in the client and needs a navigation mesh, of which there is none; walkers obey nevertheless."""
     import carla
 
     assert world.get_random_location_from_navigation() is None

@@ -60,7 +60,7 @@ def server(tmp_path_factory: pytest.TempPathFactory, client_version: str) -> Ite
 
 @pytest.fixture
 def lights(world: Any) -> Iterator[list[Any]]:
-    """All lights of the map; afterwards they have the times that they had, and begin anew."""
+    """All lights of the map; afterwards they have the times that they had, and begin again."""
     lights = list(world.get_actors().filter("traffic.traffic_light"))
     times = [(light.get_green_time(), light.get_yellow_time(), light.get_red_time()) for light in lights]
     yield lights

@@ -1,4 +1,4 @@
-"""Why runs differ from the recorded ones, where they do, and which variants of features differ by decision."""
+"""Reasons for runs that differ from the recorded ones, and the variants of features that differ by decision."""
 
 from __future__ import annotations
 

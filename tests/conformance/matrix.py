@@ -1,4 +1,4 @@
-"""Every variant of every feature: what backs it, a recorded run, a law that a test states, a decision, or nothing."""
+"""Every variant of every feature with its evidence: a recorded run, a law stated by a test, a decision, or none."""
 
 from __future__ import annotations
 

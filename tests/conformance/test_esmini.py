@@ -1,4 +1,4 @@
-"""OpenSCENARIO files run as esmini ran them, and what the page says of the standard's features is backed."""
+"""OpenSCENARIO files run as in esmini, and the page's statements on the standard's features have evidence."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def compared(golden: Path) -> Compared:
     return [(run, compare(run.name, simulated(run.scenario, run.maps), recorded(run.rows))) for run in runs]
 
 
-def test_recorded_runs_are_met_and_every_other_one_is_explained(compared: Compared) -> None:
+def test_recorded_runs_agree_or_the_difference_is_explained(compared: Compared) -> None:
     differing = {run.name for run, one in compared if not one.agrees}
     assert differing == set(EXPLAINED), "\n".join(str(one) for _, one in compared if not one.agrees)
 
@@ -60,14 +60,14 @@ def test_the_table_of_variants_is_fresh(compared: Compared, repository: Path) ->
     assert "\n".join(matrix_lines(backings(compared))) in page, "python -m tests.conformance.page"
 
 
-def test_decisions_and_laws_are_of_variants_that_there_are() -> None:
+def test_decisions_and_laws_refer_to_existing_variants() -> None:
     known = {(one.feature, one.name) for one in VARIANTS}
     assert len(known) == len(VARIANTS)
     assert set(DECISIONS) <= known
     assert set(laws_stated()) <= known
 
 
-def test_a_road_file_with_an_offset_is_met_on_its_road(golden: Path) -> None:
+def test_a_run_on_a_road_file_with_an_offset_agrees(golden: Path) -> None:
     folder = golden / FEATURES
     sink = Diagnostics()
     overrides = Overrides(perception="ideal", step=STEP)

@@ -1,4 +1,4 @@
-"""The features of OpenSCENARIO that a run executes, variant by variant, and how each shows in a file.
+"""The features of OpenSCENARIO that a run executes, variant by variant, and the XPath of each variant.
 
 A variant is an XPath over a scenario's file: the run of a file in which it matches is a run of that variant. What lies
 in catalogs is not looked into, so a variant may have more runs than are counted, and never fewer.
@@ -18,7 +18,7 @@ class Variant:
     """A variant of a feature.
 
     Attributes:
-        feature: Name of the standard's element, or "Storyboard" for what is none.
+        feature: Name of the standard's element, or "Storyboard" for everything else.
         name: What tells it apart from the other variants of the feature.
         path: XPath that is true where a file has it.
     """

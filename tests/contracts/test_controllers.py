@@ -1,4 +1,4 @@
-"""Every controller keeps the same promises: commands in range, equal for equal inputs, new after a reset."""
+"""Every controller keeps its contract: commands in range, equal for equal inputs, no memory after a reset."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_same_inputs_give_the_same_commands_after_a_reset(controller: Controller
     assert plain(commands(controller)) == plain(commands(controller))
 
 
-def test_it_brakes_for_what_stands_close_ahead(controller: ControllerModel) -> None:
+def test_it_brakes_for_an_object_close_ahead(controller: ControllerModel) -> None:
     controller.reset(1)
     close = replace(images()[1], lead_gap=8.0, lead_speed=0.0)
     assert controller.control(close, 8.0, VEHICLE).brake > 0.2
@@ -88,7 +88,7 @@ def test_overlay_keeps_the_size(controller: ControllerModel) -> None:
     assert controller.overlay_image(data.image.copy()).shape == data.image.shape
 
 
-def test_a_controller_of_ones_own_is_named_by_module_and_class(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_users_own_controller_is_named_by_module_and_class(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "mine.py").write_text(
         textwrap.dedent(
             """
@@ -109,6 +109,6 @@ def test_a_controller_of_ones_own_is_named_by_module_and_class(tmp_path: Path, m
 
 
 @pytest.mark.parametrize("name", ["lane_detectoin", "no.such:Class", "math:pi", "pathlib:Path", "a:b:c", ""])
-def test_what_is_no_controller_is_said_so(name: str) -> None:
+def test_a_class_that_is_not_a_controller_is_reported(name: str) -> None:
     with pytest.raises(ControllerError, match=r"controller|ControllerModel"):
         controller_class(name, Trust((name,)))

@@ -1,4 +1,4 @@
-"""Every lane detector keeps these facts: ours, and the one of your own that docs/controllers.md shows."""
+"""Every lane detector keeps its contract: the packaged ones, and the user's own of docs/controllers.md."""
 
 from __future__ import annotations
 
@@ -73,13 +73,13 @@ def test_without_paint_nothing_is_trusted(make: Make) -> None:
 
 
 @pytest.mark.parametrize("shade", [0, 128, 255])
-def test_an_image_of_nothing_has_no_lane(make: Make, shade: int) -> None:
+def test_an_empty_image_has_no_lane(make: Make, shade: int) -> None:
     found = make().detect(np.full((256, 512, 3), shade, np.uint8))
     assert max(found.left.p, found.right.p) < 0.3
     assert np.isfinite([found.left.y0, found.right.slope, found.lane_width]).all()
 
 
-def test_detection_depends_on_its_arguments_alone(make: Make) -> None:
+def test_detection_depends_on_its_arguments_only(make: Make) -> None:
     detector, image = make(), image_of()
     first = detector.detect(image)
     detector.detect(add_noise(image, 40.0, 1, 1), LaneState().after(first))
@@ -94,7 +94,7 @@ def test_noise_takes_the_health_and_with_it_the_confidence(make: Make) -> None:
 
 
 @pytest.mark.parametrize("degrees", [-1.0, 1.0])
-def test_a_pitch_that_nobody_tells_is_found(make: Make, degrees: float) -> None:
+def test_an_unknown_pitch_is_found(make: Make, degrees: float) -> None:
     detector, image = make(), image_of(pitch=math.radians(degrees))
     state = LaneState()
     for _ in range(3):
@@ -105,7 +105,7 @@ def test_a_pitch_that_nobody_tells_is_found(make: Make, degrees: float) -> None:
         assert np.abs(boundary.y(X) - y).max() < 0.3
 
 
-def test_a_pitch_that_is_told_is_taken(make: Make) -> None:
+def test_a_given_pitch_is_used(make: Make) -> None:
     found = make().detect(image_of(pitch=-0.015), pitch=0.015)
     assert found.tilt.pitch == 0.015
     assert abs(float(found.left.y(16.0)) - 1.75) < 0.2

@@ -1,4 +1,4 @@
-"""Every world keeps the same promises: it opens for a plan, sees, pictures, follows a run twice alike, and closes."""
+"""Every world keeps its contract: it opens for a plan, takes images, repeats a run equally, and closes."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_it_is_called_by_its_name(world: World) -> None:
     assert world.name in WORLDS
 
 
-def test_the_camera_delivers_what_the_plan_asks_for(world: World, plan: Plan) -> None:
+def test_the_camera_delivers_the_images_that_the_plan_requires(world: World, plan: Plan) -> None:
     world.reset(snapshot_of(plan), 1)
     seen = world.observe(snapshot_of(plan))
     assert seen.image.shape == (plan.camera.height, plan.camera.width, 3)

@@ -1,4 +1,4 @@
-"""What the lane-keeping automation makes of the planned way: at junctions only, and never a lane out of none."""
+"""The lane-keeping automation uses the planned route at junctions only, and never instead of a lane."""
 
 from __future__ import annotations
 
@@ -43,27 +43,27 @@ def commands(found: list[Control]) -> list[tuple[float, float, float]]:
 
 @pytest.mark.parametrize("route", [AHEAD, TURN])
 @pytest.mark.parametrize("junction", [None, 25.0])
-def test_without_a_junction_in_sight_the_way_changes_nothing(
+def test_without_a_junction_in_sight_the_route_changes_nothing(
     route: tuple[tuple[float, float], ...], junction: float | None
 ) -> None:
     assert commands(driven(1.0, route, junction)) == commands(driven(1.0, (), None))
 
 
-def test_a_lane_that_goes_the_way_is_trusted_nearly_as_without_one() -> None:
-    """Where a way is told a junction is near, and there boundaries were less often right in the fit."""
+def test_a_lane_along_the_route_is_trusted_nearly_as_much_as_without_a_route() -> None:
+    """A route is given only near junctions, where boundaries were right less often in the fit."""
     here, there = driven(1.0, AHEAD, 5.0)[-1], driven(1.0, (), None)[-1]
     assert there.confidence_left - 0.2 < here.confidence_left < there.confidence_left + 0.05
     assert there.confidence_right - 0.2 < here.confidence_right < there.confidence_right + 0.05
     assert here.steer == pytest.approx(there.steer, abs=0.02)
 
 
-def test_a_painted_lane_that_leaves_the_way_is_not_the_lane_to_follow() -> None:
+def test_a_painted_lane_that_leaves_the_route_is_not_followed() -> None:
     last = driven(1.0, TURN, 10.0)[-1]
     assert max(last.confidence_left, last.confidence_right) < 0.3
 
 
 @pytest.mark.parametrize("route", [AHEAD, TURN])
-def test_where_no_paint_is_the_way_adds_neither_confidence_nor_steering(route: tuple[tuple[float, float], ...]) -> None:
+def test_without_paint_the_route_adds_neither_confidence_nor_steering(route: tuple[tuple[float, float], ...]) -> None:
     for one in driven(0.0, route, 5.0):
         assert max(one.confidence_left, one.confidence_right) < 0.3
         assert one.steer == 0.0
@@ -142,15 +142,21 @@ def test_the_detector_is_chosen_by_name() -> None:
     assert len(set(found)) == len(DETECTORS)
 
 
-@pytest.mark.parametrize("meant", [STRAIGHT, TURNING], ids=["straight", "turning"])
-def test_where_painted_lanes_part_the_car_follows_the_planned_one(meant: Reference) -> None:
+@pytest.mark.parametrize(
+    "meant", [pytest.param(STRAIGHT, id="straight", marks=pytest.mark.slow), pytest.param(TURNING, id="turning")]
+)
+def test_where_painted_lanes_diverge_the_car_follows_the_planned_one(meant: Reference) -> None:
     farthest, least = followed((STRAIGHT, TURNING), meant)
     assert farthest < 0.5
     assert least > 0.6
 
 
 @pytest.mark.parametrize(
-    ("painted", "meant"), [(STRAIGHT, TURNING), (TURNING, STRAIGHT)], ids=["straight painted", "turn painted"]
+    ("painted", "meant"),
+    [
+        pytest.param(STRAIGHT, TURNING, id="straight painted"),
+        pytest.param(TURNING, STRAIGHT, id="turn painted", marks=pytest.mark.slow),
+    ],
 )
 def test_where_the_planned_lane_has_no_paint_the_confidence_falls(painted: Reference, meant: Reference) -> None:
     assert followed((painted,), meant)[1] < 0.3

@@ -1,4 +1,4 @@
-"""A boundary keeps its probability where it goes the planned way, and loses it where the way bends out of it."""
+"""A boundary keeps its probability if it follows the planned route, and loses it where the route turns away."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ def way(begin: float, curvature: float, aside: float = 0.0) -> list[Point]:
     return points
 
 
-def test_a_boundary_along_the_way_keeps_its_probability() -> None:
+def test_a_boundary_along_the_route_keeps_its_probability() -> None:
     assert worth_on_way(STRAIGHT, way(40.0, 0.0)) == 1.0
     bend = replace(STRAIGHT, curvature=1.0 / 80.0)
     assert worth_on_way(bend, way(0.0, 1.0 / 80.0)) == 1.0
 
 
 @pytest.mark.parametrize("sense", [-1.0, 1.0])
-def test_the_nearer_the_turn_the_less_a_straight_boundary_is_worth(sense: float) -> None:
+def test_a_straight_boundary_loses_probability_as_the_routes_turn_comes_nearer(sense: float) -> None:
     worth = [worth_on_way(STRAIGHT, way(begin, sense / 8.0)) for begin in (20, 13, 12, 11, 10, 9, 4)]
     assert worth == sorted(worth, reverse=True)
     assert worth[0] == 1.0
@@ -39,24 +39,24 @@ def test_the_nearer_the_turn_the_less_a_straight_boundary_is_worth(sense: float)
     assert len(set(worth)) > 3
 
 
-def test_a_boundary_that_turns_off_a_straight_way_is_worth_less() -> None:
+def test_a_boundary_that_leaves_a_straight_route_loses_probability() -> None:
     assert worth_on_way(replace(STRAIGHT, curvature=1.0 / 40.0), way(40.0, 0.0)) < 0.6
 
 
 @pytest.mark.parametrize("aside", [-3.0, 0.7])
-def test_where_the_way_lies_across_is_not_used(aside: float) -> None:
+def test_the_lateral_position_of_the_route_is_not_used(aside: float) -> None:
     for begin in (40, 11):
         assert worth_on_way(STRAIGHT, way(begin, 0.125, aside)) == worth_on_way(STRAIGHT, way(begin, 0.125))
         assert shape_of(way(begin, 0.01, aside)) == pytest.approx(shape_of(way(begin, 0.01)))
 
 
 @pytest.mark.parametrize("known", [[], [(0.0, 0.0)], way(40.0, 0.0)[:5], [(-float(k), 0.0) for k in range(20)]])
-def test_without_a_way_on_the_stretch_nothing_is_known(known: list[Point]) -> None:
+def test_without_a_route_on_the_stretch_the_probability_is_kept(known: list[Point]) -> None:
     assert worth_on_way(STRAIGHT, known) == 1.0
     assert shape_of(known) is None
 
 
-def test_the_shape_is_the_parabola_like_the_way() -> None:
+def test_the_shape_is_the_parabola_that_fits_the_route() -> None:
     assert shape_of(way(40.0, 0.0)) == pytest.approx((0.0, 0.0))
     shape = shape_of([(float(k), 0.3 + 0.04 * k + 0.5 * 0.01 * k * k) for k in range(30)])
     assert shape == pytest.approx((0.04, 0.01))

@@ -1,4 +1,4 @@
-"""A client of the real server, which runs in a process of its own and is spoken to on its stdin and stdout."""
+"""A client of the real server, which runs in a process of its own and is connected by stdin and stdout."""
 
 from __future__ import annotations
 

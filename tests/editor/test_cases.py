@@ -1,7 +1,7 @@
-"""The server's answers as recorded: a file and a cursor, and what is offered, explained, found or changed.
+"""The server's answers agree with the recorded ones: completions, explanations, findings and changes.
 
 A case is a file in tests/editor/cases: the text with `|` where the cursor is, then parts that begin with `--- REQUEST`,
-each with the answer. `pytest --update` writes the answers anew.
+each with the answer. `pytest --update` writes the answers again.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Texts that are being written have a tree; that of a well-formed one is the parser's, with the same places."""
+"""Unfinished texts have a tree; that of a well-formed text equals the parser's, with the same places."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_an_unfinished_text_has_a_tree(text: str, expected: str) -> None:
     assert ", ".join(map(shape, Draft(text).whole.children)) == expected
 
 
-def test_lines_end_as_the_protocol_has_it() -> None:
+def test_lines_end_as_in_the_protocol() -> None:
     draft = Draft("a\r\nb\rc\nd\u2028e\x0bf")
     assert [draft.line_text(line) for line in range(4)] == ["a", "b", "c", "d\u2028e\x0bf"]
     assert draft.line_of(len("a\r\nb\rc")) == 2

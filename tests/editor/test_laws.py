@@ -1,4 +1,4 @@
-"""What holds for every file: what its author wrote is offered, what is offered fits, and a new name changes nothing."""
+"""Laws for every file: completion offers what its author wrote, and renaming changes no finding."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ TEXT = short(SOME[-1])
 
 
 @given(st.data())
-def test_damaged_text_is_asked_in_vain_but_safely(data: st.DataObject) -> None:
+def test_requests_about_damaged_text_are_safe(data: st.DataObject) -> None:
     at = data.draw(st.integers(0, len(TEXT)))
     gone = data.draw(st.integers(0, 40))
     put = data.draw(st.text(st.sampled_from("<>/=\"'$%{}&;! \n\tabegou1-]\U0001f697\x00"), max_size=8))
@@ -105,7 +105,7 @@ def test_a_damaged_text_has_findings(data: st.DataObject) -> None:
 
 
 @pytest.mark.parametrize("path", EVERY, ids=lambda path: path.stem)
-def test_what_the_author_wrote_is_offered(path: Path) -> None:
+def test_completion_offers_what_the_author_wrote(path: Path) -> None:
     analysis = Analysis(str(path), path.read_text(encoding="utf-8"))
     text, root = analysis.draft.text, analysis.draft.root
     assert root is not None
@@ -145,7 +145,7 @@ def filled(insert: str) -> str:
 @pytest.mark.parametrize(
     "name", ["element_in_a_scenario", "element_before_the_ego", "element_in_a_wrapper", "attribute_of_a_use", "catalog"]
 )
-def test_what_is_offered_has_a_place(name: str) -> None:
+def test_every_completion_is_allowed_at_its_place(name: str) -> None:
     text, offset = split_cursor((HERE / "cases" / f"{name}.case").read_text(encoding="utf-8").partition("\n--- ")[0])
     offered = offers(analysed(text, HERE / "draft.xml"), offset)
     assert offered
@@ -196,7 +196,7 @@ def test_findings_are_those_of_validate(path: Path) -> None:
     assert len(there) == len(list(sink))
 
 
-def test_a_text_that_is_being_written_keeps_what_was_found_of_the_rest() -> None:
+def test_an_unfinished_text_keeps_the_findings_of_its_other_parts() -> None:
     first, second, third = (Finding(start, start + 3, f"SC20{start}", Severity.WARNING, "") for start in (2, 9, 20))
     old, new = "x" * 8 + "old" + "y" * 20, "x" * 8 + "newer" + "y" * 20
     assert [one.start for one in carried_over([first, second, third], old, new)] == [2, 22]

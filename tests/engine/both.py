@@ -1,4 +1,4 @@
-"""A program run by both forms of the engine, and what each leaves as bytes."""
+"""Runs a program in both forms of the engine, and returns the results of each as bytes."""
 
 from __future__ import annotations
 

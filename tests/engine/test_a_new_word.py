@@ -1,4 +1,4 @@
-"""The recipe for a new action, tried: `<honk duration>` is four declarations, and none of them can be forgotten.
+"""The recipe for a new action: `<honk duration>` needs four declarations, and leaving out any of them fails a test.
 
 Each try copies the project, adds the word to the copy, and runs there what `make test` would run.
 """
@@ -69,7 +69,7 @@ FORM = Part(
     "scenario_compiler/openscenario/actions/__init__.py",
     (
         (
-            '    "message": "the standard has no messages to a driver",\n',
+            '    "message": "OpenSCENARIO has no messages to the driver",\n',
             '    "honk": "the standard has no horns",\n',
         ),
     ),
@@ -144,6 +144,6 @@ def test_a_word_is_four_declarations_in_four_files(repository: Path, tmp_path: P
 
 
 @pytest.mark.parametrize("forgotten", PARTS, ids=lambda part: Path(part.file).parts[1])
-def test_what_is_forgotten_fails_a_test(forgotten: Part, repository: Path, tmp_path: Path) -> None:
+def test_each_forgotten_part_fails_a_test(forgotten: Part, repository: Path, tmp_path: Path) -> None:
     _copy_with(tuple(part for part in PARTS if part is not forgotten), repository, tmp_path / "partly")
     assert _tested(tmp_path / "partly", *CHECKS).returncode != 0

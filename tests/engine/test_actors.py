@@ -1,4 +1,4 @@
-"""What actors do beside their lanes: paths, trajectories, offsets, ways to a destination, and oncoming traffic."""
+"""Actors: paths, trajectories, offsets, routes to a destination, and oncoming traffic."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_an_offset_is_to_the_left_of_the_travel(tmp_path: Path, lane: int, s: in
     assert play.st.off[1] == pytest.approx(0.8 * left)
 
 
-def test_an_actor_takes_the_way_to_its_destination(tmp_path: Path) -> None:
+def test_an_actor_takes_the_route_to_its_destination(tmp_path: Path) -> None:
     actor = """<dynamic id="car" speed="10"><start><lane road="2" lane="-1" s="120"/></start>
       <destination><lane road="{road}" lane="{lane}" s="60"/></destination></dynamic>"""
     for road, lane in (("4", "1"), ("1", "-1"), ("5", "-1")):

@@ -1,4 +1,4 @@
-"""When the driver answers: the law of each preset, each effect, the person, and the stages before the first input."""
+"""The driver's response: the distribution of each preset, each effect, the person, and the stages before the input."""
 
 from __future__ import annotations
 
@@ -165,7 +165,7 @@ def test_requests_of_one_person_are_correlated_and_never_the_same(program_of: Ca
     assert not np.isclose(logs[0], logs[1]).any()
 
 
-def test_a_lapse_is_no_answer_and_a_fixed_time_is_left_alone(program_of: Callable[..., Program]) -> None:
+def test_after_a_lapse_there_is_no_response_and_a_fixed_time_is_unchanged(program_of: Callable[..., Program]) -> None:
     assert np.mean(answers(program_of('<driver preset="unreliable"/>')) == op.FAR) == pytest.approx(0.05, abs=0.007)
     assert set(answers(program_of('<driver takeover_time="2" task="handheld"/>'), 2)) == {2.0}
     assert set(answers(program_of('<driver preset="absent"/>'))) == {op.FAR}

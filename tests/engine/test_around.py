@@ -1,4 +1,4 @@
-"""What is counted around the ego at a request, and its time to collision along the lane."""
+"""The traffic density around the ego at a request, and its time to collision along the lane."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def asked_for(*others: tuple[int, float, float], length: float = 2000.0) -> floa
         ([(1, 950.0, 30.0), (-1, 950.0, 0.0), (-3, 950.0, 1.5)], 0.0),
     ],
 )
-def test_vehicles_that_go_the_same_way_are_counted_per_kilometre(
+def test_vehicles_in_the_same_direction_are_counted_per_kilometre(
     others: list[tuple[int, float, float]], density: float
 ) -> None:
     assert asked_for(*others) == density

@@ -59,7 +59,7 @@ def test_along_the_roads_a_turn_is_taken_where_straight_on_does_not_lead_there(
     assert road_distance_between(run.n, run.p, run.st, car, other, op.MEASURE_ALONG, 0) == pytest.approx(way)
 
 
-def test_what_no_road_leads_to_is_far() -> None:
+def test_an_entity_that_no_road_leads_to_is_at_distance_FAR() -> None:
     draft = Draft(highway())
     car = draft.moving(-2, 100.0, 0.0)
     lost = draft.entity(op.MOTION_SCRIPTED, op.NONE, 0.0)

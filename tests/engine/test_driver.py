@@ -1,4 +1,4 @@
-"""What the driver does once he has taken over: his reaction to what is new, his ways out, how he keeps the lane."""
+"""The driver after taking over: the reaction to new risks, braking and evading, and lane keeping."""
 
 from __future__ import annotations
 
@@ -87,8 +87,10 @@ def cut_in(gap: float, speed: float, *, over: float = 3.0, numbers: dict[int, fl
     return draft.start()
 
 
-@pytest.mark.parametrize("over", [2.0, 3.0, 4.0])
-def test_a_slow_cut_in_is_not_hit_from_where_it_can_be_passed(over: float) -> None:
+@pytest.mark.parametrize(
+    "over", [pytest.param(2.0, marks=pytest.mark.slow), 3.0, pytest.param(4.0, marks=pytest.mark.slow)]
+)
+def test_a_slow_cut_in_is_avoided_if_there_is_room_to_pass(over: float) -> None:
     gaps = [65.0 + 30.0 * k / 9.0 for k in range(10)]
     at_100 = [cut_in(gap, 100.0 / 3.6, over=over, full=False).go().st.crashed[0] for gap in gaps]
     at_120 = [cut_in(gap, 120.0 / 3.6, over=over, full=False).go() for gap in gaps]
@@ -101,7 +103,7 @@ def test_a_slow_cut_in_is_not_hit_from_where_it_can_be_passed(over: float) -> No
         assert run.st.x[0] > run.st.x[1] + 5.0
 
 
-def test_a_full_lane_beside_is_no_safer_and_leaves_braking() -> None:
+def test_with_full_adjacent_lanes_only_braking_is_left() -> None:
     speed = 120.0 / 3.6
     evaded = 0
     for gap in (68.0, 72.0, 76.0, 80.0):
@@ -129,7 +131,7 @@ def test_brakers_brake_and_strength_counts() -> None:
     assert hardest == pytest.approx([4.0, 6.0], abs=0.1)
 
 
-def test_who_steers_and_brakes_slows_down_on_the_way_around() -> None:
+def test_a_driver_who_steers_and_brakes_slows_down_while_passing() -> None:
     speeds = []
     for steers in (1.0, 0.0):
         draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0, slots.K_STEERS: steers})
@@ -157,7 +159,7 @@ WORKS = """<scenarios version="1"><scenario name="works" map="motorway" duration
 
 
 @pytest.mark.parametrize("speed", [12.0, 20.0, 30.0])
-def test_a_closed_lane_is_passed_as_a_whole_in_the_lane_beside(speed: float, tmp_path: Path) -> None:
+def test_a_closed_lane_is_passed_completely_in_the_adjacent_lane(speed: float, tmp_path: Path) -> None:
     recording, outcome = next(runs(compiled(tmp_path, WORKS, speed=speed), range(1, 2)))
     s = recording.s[:, 0]
     closed = (s > 100.0 + 250.0 + 15.0) & (s < 100.0 + 250.0 + 90.0)
@@ -177,7 +179,7 @@ def test_between_full_lanes_a_driver_stops_before_a_closed_lane_and_not_within_i
 
 
 @pytest.mark.parametrize(("beside", "passes"), [(-1, -3), (-3, -1)])
-def test_what_stands_on_the_way_to_the_lane_beside_is_not_driven_into(beside: int, passes: int, tmp_path: Path) -> None:
+def test_an_object_between_the_ego_and_the_adjacent_lane_is_not_hit(beside: int, passes: int, tmp_path: Path) -> None:
     text = f"""<scenarios version="1"><scenario name="staggered" map="motorway" duration="20" control_every="2">
     <ego speed="20"><start><lane road="1" lane="-2" s="100"/></start></ego>
     <static id="before"><at><lane road="1" lane="{beside}" s="275"/></at></static>
@@ -209,7 +211,7 @@ def test_a_leader_that_stops_is_followed_to_its_standstill(deceleration: float, 
 
 
 @pytest.mark.parametrize(("perception", "reaction"), [(0.4, 0.75), (0.2, 0.3)])
-def test_what_is_new_is_acted_on_after_perception_and_reaction(perception: float, reaction: float) -> None:
+def test_a_new_risk_is_acted_on_after_perception_and_reaction(perception: float, reaction: float) -> None:
     numbers = {slots.K_PERCEPTION_TIME: perception, slots.K_REACTION_TIME: reaction}
     usual = {slots.K_DRIVER_TIME: 0.0, slots.K_NOISE: 60.0, slots.K_DURATION: 14.0, **numbers}
     draft = Draft(highway(), usual)
@@ -241,7 +243,7 @@ def response_to_what_stands_far_ahead(folder: Path, weather: str, sight: float) 
     return acted, float(recording.x[row, 1] - recording.x[row, 0])
 
 
-def test_a_driver_acts_on_what_stands_ahead_from_his_sight_on(tmp_path: Path) -> None:
+def test_a_driver_acts_on_a_standing_object_from_the_distance_of_sight_on(tmp_path: Path) -> None:
     for sight in (100.0, 200.0, 300.0):
         _, away = response_to_what_stands_far_ahead(tmp_path, "ClearNoon", sight)
         assert sight - 30.0 * (REACTION + 0.35) - 10.0 < abs(away) < sight

@@ -1,4 +1,4 @@
-"""What ideal perception keeps of the marks from step to step is what a look at each place gives."""
+"""The marks that ideal perception remembers between steps agree with a new search at each place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an entity leaps over is no distance covered: onto a trajectory, in the init or at an event."""
+"""An entity that jumps onto a trajectory, in the init or at an event, covers no distance by it."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def test_a_start_off_the_road_is_a_fault() -> None:
     assert (run.st.stop[0], run.st.flag[0], run.st.flag_at[0]) == (op.STOP_ERROR, op.FAULT_OFF_ROAD_START, 0)
 
 
-def test_a_number_that_is_none_is_a_fault() -> None:
+def test_nan_is_a_fault() -> None:
     draft = Draft(highway())
     draft.moving(-1, 100.0, math.nan)
     assert draft.start().st.flag[0] == op.FAULT_NOT_FINITE
@@ -167,7 +167,7 @@ def test_boxes_collide_when_they_overlap_and_not_before() -> None:
     assert overlap(run.p, run.st, 0, 1) == overlap(run.p, run.st, 1, 0) == 1
 
 
-def test_others_that_touch_are_told_once_and_end_nothing() -> None:
+def test_contacts_of_others_are_logged_once_and_do_not_end_the_run() -> None:
     draft = Draft(highway())
     draft.moving(-2, 10.0, 10.0)
     draft.moving(-1, 50.0, 10.0)
@@ -232,7 +232,7 @@ def winding_road() -> str:
 
 
 @pytest.mark.parametrize(("s", "speed"), [(5.0, 13.0), (195.0, -11.0)])
-def test_what_is_kept_of_a_place_is_what_the_map_says(s: float, speed: float) -> None:
+def test_the_remembered_road_and_lane_agree_with_the_map(s: float, speed: float) -> None:
     draft = Draft(network_of(winding_road()))
     draft.moving(-1, s, speed)
     run = draft.start()

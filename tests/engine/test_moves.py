@@ -1,4 +1,4 @@
-"""The words on speeds, lanes and distances do what they say, interpreted and compiled alike."""
+"""Actions on speeds, lanes and distances have their effects, equally interpreted and compiled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The way that a controller is handed: the route's, in the vehicle's axes, with the distance to the next junction."""
+"""The path that a controller receives: the route in the vehicle's axes, and the distance to the next junction."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def handed(folder: Path, s: float, destination: str = "") -> Outlook:
 TO_THE_LEFT = '<destination><lane road="3" lane="-1" s="40"/></destination>'
 
 
-def test_the_way_follows_the_route_through_the_junction(tmp_path: Path) -> None:
+def test_the_path_follows_the_route_through_the_junction(tmp_path: Path) -> None:
     ahead = handed(tmp_path, 80.0, TO_THE_LEFT)
     assert len(ahead.way) == ROUTE_REACH + 1
     assert ahead.junction == pytest.approx(20.0, abs=1.0)
@@ -76,7 +76,7 @@ def test_the_way_follows_the_route_through_the_junction(tmp_path: Path) -> None:
     assert ahead.way[-1] == pytest.approx((31.75, 15.54), abs=0.01)
 
 
-def test_without_a_route_the_way_goes_straight_on_to_the_end_of_the_lanes(tmp_path: Path) -> None:
+def test_without_a_route_the_path_goes_straight_on_to_the_end_of_the_lanes(tmp_path: Path) -> None:
     ahead = handed(tmp_path, 95.0)
     assert ahead.junction == pytest.approx(5.0, abs=1.0)
     assert all(y == pytest.approx(-0.5) for _, y in ahead.way)

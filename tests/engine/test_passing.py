@@ -1,4 +1,4 @@
-"""Ways out into the lane of oncoming traffic: what is foreseen of them, and that nothing is met on them."""
+"""Passing in the lane of oncoming traffic: the prediction, and that no oncoming vehicle is met."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def driven(draft: Draft, seed: int = 1) -> tuple[State, float]:
 @pytest.mark.parametrize("turn", [0.0, math.pi / 2], ids=["along", "across"])
 @pytest.mark.parametrize("towards", [8.0, 14.0, 22.0])
 @pytest.mark.parametrize("speed", [10.0, 14.0, 20.0])
-def test_nothing_oncoming_is_met_on_the_way_past_a_block(speed: float, towards: float, turn: float) -> None:
+def test_the_driver_meets_no_oncoming_vehicle_while_passing_a_block(speed: float, towards: float, turn: float) -> None:
     for k, gap in enumerate(GAPS):
         answer = (0.6, 1.8, 3.0, 4.2)[k % 4]
         state, least = driven(blocked_road(speed, answer, [(BLOCK + gap, towards)], turn=turn), seed=k + 1)
@@ -87,7 +87,7 @@ def test_without_oncoming_traffic_the_block_is_passed_without_a_stop() -> None:
     assert least > 10.0
 
 
-def test_the_speed_of_what_comes_decides_and_not_the_own_speed_alone() -> None:
+def test_the_speed_of_oncoming_traffic_matters_and_not_only_the_egos() -> None:
     started = []
     for towards in (6.0, 9.0, 12.0, 15.0, 18.0):
         run = blocked_road(14.0, 1.0, [(BLOCK + 270.0, towards)]).start().go(30.0)
@@ -111,7 +111,7 @@ def test_a_lane_of_the_same_direction_is_taken_before_that_of_oncoming_traffic()
 
 @pytest.mark.parametrize("towards", [10.0, 20.0])
 @pytest.mark.parametrize("gap", [120.0, 180.0, 240.0])
-def test_a_slow_vehicle_is_not_evaded_into_what_comes(gap: float, towards: float) -> None:
+def test_a_slow_vehicle_is_not_evaded_into_oncoming_traffic(gap: float, towards: float) -> None:
     draft = Draft(network_of(road(1, 3000.0, *RURAL, left=lane(1, "solid"))), {slots.K_DRIVER_TIME: 0.0})
     draft.ego(speed=22.0)
     leader = draft.moving(-1, 100.0, 22.0)
@@ -149,7 +149,7 @@ def test_a_stop_by_hand_is_logged_once(seed: int) -> None:
     assert run.st.crashed[0] == 0
 
 
-def test_who_creeps_on_from_where_he_stands_has_stopped_once() -> None:
+def test_creeping_on_after_a_stop_is_not_a_second_stop() -> None:
     draft = Draft(highway(), {slots.K_DRIVER_TIME: 0.0, slots.K_NOISE: 60.0})
     draft.ego(speed=3.0)
     run: Run = draft.start().go(2.0)

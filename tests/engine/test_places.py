@@ -1,4 +1,4 @@
-"""The words on where entities are do what they say, interpreted and compiled alike."""
+"""Actions on the places of entities have their effects, equally interpreted and compiled."""
 
 from __future__ import annotations
 

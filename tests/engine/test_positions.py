@@ -176,7 +176,7 @@ def test_an_entity_off_every_road_goes_straight_on() -> None:
     assert (state.x[0], state.y[0]) == pytest.approx((50.0 + 10.0 * cos(2.0), 50.0 + 10.0 * sin(2.0)), abs=1e-9)
 
 
-def test_who_faces_against_a_lane_drives_against_it() -> None:
+def test_an_entity_that_faces_against_its_lane_drives_against_it() -> None:
     network = highway()
     init = (InitAction(entity="b", action=TeleportAction(position=FreePosition(x=50.0, y=-1.75, heading=pi))),)
     plan, _ = planned(network, {"b": None}, board(init=init), speed=10.0)
@@ -198,7 +198,7 @@ def test_a_bridge_is_chosen_by_height() -> None:
         assert state.z[1] == pytest.approx(8.0 * index)
 
 
-def test_positions_beyond_what_the_road_has_are_forgiven_without_an_automated_vehicle() -> None:
+def test_without_an_automated_vehicle_positions_beyond_the_road_are_corrected() -> None:
     starts: dict[str, Position | None] = {
         "far": LanePositionWord(road="1", lane=-1, s=9000.0),
         "wide": LanePositionWord(road="1", lane=-9, s=20.0),
@@ -223,7 +223,7 @@ def test_a_position_beside_an_entity_off_the_road_is_a_fault() -> None:
     assert "b" not in plan.derived
 
 
-def test_a_teleport_keeps_the_speed_and_is_no_distance_covered() -> None:
+def test_a_teleport_keeps_the_speed_and_covers_no_distance() -> None:
     network = highway()
     event = at_time(0.2, 0, TeleportAction(position=LanePositionWord(road="1", lane=-2, s=500.0)))
     plan, _ = planned(network, {"b": EGO}, board(event), speed=10.0)
@@ -291,7 +291,7 @@ def test_a_trailer_that_is_connected_later_swings_to_its_hitch() -> None:
     assert hypot(state.x[1] - hitch_x, state.y[1] - hitch_y) == pytest.approx(3.0)
 
 
-def test_where_a_lane_ends_the_nearest_one_goes_on() -> None:
+def test_where_a_lane_ends_its_traffic_continues_in_the_nearest_one() -> None:
     network = network_of(SECTIONS)
     plan, _ = planned(network, {"b": LanePositionWord(road="1", lane=-2, s=95.0)}, Storyboard(), speed=20.0)
     program = build_program(plan, network)

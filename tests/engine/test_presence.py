@@ -12,7 +12,7 @@ from scenario_compiler.engine.motion.distances import road_distance_between
 from tests.engine.make import CAR, Draft, highway
 
 
-def test_what_is_absent_does_not_move_collide_or_hide() -> None:
+def test_absent_entities_do_not_move_collide_or_hide_others() -> None:
     draft = Draft(highway())
     draft.ego(speed=14.0)
     draft.parked(70.0)

@@ -1,4 +1,4 @@
-"""Scripted motion and the storyboard against trajectories recorded from esmini 3.6, one action an entity."""
+"""Scripted motion and the storyboard against trajectories recorded from esmini 3.6, one action for each entity."""
 
 from __future__ import annotations
 

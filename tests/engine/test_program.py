@@ -162,7 +162,7 @@ def test_every_number_of_a_plan_has_its_slot() -> None:
     assert p.ring_count == [len(CONDITIONS) - 1]
 
 
-def test_a_variant_is_a_row_that_differs_in_what_depends_on_its_parameters() -> None:
+def test_a_variant_differs_only_in_numbers_that_depend_on_its_parameters() -> None:
     network = highway()
     plan = plan_on(network)
     usual, fast = rows(plan, network, [{}, {"v": 10.0}])

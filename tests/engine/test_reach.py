@@ -1,4 +1,4 @@
-"""How far the forward sensor sees: the formulas by hand, what follows from them, and both forms of the engine."""
+"""The range of the forward sensor: the formulas by hand, their consequences, and both forms of the engine."""
 
 from __future__ import annotations
 
@@ -57,17 +57,17 @@ def day(**numbers: float) -> Weather:
 
 
 @pytest.mark.parametrize(("extinction", "begin"), [(0.07, 0.0), (0.01, 40.0), (0.001, 0.0)])
-def test_what_is_seen_solves_the_equation(extinction: float, begin: float) -> None:
+def test_the_range_solves_the_equation(extinction: float, begin: float) -> None:
     d = seen_through(150.0, 0.002, extinction, begin)
     assert d * math.exp(0.002 * d + extinction * max(d - begin, 0.0)) == pytest.approx(150.0, rel=1e-9)
 
 
-def test_clear_air_takes_nothing() -> None:
+def test_clear_air_does_not_reduce_the_range() -> None:
     assert seen_through(150.0, 0.0, 0.0, 0.0) == 150.0
     assert [reach_in(kind, day()) for kind in KINDS] == [150.0, 150.0, 150.0]
 
 
-def test_fog_that_begins_beyond_what_is_seen_takes_nothing() -> None:
+def test_fog_that_begins_beyond_the_range_does_not_reduce_it() -> None:
     assert reach_in("camera", day(fog_density=100.0, fog_distance=200.0)) == pytest.approx(150.0)
 
 
@@ -124,7 +124,7 @@ def test_fog_at_77_ghz_is_that_of_the_double_debye_water() -> None:
     assert 0.819 * f / (lost * (1 + ((2 + real) / lost) ** 2)) == pytest.approx(3.15, abs=0.005)
 
 
-def test_the_more_fog_rain_or_dust_the_less_is_seen() -> None:
+def test_more_fog_rain_or_dust_reduces_the_range() -> None:
     for name in ("fog_density", "precipitation", "dust_storm"):
         for kind in KINDS:
             found = [reach_in(kind, day(**{name: share})) for share in (0.0, 10.0, 30.0, 60.0, 100.0)]
@@ -167,7 +167,7 @@ def test_a_camera_sees_as_far_as_its_health_lets_it() -> None:
     assert sensor_reach(program, state) == 0.0
 
 
-def test_the_published_table_is_what_the_formulas_give() -> None:
+def test_the_published_table_agrees_with_the_formulas() -> None:
     """The table of the page: weather, then what camera, lidar and radar see of 150 m."""
     rows = re.findall(r"^\| `(\w+)` \|.*?\| (\d+) m \| (\d+) m \| (\d+) m \|$", PAGE.read_text("utf-8"), re.MULTILINE)
     assert len(rows) >= 6
@@ -177,7 +177,7 @@ def test_the_published_table_is_what_the_formulas_give() -> None:
         assert [round(reach_in(kind, weather)) for kind in KINDS] == [int(one) for one in seen], name
 
 
-def test_the_published_extinctions_are_what_the_formulas_give() -> None:
+def test_the_published_extinctions_agree_with_the_formulas() -> None:
     rows = re.findall(
         r"^\| fog (\d+) % \| (\d+) m \| (\d+) m \| (\d+) m \| (\d+) m \|$", PAGE.read_text("utf-8"), re.MULTILINE
     )

@@ -1,6 +1,6 @@
-"""The reference drivers against a second implementation, written here from the published formulas alone.
+"""The reference drivers against a second implementation, written here only from the published formulas.
 
-The grid: 5 speeds of the ego vehicle, 4 of the car that cuts in, 5 gaps at the begin of its change of lane and 2
+The grid: 5 speeds of the ego vehicle, 4 of the car that cuts in, 5 gaps at the start of its change of lane and 2
 durations of that, 200 cut-ins from the left lane into the middle of the ego vehicle's, both lanes 3.5 m wide and both
 cars 4.5 m by 1.8 m, with a step of 0.01 s.
 """

@@ -47,7 +47,7 @@ def ways(seed: int) -> tuple[dict[str, list[str]], State]:
     return came, state
 
 
-def test_entities_take_the_way_to_their_goal_or_of_their_route_else_straight_on() -> None:
+def test_entities_follow_their_destination_or_route_and_otherwise_go_straight_on() -> None:
     came, _ = ways(1)
     assert came["plain"] == ["1", "3"]
     assert came["goal"] == ["1", "6"]

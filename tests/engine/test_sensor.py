@@ -1,4 +1,4 @@
-"""What the forward sensor sees, when the path counts as blocked, and what the marks are worth."""
+"""The objects that the forward sensor sees, blocked paths, and the confidence from the marks."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_the_distance_to_a_block_is_from_bumper_to_bumper() -> None:
 
 
 @pytest.mark.parametrize("offset", [0.0, 1.0, -1.5, 2.0, 2.1, -2.1, 2.7])
-def test_the_path_is_blocked_by_what_reaches_into_the_corridor_of_a_car_that_keeps_to_the_middle(offset: float) -> None:
+def test_an_object_that_reaches_into_the_corridor_in_the_middle_of_the_lane_blocks_the_path(offset: float) -> None:
     draft = standing_ego()
     draft.parked(100.0, offset=offset)
     room = abs(offset) - 0.9
@@ -66,7 +66,7 @@ def test_a_queue_is_followed_while_its_first_vehicle_moves(lead: float, followed
     assert (st.blocked_distance[0] == FAR) == followed
 
 
-def test_what_cannot_drive_on_is_no_queue() -> None:
+def test_objects_that_cannot_drive_on_are_not_a_queue() -> None:
     draft = standing_ego()
     draft.parked(90.0)
     draft.moving(-1, 99.0, 8.0)
@@ -188,7 +188,7 @@ def lines_of_sight(run: Run, j: int) -> tuple[complex, list[complex]]:
     return eye, [centre, ends[0], ends[-1]]
 
 
-def test_what_is_seen_is_what_straight_lines_of_sight_reach() -> None:
+def test_an_object_is_seen_if_a_straight_line_of_sight_reaches_it() -> None:
     found = []
     for number in range(60):
         run = look(crowd(number))

@@ -67,7 +67,7 @@ def test_groups_are_alternatives_and_conditions_of_a_group_all_hold() -> None:
 
 
 @pytest.mark.parametrize(("limit", "last"), [(1, 1), (3, 3)])
-def test_an_event_runs_as_often_as_it_may(limit: int, last: int) -> None:
+def test_an_event_runs_as_often_as_its_maximum_allows(limit: int, last: int) -> None:
     draft, car = with_car()
     maneuver = draft.maneuver()
     event = draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 1.0), limit=limit)

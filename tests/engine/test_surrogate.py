@@ -1,4 +1,4 @@
-"""Surrogate perception: equal in both forms, steady at a place, and what it goes by is what it was fitted to."""
+"""Surrogate perception: equal in both forms, constant at a place, with the features that it was fitted to."""
 
 from __future__ import annotations
 
@@ -50,13 +50,13 @@ def test_both_forms_leave_the_same_bytes(name: str) -> None:
     assert both.interpreted == both.compiled
 
 
-def test_the_paint_that_fades_is_asked_for_after_it_began_to() -> None:
+def test_fading_paint_causes_a_request_while_it_fades() -> None:
     both = driven(planned("markings_missing", **{"from": 200.0, "over": 50.0}))
     request = both.summaries[0, SUMMARY.index("time_request")]
     assert 200.0 / 25.0 - 1.0 < request < 250.0 / 25.0 + 1.0
 
 
-def test_where_all_is_painted_it_keeps_the_lane_and_does_not_ask() -> None:
+def test_with_paint_everywhere_it_keeps_the_lane_without_a_request() -> None:
     both = driven(planned("sensor_failure", sigma=0.0))
     assert both.summaries[0, SUMMARY.index("time_request")] < 0.0
     assert both.summaries[0, SUMMARY.index("greatest_offset")] < 0.3
@@ -86,7 +86,7 @@ def logits(view: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray((outputs + units / (1.0 + np.abs(units)) @ second)[:, 0])
 
 
-def test_what_is_kept_from_look_to_look_gives_nearly_the_answer_of_a_new_look() -> None:
+def test_results_kept_between_looks_are_close_to_those_of_a_new_look() -> None:
     plan = planned("road_narrows")
     simulation = Simulation(load_network(plan.map.file).tables, build_program(plan, load_network(plan.map.file)))
     simulation.reset(make_draws(1))

@@ -1,4 +1,4 @@
-"""Surrogate perception asks when the camera did, in a sample of the runs that took no part in the fit."""
+"""Surrogate perception requests when the camera did, in a sample of the runs that were not used for the fit."""
 
 from __future__ import annotations
 
@@ -31,9 +31,11 @@ def agrees(runs: Any, number: int, asked: float | None, perception: str) -> bool
     return math.isnan(again) if asked is None else abs(again - asked) <= SAME + 1e-9
 
 
-def test_it_gives_the_cameras_answer_in_most_variants_of_the_conflicts(runs: Any) -> None:
+@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.slow)])
+def test_it_gives_the_cameras_answer_in_most_variants_of_the_conflicts(runs: Any, every: int) -> None:
     assert len(SAMPLE) == 50
-    assert sum(agrees(runs, number, asked, "surrogate") for number, asked in SAMPLE) >= 0.85 * len(SAMPLE)
+    tried = SAMPLE[::every]
+    assert sum(agrees(runs, number, asked, "surrogate") for number, asked in tried) >= 0.85 * len(tried)
 
 
 @pytest.mark.slow

@@ -36,7 +36,7 @@ def test_a_blocked_path_is_requested_within_the_budget_and_not_before() -> None:
 
 @pytest.mark.parametrize("towards", [5.0, 15.0, 25.0])
 @pytest.mark.parametrize("budget", [3.0, 7.0])
-def test_the_budget_to_what_comes_towards_the_car_counts_the_speed_of_both(budget: float, towards: float) -> None:
+def test_the_budget_to_an_oncoming_object_counts_both_speeds(budget: float, towards: float) -> None:
     far = {slots.K_BUDGET: budget, slots.K_SENSOR_RANGE: 400.0, slots.K_DRIVER_TIME: 1.0e6}
     draft = Draft(network_of(road(1, 2000.0, lane(-1, "solid"), left=lane(1, "solid"))), far)
     draft.causes(op.CAUSE_PATH_BLOCKED)
@@ -50,7 +50,7 @@ def test_the_budget_to_what_comes_towards_the_car_counts_the_speed_of_both(budge
     assert run.st.blocked_distance[0] / (run.st.v[0] + towards) == pytest.approx(budget, abs=0.11)
 
 
-def test_a_stop_obstructs_a_lane_that_goes_on_and_not_one_that_is_blocked() -> None:
+def test_a_stop_obstructs_a_free_lane_and_not_a_blocked_one() -> None:
     free = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_NOISE: 60.0})
     free.ego(speed=SPEED)
     stopped = free.start().go()
@@ -60,7 +60,7 @@ def test_a_stop_obstructs_a_lane_that_goes_on_and_not_one_that_is_blocked() -> N
     assert before.time_of(op.EVENT_OBSTRUCTION) == -1.0
 
 
-def test_a_leader_that_drives_on_does_not_hold_who_has_stopped() -> None:
+def test_a_leader_that_drives_on_does_not_hold_the_stopped_ego() -> None:
     draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_NOISE: 60.0})
     draft.ego(speed=12.0)
     draft.moving(-1, 85.0, 12.0)
@@ -68,7 +68,7 @@ def test_a_leader_that_drives_on_does_not_hold_who_has_stopped() -> None:
     assert run.time_of(op.EVENT_OBSTRUCTION) == run.time_of(op.EVENT_STANDSTILL) > 0.0
 
 
-def test_a_cause_that_is_switched_off_asks_for_nothing() -> None:
+def test_a_disabled_cause_requests_nothing() -> None:
     run = blocked(2.0, causes=(op.CAUSE_LANE_CONFIDENCE,)).go()
     assert run.time_of(op.EVENT_REQUEST) == -1.0
 
@@ -112,7 +112,7 @@ def test_an_absent_driver_ends_in_a_minimum_risk_stop_before_the_obstacle() -> N
     assert run.st.clock[0] == pytest.approx(run.time_of(op.EVENT_STANDSTILL) + 3.0, abs=0.11)
 
 
-def test_the_minimum_risk_manoeuvre_brakes_as_given_and_begins_when_the_distance_asks_for_it() -> None:
+def test_the_minimum_risk_manoeuvre_has_the_given_deceleration_and_begins_when_the_distance_requires_it() -> None:
     draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_BUDGET: 4.0})
     draft.program.perception[0] = op.PERCEPTION_CAMERA
     draft.causes(op.CAUSE_PATH_BLOCKED)
@@ -185,7 +185,7 @@ def test_a_warning_has_a_threshold_of_its_own_to_end() -> None:
         assert (run.st.takeover_state[0] == op.TAKEOVER_WARNING) == warns, confidence
 
 
-def test_no_paint_however_worn_is_warned_of_more_than_once_in_five_seconds() -> None:
+def test_worn_paint_causes_at_most_one_warning_in_five_seconds() -> None:
     draft = Draft(highway(), {slots.K_DURATION: 60.0})
     draft.program.perception[0] = op.PERCEPTION_CAMERA
     draft.ego()
@@ -223,7 +223,7 @@ def test_a_warning_leads_by_a_second_whatever_the_control_period(control_every: 
 
 
 @pytest.mark.parametrize("seen_before_request", [0.2, 0.6, 1.0, 1.25])
-def test_an_object_that_is_seen_too_late_for_a_warning_is_asked_for_at_its_budget(seen_before_request: float) -> None:
+def test_an_object_seen_too_late_for_a_warning_is_requested_at_its_budget(seen_before_request: float) -> None:
     speed, budget = 15.0, 6.0
     draft = Draft(highway(), {slots.K_BUDGET: budget, slots.K_SENSOR_RANGE: speed * (budget + seen_before_request)})
     draft.ego(speed=speed)
@@ -295,6 +295,24 @@ def test_the_ramp_is_left_by_merging_where_the_gap_is_free() -> None:
     assert run.st.x[0] > 320.0
 
 
+def test_a_merge_across_the_line_is_no_lost_lane_but_the_lane_behind_it_may_be() -> None:
+    draft = Draft(ramp(), {slots.K_DRIVER_TIME: 1.0e6})
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.ego(lane=-2, s=20.0, speed=15.0)
+    run = draft.start()
+    merged = -1.0
+    while run.st.stop[0] == op.STOP_NONE and run.time_of(op.EVENT_REQUEST) < 0.0:
+        crossing = run.time_of(op.EVENT_MERGE) > 0.0
+        run.st.conf_left[0] = run.st.conf_right[0] = 0.0 if crossing else 1.0
+        run.go(run.st.clock[0] + 0.05)
+        if crossing and merged < 0.0 and run.st.merging[0] == 0:
+            merged = run.st.clock[0]
+            assert run.time_of(op.EVENT_WARNING) == -1.0
+    assert merged > run.time_of(op.EVENT_MERGE) + 2.0
+    assert merged < run.time_of(op.EVENT_WARNING) < run.time_of(op.EVENT_REQUEST) < merged + 2.0
+    assert run.st.cause[0] == op.CAUSE_LANE_CONFIDENCE
+
+
 def test_an_occupied_gap_is_requested_and_never_entered() -> None:
     draft = Draft(ramp(), {slots.K_DRIVER_TIME: 1.0e6})
     draft.ego(lane=-2, s=100.0, speed=15.0)
@@ -338,7 +356,7 @@ def test_a_run_ends_at_the_destination() -> None:
     assert 144.9 < run.st.x[0] < 146.0
 
 
-def test_a_lapse_is_no_answer_and_a_lognormal_time_comes_from_the_draw() -> None:
+def test_after_a_lapse_there_is_no_response_and_a_lognormal_time_comes_from_the_draw() -> None:
     numbers = {slots.K_DRIVER_MU: 0.876, slots.K_DRIVER_SIGMA: 0.5, slots.K_DRIVER_PERSON: 1.0, slots.K_NOISE: 60.0}
     draft = Draft(highway(), numbers)
     draft.program.driver_kind[0] = op.DRIVER_LOGNORMAL
@@ -362,20 +380,20 @@ def standing_behind(target_speed: float, *, cause: int = op.CAUSE_NO_PROGRESS) -
     return draft.start()
 
 
-def test_a_car_that_stands_without_a_reason_asks_after_the_time_of_its_cause() -> None:
+def test_a_car_that_stands_without_a_reason_requests_after_the_time_of_the_cause() -> None:
     run = standing_behind(SPEED).go()
     assert run.st.cause[0] == op.CAUSE_NO_PROGRESS
     assert run.time_of(op.EVENT_NO_PROGRESS) == run.time_of(op.EVENT_REQUEST)
     assert run.st.takeover_state[0] == op.TAKEOVER_STANDSTILL
 
 
-def test_a_stop_that_the_scenario_orders_is_no_lack_of_progress() -> None:
+def test_a_stop_ordered_by_the_scenario_is_not_a_lack_of_progress() -> None:
     run = standing_behind(0.0).go()
     assert run.st.v[0] == 0.0
     assert run.time_of(op.EVENT_NO_PROGRESS) == -1.0
 
 
-def test_a_leader_that_stops_and_goes_on_is_followed_without_a_word_while_its_queue_moves() -> None:
+def test_a_stop_and_go_leader_is_followed_without_a_request_while_its_queue_moves() -> None:
     draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_DURATION: 40.0})
     draft.causes(op.CAUSE_NO_PROGRESS)
     draft.ego(speed=10.0)

@@ -1,4 +1,4 @@
-"""Trajectories lead where they say, by speed and by time, interpreted and compiled alike."""
+"""Trajectories are followed by speed and by time, equally interpreted and compiled."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Run:
         return st.x[i], st.y[i], st.h[i], st.v[i]
 
 
-def test_a_polyline_turns_near_its_corners_and_its_end_is_a_stand_off_the_roads() -> None:
+def test_a_polyline_turns_near_its_corners_and_ends_in_a_standstill_off_the_roads() -> None:
     run = Run()
     assert run.at(1.0, "corner") == pytest.approx((405.0, 900.0, 0.0, 5.0))
     assert run.at(2.0, "corner") == pytest.approx((410.0, 900.0, 0.25 * pi, 5.0))
@@ -59,7 +59,7 @@ def test_a_polyline_turns_near_its_corners_and_its_end_is_a_stand_off_the_roads(
     assert (x, y, v) == pytest.approx((410.0, 910.0, 0.0))
 
 
-def test_a_closed_one_goes_round_from_where_it_is_begun() -> None:
+def test_a_closed_trajectory_is_followed_all_round_from_its_entry() -> None:
     run = Run()
     assert run.at(0.0, "round")[:2] == pytest.approx((505.0, 900.0))
     assert run.at(6.5, "round")[:2] == pytest.approx((500.0, 902.5))

@@ -107,7 +107,7 @@ def test_both_forms_leave_the_same_bytes_with_all_kinds_of_actors(tmp_path: Path
     assert len(set(starts)) == 3
 
 
-def test_starts_depend_on_the_seed_alone_and_keep_clear(tmp_path: Path) -> None:
+def test_starts_depend_only_on_the_seed_and_keep_their_distance(tmp_path: Path) -> None:
     done = compiled_text(tmp_path, TOWN)
     (p, one), (_, again), (_, other) = (started(done, seed) for seed in (4, 4, 5))
     assert (one.x, one.y) == (again.x, again.y)

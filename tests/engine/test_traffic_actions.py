@@ -1,4 +1,4 @@
-"""Swarms, sources and sinks do what they say, interpreted and compiled alike, and their vehicles do not touch."""
+"""Swarms, sources and sinks have their effects, equally interpreted and compiled, and their vehicles do not touch."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_kinds_are_drawn_by_their_weights() -> None:
     assert kinds["car"] > kinds["van"]
 
 
-def test_a_swarm_goes_the_way_that_is_asked_for_at_speeds_of_the_range() -> None:
+def test_a_swarm_drives_in_the_given_direction_at_speeds_of_the_range() -> None:
     plan, _, p = prepared("highway")
     run = watched("highway")
     st = run.state
@@ -133,7 +133,7 @@ def test_a_swarm_goes_the_way_that_is_asked_for_at_speeds_of_the_range() -> None
     assert p.action_op.count(ACTION["traffic_swarm"]) == 1
 
 
-def test_a_source_keeps_its_rate_and_a_sink_takes_who_comes() -> None:
+def test_a_source_keeps_its_rate_and_a_sink_removes_every_vehicle() -> None:
     run = watched("highway")
     times = [t for t, _, _ in run.of(run.came, "flow")]
     assert times[0] == pytest.approx(0.0, abs=0.06)

@@ -1,4 +1,4 @@
-"""The time that a request leaves which is not about an obstacle, on roads where it can be worked out."""
+"""The time budget of requests that are not about an obstacle, on roads where it can be calculated by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ideal perception sees through the weather what the camera was measured to see."""
+"""The weather reduces ideal perception's confidence as it was measured with the camera."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def preset(name: str) -> Weather:
     return weather
 
 
-def test_the_published_table_is_what_the_curve_gives() -> None:
+def test_the_published_table_agrees_with_the_curve() -> None:
     rows = re.findall(
         r"^ {4}(\w+(?:Noon|Sunset)) +\d.\d\d +\d.\d\d +(\d.\d\d)$", visibility.__doc__ or "", re.MULTILINE
     )
@@ -41,7 +41,7 @@ def test_a_clear_noon_and_numbers_left_to_the_map_hide_nothing() -> None:
     assert seen_in(Weather()) > 0.999
 
 
-def test_the_share_stays_a_share_whatever_the_numbers() -> None:
+def test_the_share_stays_between_0_and_1_for_any_numbers() -> None:
     for numbers in ([1e6] * 14, [-1e6] * 14, [0.0] * 14):
         state = new_state(Program())
         state.weather = numbers

@@ -26,7 +26,7 @@ LONGEST = 20.0
 BROKEN = ("#obstacle_ahead", "#customramp", "#cutting_in", "#jaywalker")
 """Library scenarios that are run with broken numbers."""
 
-BROKEN_ROWS, BROKEN_LONGEST = 50, 10.0
+BROKEN_ROWS, BROKEN_LONGEST = 20, 10.0
 """Number of broken runs of each, and the length of the longest, s: those that break off do so in their first rows."""
 
 
@@ -36,7 +36,7 @@ def library_targets() -> list[str]:
 
 
 def compiled_plan(target: str | Path, step: float = STEP) -> Compilation | None:
-    """Return a scenario's plan as a sweep runs it; None where it has none."""
+    """Return a scenario's plan as a sweep runs it; None if it has none."""
     overrides = Overrides(perception="ideal", step=step, duration=LONGEST)
     return compile_target(target, {}, Diagnostics(), overrides=overrides)
 
@@ -76,6 +76,7 @@ def test_every_library_scenario_leaves_the_same_bytes() -> None:
     assert differing(targets) == ([], len(targets))
 
 
+@pytest.mark.slow
 def test_every_recorded_scenario_leaves_the_same_bytes(golden: Path) -> None:
     scenarios = [run.scenario for run in recorded_runs(golden.parent / "corpus")]
     different, ran = differing(scenarios)

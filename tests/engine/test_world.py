@@ -1,4 +1,4 @@
-"""Conditions, and actions on the world at large, do what they say, interpreted and compiled alike."""
+"""Conditions, and actions on the run as a whole, have their effects, equally interpreted and compiled."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_a_held_brake_stops_the_ego_as_hard_as_the_road_lets_it() -> None:
     assert speeds[-1][0] > speeds[61][0]
 
 
-def test_traffic_is_taken_away() -> None:
+def test_traffic_is_removed() -> None:
     plan, network, program = prepared("drivers")
     state = new_state(program)
     state.draw[:] = make_draws(1, 0)

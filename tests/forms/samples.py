@@ -1,4 +1,4 @@
-"""Functions as the engine's marked ones are written, of which a test builds a small library of its own."""
+"""Functions written like the engine's marked ones, from which a test builds a small library of its own."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Runs the two-form programs on a build that checks indices and overflows, and what the compiler's sanitizers check.
 
 `python tests/forms/sanitized.py FOLDER [-fsanitize=...]` builds it there, with the compiler's options that are given.
-With some, the process starts itself anew with the address sanitizer's library loaded first, which Python itself is not
+With some, the process starts itself again with the address sanitizer's library loaded first, which Python itself is not
 linked with.
 """
 

@@ -1,4 +1,4 @@
-"""What the engine's language calculates is the same in both forms, failures included."""
+"""Calculations of the engine's language are the same in both forms, failures included."""
 
 from __future__ import annotations
 

@@ -1,10 +1,13 @@
-"""Every marked function translates, and what the engine's language lacks is found with its line."""
+"""Every marked function translates, and constructs that the engine's language lacks are reported with their lines."""
 
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from collections.abc import Callable
 from math import sqrt
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -26,8 +29,19 @@ def test_every_marked_function_translates(engine: str) -> None:
     assert engine.count("EXPORT int32_t enter_") == len(entries())
 
 
-def test_the_text_is_the_same_every_time(engine: str) -> None:
-    assert translated(marked_functions(), entries()) == engine
+ONLY_STANDARD_LIBRARY = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from scenario_compiler.forms.language import entries, marked_functions
+from scenario_compiler.forms.translation import translated
+sys.stdout.write(translated(marked_functions(), entries()))
+"""
+
+
+def test_the_standard_library_alone_gives_the_same_text_in_another_process(engine: str, repository: Path) -> None:
+    command = [sys.executable, "-I", "-S", "-c", ONLY_STANDARD_LIBRARY, str(repository)]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=True)
+    assert done.stdout == engine
 
 
 def takes_constant(st: State) -> float:
@@ -167,7 +181,7 @@ def decides_by_float(x: float) -> int:
         (decides_by_float, "decides by 'x', which is real"),
     ],
 )
-def test_what_the_language_lacks_is_found(function: Callable[..., Any], rule: str) -> None:
+def test_constructs_that_the_language_lacks_are_reported(function: Callable[..., Any], rule: str) -> None:
     with pytest.raises(NotTranslatableError) as found:
         translated([function, changes], [])
     assert [rule in str(one) for one in found.value.findings] == [True]
@@ -176,11 +190,11 @@ def test_what_the_language_lacks_is_found(function: Callable[..., Any], rule: st
     assert first <= found.value.findings[0].line <= first + 4
 
 
-def test_all_findings_are_told_at_once() -> None:
+def test_all_findings_are_reported_at_once() -> None:
     with pytest.raises(NotTranslatableError) as found:
         translated([uses_power, stores_int, makes_list], [])
     assert len(found.value.findings) == 3
 
 
-def test_a_guarded_division_is_no_finding() -> None:
+def test_a_guarded_division_is_not_reported() -> None:
     assert "divides_guarded" in translated([divides_guarded], [])

@@ -1,4 +1,4 @@
-"""What a mutant must stand: commands that end in time, with an exit code, a bounded text, and nothing raw in it."""
+"""The trial of a mutant: commands must end in time, with an exit code and a short output without control characters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Code that files of this corpus name: whoever imports it leaves a mark and ends the program as if all were well."""
+"""Code that files of this corpus name: importing it sets a variable and ends the program with exit code 0."""
 
 import os
 import sys

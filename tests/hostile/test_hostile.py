@@ -1,4 +1,4 @@
-"""Hostile files: every command ends cleanly on each, says little, prints nothing raw, and runs nothing that is named.
+"""Hostile files: every command ends cleanly, prints little and nothing unescaped, and runs no code that they name.
 
 The files are permanent. What would be too large to keep is made here: deep, wide and long files, and chains of them.
 """
@@ -156,7 +156,7 @@ def test_a_large_file_takes_bounded_memory_and_words(tmp_path: Path, name: str) 
 
 @pytest.mark.parametrize("damage", ["cut", "text", "folder", "empty", "other"])
 @pytest.mark.parametrize("name", ["plan.json", "recording.parquet", "map.xodr", "outcome.json"])
-def test_a_damaged_run_folder_is_told(
+def test_a_damaged_run_folder_is_reported(
     tmp_path: Path, name: str, damage: str, capfd: pytest.CaptureFixture[str], whole_run: Path
 ) -> None:
     folder = tmp_path / "run"

@@ -59,6 +59,12 @@ def served(*words: object, port: int = 0) -> Iterator[Served]:
     assert "Traceback" not in (err or ""), err
 
 
+def seated(page: ClientConnection) -> None:
+    """Wait until a connection drives: the server may not know yet that the one before has ended."""
+    while page.recv(timeout=60) != '{"role":"driver"}':
+        pass
+
+
 def waited_for(state: Callable[[], bool], seconds: float = 240.0) -> None:
     """Return once a state has come that must come; TimeoutError where it has not, long after it should have."""
     end = time.monotonic() + seconds

@@ -9,7 +9,7 @@ from pathlib import Path
 from websockets.sync.client import connect
 from websockets.typing import Origin
 
-from tests.live.serving import Served
+from tests.live.serving import Served, seated
 
 SHORT = """\
 <scenarios version="1">
@@ -49,11 +49,14 @@ def resident(server: Served) -> float:
 
 
 def runs(server: Served, count: int, path: str = "/socket") -> Iterator[float]:
-    """Drive one run after the other, each by a page of its own; yield the memory after each, MiB."""
+    """Drive one run after the other, each by a page of its own; yield the memory after each, MiB.
+
+    A participant's path has `{}` in the place of the step's number: the soaked study has no steps but its runs.
+    """
     here = f"http://127.0.0.1:{server.host.rpartition(':')[2]}"
-    for _ in range(count):
-        with connect(here.replace("http", "ws") + path, origin=Origin(here), max_size=None) as page:
-            page.recv()
+    for run in range(count):
+        with connect(here.replace("http", "ws") + path.format(run), origin=Origin(here), max_size=None) as page:
+            seated(page)
             page.send('{"kind": "start"}')
             for seq in itertools.count(1):
                 try:

@@ -36,19 +36,19 @@ SOON = """\
 OPEN = """\
 <scenarios version="1">
   <scenario name="open" map="motorway" duration="600">
-    <ego speed="13.9"><start><spawn_point name="right_lane"/></start></ego>
+    <ego speed="4"><start><spawn_point name="right_lane"/></start></ego>
     <takeover><driver><person/></driver></takeover>
     <criteria><no_collision/></criteria>
   </scenario>
 </scenarios>
 """
-"""Nothing ahead that could refuse the automation, however late a press arrives."""
+"""Nothing ahead that could refuse the automation, however late a press arrives, and soon at a standstill."""
 
 TOLD = SOON.replace(
     '<message modality="text icon" content="what why"/>',
     """<message modality="tone vibration"/>
       <message modality="speech" content="what why" language="fi"/>
-      <message modality="speech" after="4" language="fi"><say at="request" text="Kädet rattiin!"/></message>""",
+      <message modality="speech" after="1" language="fi"><say at="request" text="Kädet rattiin!"/></message>""",
 )
 """A request that is sounded, spoken from files, and spoken in the author's own words."""
 
@@ -98,11 +98,16 @@ def kinds(recording: Recording) -> list[str]:
 def test_a_person_takes_over_by_keys_drives_and_is_repeated_bit_for_bit(
     soon: Path, tmp_path: Path, browser: Browser
 ) -> None:
+    """The page stays within a window of any width, too."""
     out = tmp_path / "out"
     with (
         served("drive", soon, "--perception", "ideal", "-o", out) as server,
         opened_page(browser, server.address, bypass_csp=True) as page,
     ):
+        for width in (1400, 390):
+            page.set_viewport_size({"width": width, "height": 900})
+            expect(page.get_by_role("button", name="Start")).to_be_visible()
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
         begun(page)
         page.wait_for_function("page.latest.state === 'request'")
         expect(page.locator("#told")).to_contain_text("Take over now: the path ahead is blocked")
@@ -179,7 +184,7 @@ def test_a_vehicle_whose_person_leaves_stops_and_nothing_is_lost(
             page.keyboard.press("Enter")
             page.wait_for_function("page.latest.byHand")
         inputs = out / "drive-001" / "inputs.jsonl"
-        waited_for(lambda: seconds_since_leaving(inputs) > 5.0)
+        waited_for(lambda: seconds_since_leaving(inputs) > 3.0)
     recording = driven(out)
     assert kinds(recording).index("override") < kinds(recording).index("person_left")
     assert kinds(recording).index("person_left") < kinds(recording).index("minimum_risk")
@@ -216,10 +221,8 @@ def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path,
     assert sorted(given) == [("speech", "file"), ("speech", "text"), ("tone", "file"), ("vibration", "gamepad")]
 
 
-def test_pictures_are_shown_in_their_order_however_long_each_takes_to_decode(
-    open_road: Path, browser: Browser
-) -> None:
-    """Two pictures may be on their way at once; one that overtook the other would tell the driver of a message twice."""
+def test_pictures_are_shown_in_their_order_however_long_each_takes_to_decode(open_road: Path, browser: Browser) -> None:
+    """Two pictures may be on their way; one that overtook the other would give the driver a message twice."""
     with (
         served("drive", open_road, "--perception", "ideal") as server,
         opened_page(browser, server.address, bypass_csp=True) as page,
@@ -236,7 +239,7 @@ def test_pictures_are_shown_in_their_order_however_long_each_takes_to_decode(
             }"""
         )
         begun(page)
-        page.wait_for_function("page.run.t.length > 40")
+        page.wait_for_function("page.run.t.length > 15")
         times = page.evaluate("page.run.t")
     assert times == sorted(times)
 
@@ -262,7 +265,7 @@ def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser
 
 def test_a_run_that_nobody_drives_is_watched(tmp_path: Path, browser: Browser) -> None:
     out = tmp_path / "out"
-    words = ("run", "obstacle_ahead", "--perception", "ideal", "--duration", "2", "--watch", "-o", out)
+    words = ("run", "obstacle_ahead", "--perception", "ideal", "--duration", "0.5", "--watch", "-o", out)
     with served(*words) as server:
         with opened_page(browser, server.address, bypass_csp=True) as page:
             page.set_default_timeout(SLOW)
@@ -270,7 +273,7 @@ def test_a_run_that_nobody_drives_is_watched(tmp_path: Path, browser: Browser) -
             assert page.evaluate("document.querySelector('#ahead').width") == 1280
             page.wait_for_function("document.querySelector('#ended').textContent !== ''")
         assert server.process.wait(timeout=SLOW / 1000) == 0
-    assert read_recording(out / "recording.parquet").t[-1] == pytest.approx(2.0)
+    assert read_recording(out / "recording.parquet").t[-1] == pytest.approx(0.5)
 
 
 @pytest.mark.slow
@@ -292,11 +295,3 @@ def test_each_flagship_conflict_is_driven_to_a_takeover(name: str, by: str, tmp_
     found = kinds(driven(out))
     assert found.index("request") < found.index("response")
     assert "collision" not in found
-
-
-def test_nothing_of_the_page_reaches_beyond_the_window(soon: Path, browser: Browser) -> None:
-    with served("drive", soon, "--perception", "ideal") as server:
-        for width in (1400, 390):
-            with opened_page(browser, server.address, width) as page:
-                expect(page.get_by_role("button", name="Start")).to_be_visible()
-                assert page.evaluate("document.documentElement.scrollWidth") <= width

@@ -1,4 +1,4 @@
-"""A server that drives run after run holds no more memory than before: recordings are on the disk."""
+"""A server that drives run after run needs no more memory than before: recordings are on the disk."""
 
 from __future__ import annotations
 

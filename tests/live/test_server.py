@@ -13,7 +13,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
-from tests.live.serving import Served, served
+from tests.live.serving import Served, seated, served
 from tests.live.test_drive import OPEN
 from tests.test_cli import CONFLICT
 
@@ -122,7 +122,7 @@ def test_on_another_address_a_page_needs_the_token(foreign: Served) -> None:
 )
 def test_what_is_no_message_of_ours_closes_the_socket_alone(own: Served, message: str) -> None:
     with own.connected() as one:
-        assert json.loads(one.recv(timeout=30)) == {"role": "driver"}
+        seated(one)
         one.send('{"kind": "start"}')
         assert isinstance(one.recv(timeout=60), bytes)
         one.send(message)
@@ -130,26 +130,30 @@ def test_what_is_no_message_of_ours_closes_the_socket_alone(own: Served, message
     assert asked(own, "/")[0] == 200
 
 
-def picture(page: ClientConnection, seconds: float) -> dict[str, Any]:
-    """Return what belongs to the next picture; TimeoutError where none comes."""
-    told = page.recv(timeout=seconds)
-    assert isinstance(told, bytes)
-    about: dict[str, Any] = json.loads(told[4 : 4 + int.from_bytes(told[:4], "big")])
-    return about
+def picture(page: ClientConnection, seconds: int) -> dict[str, Any]:
+    """Return what belongs to the next picture; TimeoutError where none comes. The page says that it is there."""
+    for _ in range(seconds):
+        page.send('{"kind": "ping", "t": 0}')
+        with suppress(TimeoutError):
+            while isinstance(told := page.recv(timeout=1), str):
+                pass
+            about: dict[str, Any] = json.loads(told[4 : 4 + int.from_bytes(told[:4], "big")])
+            return about
+    raise TimeoutError
 
 
 def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(tmp_path: Path) -> None:
     file = tmp_path / "open.xml"
     file.write_text(OPEN)
     with served("drive", file, "--perception", "ideal") as server, server.connected() as page:
-        page.recv(timeout=30)
+        seated(page)
         page.send('{"kind": "start"}')
         picture(page, 60)
         page.send('{"kind": "shown"}')
         waiting = [picture(page, 60)]
         with suppress(TimeoutError):
             while True:
-                waiting.append(picture(page, 3))
+                waiting.append(picture(page, 2))
         assert len(waiting) <= 10  # those on their way when the page began to say what it shows
         for _ in waiting:
             page.send('{"kind": "shown"}')
@@ -158,9 +162,34 @@ def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(tmp_path: P
         assert picture(page, 60)["t"] > waiting[-1]["t"] + 0.2
 
 
+def test_the_end_of_a_run_does_not_wait_for_a_page_that_is_slow(tmp_path: Path) -> None:
+    """A page that the screen does not show may keep pictures for as long as it is hidden."""
+    file = tmp_path / "open.xml"
+    file.write_text(OPEN.replace('duration="600"', 'duration="3"'))
+    with served("drive", file, "--perception", "ideal") as server, server.connected() as page:
+        seated(page)
+        page.send('{"kind": "start"}')
+        picture(page, 60)
+        page.send('{"kind": "shown"}')
+        while "end" not in picture(page, 60):
+            pass
+
+
+def test_the_page_that_waits_drives_when_the_one_that_drove_is_gone(own: Served) -> None:
+    """A page that is loaded again is a second one as long as the server does not know that the first is gone."""
+    with own.connected() as one:
+        seated(one)
+        with own.connected() as other:
+            assert json.loads(other.recv(timeout=30)) == {"role": "viewer"}
+            one.close()
+            seated(other)
+            other.send('{"kind": "start"}')
+            assert isinstance(other.recv(timeout=60), bytes)
+
+
 def test_a_second_page_watches(own: Served) -> None:
     with own.connected() as one:
-        assert json.loads(one.recv(timeout=30)) == {"role": "driver"}
+        seated(one)
         with own.connected() as other:
             assert json.loads(other.recv(timeout=30)) == {"role": "viewer"}
             other.send('{"kind": "start"}')

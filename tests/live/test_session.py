@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.live.session import SLOWEST, Drive, Picture, Session
+from scenario_compiler.live.session import SLOWEST, Drive, Given, Picture, Session
 from scenario_compiler.report.run import Run
 from tests.live.test_drive import OPEN
 
@@ -67,6 +68,28 @@ def test_a_run_stands_still_for_its_probe_and_shows_nothing_meanwhile(compiled: 
     assert (before, after) == (pytest.approx(0.48), pytest.approx(0.52))
     assert all(size == 0 for what, size in shown if what == "probe")
     assert [run.recording.t[-1] for run in runs] == [pytest.approx(2.0)]
+
+
+def test_what_happens_while_the_files_are_written_does_not_belong_to_the_run(compiled: Compilation) -> None:
+    """The page may be loaded again, and the experimenter may press a button, before they know that the run is over."""
+    runs: list[Run] = []
+
+    def afterwards(_: object) -> None:
+        session.leave()
+        session.come_back()
+        session.request()
+        session.give(Given(modality="tone", by="file"))
+        session.abort()
+
+    chosen = replace(drive(compiled), found=afterwards)
+    session = Session(chosen, lambda _: True, kept=lambda _, run: runs.append(run))
+    assert session.wheel is not None
+    session.run()
+    assert session.marks == set()
+    assert not session.going
+    (run,) = runs
+    assert run.recording.stop_reason == "duration"
+    assert {one.kind for one in run.recording.events}.isdisjoint({"person_left", "person_back", "message_given"})
 
 
 def test_a_run_that_is_aborted_is_kept_and_marked(compiled: Compilation, tmp_path: Path) -> None:

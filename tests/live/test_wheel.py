@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from scenario_compiler.live.wheel import KEPT_EVERY, Told, Wheel
+from scenario_compiler.live.wheel import KEPT_EVERY, InputFile, Told, Wheel
+from tests.live.serving import waited_for
 from tests.report import made
 
 MAX_STEER = math.radians(40.0)
@@ -71,7 +72,7 @@ def test_a_request_is_wanted_until_it_has_come_and_of_the_automation_alone() -> 
     assert [wheel.act(t, state).wish for t, state in ((0.1, "manual"), (0.12, "automated"))] == ["", ""]
 
 
-def test_who_comes_back_at_once_has_left_all_the_same() -> None:
+def test_a_person_who_comes_back_at_once_has_left_nevertheless() -> None:
     wheel = Wheel(PLAN)
     wheel.leave()
     wheel.come_back()
@@ -147,3 +148,36 @@ def test_a_disk_that_takes_nothing_is_reported(tmp_path: Path, monkeypatch: pyte
 def test_messages_beyond_the_limits_are_refused(message: dict[str, object]) -> None:
     with pytest.raises(ValidationError):
         Told.model_validate(message)
+
+
+class ClosedMeanwhile(threading.Event):
+    """The event of a file that is closed just when its thread has seen that there is something to store."""
+
+    def __init__(self, file: InputFile) -> None:
+        super().__init__()
+        self.closing = threading.Thread(target=file.close, daemon=True)
+        self._asked = threading.Event()
+
+    def set(self) -> None:
+        """Set it, and let the thread of the file go on if the file is being closed."""
+        super().set()
+        if threading.current_thread() is self.closing:
+            self._asked.set()
+
+    def clear(self) -> None:
+        """Clear it after the file has asked its thread to end."""
+        if self.closing.ident is None:
+            self.closing.start()
+            assert self._asked.wait(60.0)
+        super().clear()
+
+
+def test_a_file_that_is_closed_while_it_is_stored_is_closed(tmp_path: Path) -> None:
+    file = InputFile(tmp_path / "inputs.jsonl")
+    file._due = due = ClosedMeanwhile(file)
+    file.write(b"{}")
+    file.keep()
+    waited_for(lambda: due.closing.ident is not None)
+    due.closing.join(60.0)
+    assert not due.closing.is_alive()
+    assert (tmp_path / "inputs.jsonl").read_bytes() == b"{}\n"

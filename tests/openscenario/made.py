@@ -46,7 +46,7 @@ def speed(value: str = "0", duration: str = "2") -> str:
 
 
 def event(name: str = "brake", start: str = "", action: str = "", **attributes: str) -> str:
-    """Return an <Event> with one action: the car brakes after a second, if nothing else is said."""
+    """Return an <Event> with one action: the car brakes after a second by default."""
     written = {"name": name, "priority": "override"} | attributes
     inside = (
         f'<Action name="{name} action">{action or speed()}</Action><StartTrigger>{start or condition()}</StartTrigger>'

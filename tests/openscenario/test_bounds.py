@@ -164,7 +164,7 @@ def test_a_step_without_length_is_refused(size: str, capsys: pytest.CaptureFixtu
     ["(" * 5000 + "1" + ")" * 5000, "-" * 5000 + "1", "1 +" * 5000 + "1", "1 - (" * 300 + "1" + ")" * 300],
     ids=["brackets", "signs", "sums", "differences"],
 )
-def test_expressions_without_end_are_told(tmp_path: Path, text: str) -> None:
+def test_endless_expressions_are_reported(tmp_path: Path, text: str) -> None:
     done, found = compiled(tmp_path, scenario_text(story(event(action=speed(f"${{{text}}}")))))
     assert done is None
     assert found["SC113"] == 1
@@ -190,6 +190,6 @@ def test_a_text_of_megabytes_is_read(tmp_path: Path) -> None:
     assert done is not None
 
 
-def test_thousands_of_unknown_elements_are_told_in_a_few_findings(tmp_path: Path) -> None:
+def test_thousands_of_unknown_elements_give_a_few_findings(tmp_path: Path) -> None:
     _, found = compiled(tmp_path, scenario_text(story(event()), init='<Nonsense a="1"/>' * 5000))
     assert 0 < sum(found.values()) < 500

@@ -36,7 +36,7 @@ def test_folders_are_found_whole_or_by_their_bare_name(tmp_path: Path, path: str
     assert scenario.vehicles[0].length == 4.5
 
 
-def test_a_catalog_goes_by_its_files_name_too(tmp_path: Path) -> None:
+def test_a_catalog_is_also_found_by_its_files_name(tmp_path: Path) -> None:
     _write(tmp_path, "Cars.xosc", CAR, "Things")
     _write(tmp_path, "Vans.xosc", CAR.replace("4.5", "5.5"), "Cars")
     text = scenario_text(entities=entity(inside=_reference("car", "Cars")), catalogs=VEHICLES.format("."))
@@ -44,13 +44,13 @@ def test_a_catalog_goes_by_its_files_name_too(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("catalog", "entry"), [("Thing", "car"), ("Things", "kar"), ("", "")])
-def test_missing_entries_are_told(tmp_path: Path, catalog: str, entry: str) -> None:
+def test_missing_entries_are_reported(tmp_path: Path, catalog: str, entry: str) -> None:
     _write(tmp_path, "a.xosc", CAR)
     text = scenario_text(entities=entity(inside=_reference(entry, catalog)), catalogs=VEHICLES.format("."))
     assert "SC744" in expanded(text, tmp_path / "made.xosc")[1]
 
 
-def test_missing_folders_are_told_when_nothing_is_wanted_from_them() -> None:
+def test_missing_folders_are_reported_even_if_nothing_refers_to_them() -> None:
     assert expanded(scenario_text(catalogs=VEHICLES.format("nowhere")))[1] == ["SC745"]
 
 
@@ -80,13 +80,13 @@ def test_a_maneuver_comes_from_a_catalog(tmp_path: Path) -> None:
     assert (maneuver.name, action.to) == ("slow", 7.0)
 
 
-def test_an_entry_of_another_kind_is_told(tmp_path: Path) -> None:
+def test_an_entry_of_another_kind_is_reported(tmp_path: Path) -> None:
     _write(tmp_path, "a.xosc", f'<Maneuver name="slow">{event()}</Maneuver>')
     text = scenario_text(entities=entity(inside=_reference("slow")), catalogs=VEHICLES.format("."))
     assert expanded(text, tmp_path / "made.xosc")[1] == ["SC744"]
 
 
-def test_what_of_an_entry_is_not_read_is_told(tmp_path: Path) -> None:
+def test_unread_parts_of_an_entry_are_reported(tmp_path: Path) -> None:
     _write(tmp_path, "a.xosc", CAR.replace("<Axles>", "<Wings/><Axles>"))
     text = scenario_text(entities=entity(inside=_reference("car")), catalogs=VEHICLES.format("."))
     assert expanded(text, tmp_path / "made.xosc")[1] == ["SC750"]

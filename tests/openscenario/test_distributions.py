@@ -192,7 +192,7 @@ def test_a_range_cuts_a_poisson_distribution_off(file: Path) -> None:
         "<Stochastic>" + _drawn("v", "<ProbabilityDistributionSet/>") + "</Stochastic>",
     ],
 )
-def test_unusable_distributions_are_told(file: Path, inside: str) -> None:
+def test_unusable_distributions_are_reported(file: Path, inside: str) -> None:
     _write(file, inside)
     sink = Diagnostics()
     assert read_source(file, sink) is not None
@@ -200,14 +200,14 @@ def test_unusable_distributions_are_told(file: Path, inside: str) -> None:
 
 
 @pytest.mark.parametrize("path", ["base.xosc", "elsewhere/base.xosc", ""])
-def test_a_missing_scenario_is_told(file: Path, path: str) -> None:
+def test_a_missing_scenario_is_reported(file: Path, path: str) -> None:
     _write(file, f"<Deterministic>{_single('v', VALUES)}</Deterministic>", path)
     sink = Diagnostics()
     assert read_source(file, sink) is None
     assert "SC754" in {one.code.id for one in sink}
 
 
-def test_parameters_that_the_scenario_does_not_have_are_told_where_they_stand(file: Path) -> None:
+def test_unknown_parameters_are_reported_at_their_places(file: Path) -> None:
     _write(file, f"<Deterministic>{_single('nobody', VALUES)}</Deterministic>")
     sink = Diagnostics()
     compile_target(file, {}, sink)

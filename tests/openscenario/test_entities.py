@@ -47,7 +47,7 @@ def test_pedestrians_and_things_have_their_own_box() -> None:
         ('<CatalogReference catalogName="C" entryName="E"/>', ["SC744"]),
     ],
 )
-def test_what_is_missing_is_told_and_stood_in_for(inside: str, codes: list[str]) -> None:
+def test_missing_parts_are_reported_and_replaced(inside: str, codes: list[str]) -> None:
     vehicle, found = _vehicle(inside)
     assert sorted(found) == codes
     assert min(vehicle.length, vehicle.width, vehicle.height, vehicle.wheelbase) > 0.0
@@ -61,7 +61,7 @@ def test_one_name_may_mean_several_vehicles() -> None:
     assert [vehicle.length for vehicle in scenario.vehicles] == [4.5, 5.5]
 
 
-def test_an_entity_stands_once() -> None:
+def test_an_entity_is_declared_once() -> None:
     scenario, codes = expanded(scenario_text(entities=EGO + EGO))
     assert codes == ["SC216"]
     assert len(scenario.actors) == 1
@@ -85,7 +85,7 @@ def test_a_trailer_is_an_entity_that_is_hitched_first() -> None:
     assert [(vehicle.hitch, vehicle.coupler) for vehicle in scenario.vehicles] == [(-1.2, None), (None, 3.0)]
 
 
-def test_a_trailer_may_be_named_before_it_stands() -> None:
+def test_a_trailer_may_be_named_before_its_declaration() -> None:
     towing = CAR.replace("</Vehicle>", '<Trailer><TrailerRef entityRef="wagon"/></Trailer></Vehicle>')
     scenario, codes = expanded(scenario_text(entities=entity(inside=towing) + entity("wagon")))
     assert codes == []
@@ -115,7 +115,7 @@ def test_selections_stand_for_their_members() -> None:
     assert scenario.storyboard.stories[0].acts[0].groups[0].actors == ("Ego", "b")
 
 
-def test_a_selection_is_no_single_entity() -> None:
+def test_a_selection_is_not_a_single_entity() -> None:
     selection = '<EntitySelection name="all"><Members><ByType objectType="vehicle"/></Members></EntitySelection>'
     relative = """<ByEntityCondition>
 <TriggeringEntities triggeringEntitiesRule="all"><EntityRef entityRef="all"/></TriggeringEntities>

@@ -149,7 +149,7 @@ def test_parameters_stay_open(tmp_path: Path) -> None:
     assert_same_course(recorded(meant), recorded(moved))
 
 
-def test_what_is_changed_in_the_file_counts(tmp_path: Path) -> None:
+def test_changes_in_the_exported_file_take_effect(tmp_path: Path) -> None:
     """An action that was kept word for word, and one that was not, are both changed in the file."""
     path = exported(compiled(LIBRARY / "obstacle_variants.xml#cutting_in"), tmp_path, (1, 3))
     text = path.read_text(encoding="utf-8")
@@ -174,7 +174,7 @@ def test_blueprints_are_the_names_of_vehicles(tmp_path: Path) -> None:
     assert root.find("RoadNetwork/LogicFile").get("filepath") == "town_grid.xodr"  # type: ignore[union-attr]
 
 
-def test_what_cannot_be_said_is_told() -> None:
+def test_parts_that_cannot_be_expressed_are_reported() -> None:
     compilation = compiled(LIBRARY / "in_traffic.xml#van_in_traffic")
     for version, more in (((1, 0), "<ParameterValueDistribution> is not known before 1.1"), ((1, 3), "<triangular>")):
         sink = Diagnostics()
@@ -186,7 +186,7 @@ def test_what_cannot_be_said_is_told() -> None:
         assert "background traffic is kept as properties" in told
 
 
-def test_a_plan_is_exported_alike(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_plan_is_exported_like_its_scenario(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = LIBRARY / "sensor_failure.xml#sensor_failure"
     compilation = compiled(target)
     write_plan(compilation.plan, tmp_path / "plan.json")

@@ -77,7 +77,7 @@ def test_distribution_is_read_back(axis: Axis, tmp_path: Path) -> None:
     assert (vary.samples, vary.seed) == ((20, 3) if axis in DRAWN else (None, None))
 
 
-def test_values_alike_often_have_one_weight(tmp_path: Path) -> None:
+def test_equally_likely_values_have_one_weight(tmp_path: Path) -> None:
     exported(tmp_path, Vary(axes=(Choice(parameter="gap", of=("30", "50")),)))
     assert read_back(tmp_path).axes == (Weighted(parameter="gap", of=("30", "50"), weights=(1.0, 1.0)),)
 
@@ -92,7 +92,7 @@ def test_values_alike_often_have_one_weight(tmp_path: Path) -> None:
         (Vary(axes=(DRAWN[0],), constraints=(Constraint(holds="$gap > 35"),)), "1.3", "$gap > 35"),
     ],
 )
-def test_what_no_distribution_says_is_told(vary: Vary, version: str, told: str, tmp_path: Path) -> None:
+def test_variations_without_a_distribution_are_reported(vary: Vary, version: str, told: str, tmp_path: Path) -> None:
     sink = exported(tmp_path, vary, version)
     assert any(told in one.message for one in sink), [one.message for one in sink]
     assert (tmp_path / "out_variation.xosc").exists() == (len(vary.axes) > 1 or bool(vary.constraints))

@@ -14,7 +14,7 @@ from tests.openscenario.made import condition, expanded, scenario_text
 
 
 @pytest.mark.parametrize("comment", ["a -- b", "a --- b", "-- a", "a -", "a\n--\n--b"])
-def test_comments_with_hyphens_are_mended(tmp_path: Path, comment: str) -> None:
+def test_comments_with_hyphens_are_corrected(tmp_path: Path, comment: str) -> None:
     file = tmp_path / "odd.xosc"
     file.write_text(f"<a>\n<!--{comment}-->\n<b c='1'/></a>", encoding="utf-8")
     sink = Diagnostics()
@@ -36,7 +36,7 @@ def test_other_faults_stay(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("minor", "codes"), [("0", []), ("1", []), ("2", []), ("3", []), ("9", ["SC741"]), ("x", ["SC741"])]
 )
-def test_versions_that_there_are_not_are_read_as_the_nearest(minor: str, codes: list[str]) -> None:
+def test_unknown_versions_are_read_as_the_nearest(minor: str, codes: list[str]) -> None:
     text = scenario_text(minor=minor, stop=condition())
     assert [code for code in expanded(text)[1] if code == "SC741"] == codes
 
@@ -46,7 +46,7 @@ def test_a_namespace_makes_no_difference() -> None:
     assert expanded(text)[0].actors[0].id == "Ego"
 
 
-def test_names_that_no_system_takes_are_no_files() -> None:
+def test_impossible_file_names_are_missing_files() -> None:
     assert not is_file(Path("a\0b"))
     assert not is_folder(Path("a" * 5000))
     assert beside(Path("x"), "  ") == []
@@ -62,7 +62,7 @@ def test_without_a_road_file_the_plane_is_taken(tmp_path: Path) -> None:
     assert [one.code.id for one in sink] == ["SC746"]
 
 
-def test_a_missing_map_is_told_where_it_is_named(tmp_path: Path) -> None:
+def test_a_missing_map_is_reported_where_it_is_named(tmp_path: Path) -> None:
     file = tmp_path / "lost.xosc"
     file.write_text(scenario_text(road='<LogicFile filepath="nowhere.xodr"/>'), encoding="utf-8")
     sink = Diagnostics()
@@ -71,7 +71,7 @@ def test_a_missing_map_is_told_where_it_is_named(tmp_path: Path) -> None:
     assert one.place.source_line[one.place.column - 1 :].startswith("nowhere.xodr")
 
 
-def test_validate_takes_what_has_no_meaning_for_a_warning(tmp_path: Path) -> None:
+def test_validate_reports_parts_without_meaning_as_warnings(tmp_path: Path) -> None:
     file = tmp_path / "lost.xosc"
     file.write_text(scenario_text(road='<LogicFile filepath="nowhere.xodr"/>', stop=condition()), encoding="utf-8")
     sink = Diagnostics()

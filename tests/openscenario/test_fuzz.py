@@ -21,7 +21,7 @@ from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.randomness import random_hash
 from scenario_compiler.validation import validate_file
 
-USUAL_CASES = 200
+USUAL_CASES = 80
 MANY_CASES = 2000
 LONGEST = 20
 """Time that reading and running one file may take, s."""

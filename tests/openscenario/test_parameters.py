@@ -32,7 +32,7 @@ def test_numbers_stay_open_for_sweeps() -> None:
     assert target.number({"kph": 36.0}) == pytest.approx(10.0)
 
 
-def test_what_decides_structure_takes_its_value_everywhere() -> None:
+def test_structural_parameters_are_replaced_by_their_values_everywhere() -> None:
     text = scenario_text(
         story(event(action=speed("$n"), maximumExecutionCount="$n")), declared=declarations("n:integer=3")
     )
@@ -103,6 +103,6 @@ def test_one_constraint_group_suffices_and_gives_limits() -> None:
     assert expanded(scenario_text(declared=two))[1] == []
 
 
-def test_unknown_names_are_told_where_they_stand() -> None:
+def test_unknown_names_are_reported_at_their_places() -> None:
     codes = expanded(scenario_text(entities=entity("$nobody")))[1]
     assert codes == ["SC210"]

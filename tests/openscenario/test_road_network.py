@@ -26,7 +26,7 @@ def test_controllers_have_their_phases() -> None:
     )
 
 
-def test_a_controller_stands_once() -> None:
+def test_a_controller_is_declared_once() -> None:
     scenario, codes = expanded(scenario_text(road=ROAD + CONTROLLER + CONTROLLER))
     assert "SC216" in codes
     assert len(scenario.signal_controllers) == 1

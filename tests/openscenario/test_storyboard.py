@@ -110,7 +110,7 @@ def test_conditions_name_elements_in_full(name: str) -> None:
     ("kind", "name", "hint"),
     [("event", "brak", "did you mean 'brake'?"), ("act", "brake", "an event"), ("event", "other::brake", "")],
 )
-def test_unknown_elements_are_told(kind: str, name: str, hint: str) -> None:
+def test_unknown_elements_are_reported(kind: str, name: str, hint: str) -> None:
     _, sink = found(scenario_text(story(event(), event("again", start=_state(kind, name)))), Path("made.xosc"), {})
     (one,) = sink
     assert one.code.id == "SC747"
@@ -132,7 +132,7 @@ def test_elements_side_by_side_get_names_of_their_own() -> None:
     assert [one.name for one in _events(scenario)] == ["brake", "brake#2"]
 
 
-def test_triggering_entities_act_when_they_are_asked_to() -> None:
+def test_triggering_entities_act_if_they_are_selected() -> None:
     faster = """<ByEntityCondition>
 <TriggeringEntities triggeringEntitiesRule="any"><EntityRef entityRef="b"/></TriggeringEntities>
 <EntityCondition><SpeedCondition rule="greaterThan" value="1"/></EntityCondition>

@@ -115,7 +115,7 @@ def test_a_valid_file_has_no_finding() -> None:
             "SC708",
             14,
             13,
-            "it belongs to OpenSCENARIO 1.3; the file says 1.2",
+            "it belongs to OpenSCENARIO 1.3; the file's version is 1.2",
         ),
         ("  <StopTrigger/>\n  </Storyboard>", "  </Storyboard>", "SC708", 9, 3, ""),
         ('"Ego"><Catalog', '"Ego" x=""><Catalog', "SC702", 7, 32, ""),
@@ -145,7 +145,7 @@ def test_a_fault_is_found_at_its_place(old: str, new: str, code: str, line: int,
         (1, "<ParameterDeclarations/>", "<ParameterDeclarations/><VariableDeclarations/>", 3),
     ],
 )
-def test_words_of_other_versions_are_named_and_forgiven(minor: int, old: str, new: str, line: int) -> None:
+def test_words_of_other_versions_are_reported_and_accepted(minor: int, old: str, new: str, line: int) -> None:
     text = FILE.replace(HEADER, f'revMajor="1" revMinor="{minor}"').replace(old, new, 1 if old else 0)
     found = check(text)
     if not line:
@@ -170,7 +170,7 @@ def test_words_of_other_versions_are_named_and_forgiven(minor: int, old: str, ne
         ('<WorldPosition x="1" y="$y"/>', '<WorldPosition x="1" y="$y">\n</WorldPosition>', "SC711"),
     ],
 )
-def test_what_is_plain_is_forgiven(old: str, new: str, code: str) -> None:
+def test_faults_with_a_clear_meaning_are_accepted(old: str, new: str, code: str) -> None:
     text = FILE.replace(old, new, 1)
     assert [one[0] for one in check(text)] == [code]
     assert (errors(text), errors(text, forgiving=True)) == (1, 0)
@@ -242,7 +242,7 @@ def test_a_comment_with_two_hyphens_is_one_error_among_all(tmp_path: Path) -> No
     ]
 
 
-def test_the_tables_hang_together() -> None:
+def test_the_tables_are_complete() -> None:
     """Every child and every kind of value that a table names is declared, and all that is declared is reached."""
     reached: set[str] = set()
     used: set[str] = set()
@@ -283,7 +283,7 @@ def test_the_verdict_agrees_with_the_corpus(corpus: Path) -> None:
     assert different == []
 
 
-def test_no_mutilated_file_is_too_much(corpus: Path) -> None:
+def test_mutilated_files_give_findings_only(corpus: Path) -> None:
     """Elements and attributes in any place, in any version, give findings and nothing else."""
     draw = np.random.default_rng(5)
     files = sorted((corpus / "openscenario.api.test").rglob("*.xosc"))

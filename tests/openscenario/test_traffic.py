@@ -67,13 +67,13 @@ def test_a_definition_says_which_vehicles_there_are_and_how_often() -> None:
     assert codes == []
 
 
-def test_what_traffic_cannot_be_is_told() -> None:
+def test_unsupported_parts_of_traffic_are_reported() -> None:
     _, kinds, codes = read(TRUCKS.format(other="trailer"))
     assert kinds == [("truck", 3.0)]
     assert codes == ["SC785"]
 
 
-def test_a_distribution_says_it_by_vehicles() -> None:
+def test_a_distribution_specifies_the_kinds_by_vehicles() -> None:
     _, kinds, codes = read(DISTRIBUTION)
     assert kinds == [("car", 6.0)]
     assert codes == ["SC785"]

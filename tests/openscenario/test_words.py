@@ -131,7 +131,9 @@ def test_what_is_written_is_read_back(kind: type[Word], data: st.DataObject) -> 
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.large_base_example],
 )
 @given(data=st.data(), version=st.sampled_from(VERSIONS[:-1]))
-def test_what_an_older_version_cannot_say_is_told(kind: type[Word], data: st.DataObject, version: Version) -> None:
+def test_words_that_an_older_version_lacks_are_reported(
+    kind: type[Word], data: st.DataObject, version: Version
+) -> None:
     word = _settled(data.draw(words(kind, FIXED)))
     if version == (1, 0) and getattr(word, "rule", "") in ("lessOrEqual", "greaterOrEqual"):
         return  # strictly less or greater than a value within the tolerance of comparisons takes its place

@@ -99,7 +99,7 @@ def same(one: Content, other: Content) -> bool:
 
 
 @pytest.mark.parametrize("minor", VERSIONS)
-def test_our_declarations_say_what_the_schema_says(schemas: Path, minor: int) -> None:
+def test_our_declarations_agree_with_the_schema(schemas: Path, minor: int) -> None:
     root = schema_root(schemas, minor)
     types = {our_name(one.get("name", "")): one for one in root.findall(f"{XS}complexType")}
     assert set(types) == OPENSCENARIO.reachable(minor)
@@ -226,7 +226,7 @@ def test_without_a_schema_there_is_no_verdict(schemas: Path, version: tuple[int,
     assert [(one.code.id, one.severity) for one in sink] == [("SC731", Severity.WARNING)]
 
 
-def test_a_schema_that_is_none_is_reported(tmp_path: Path) -> None:
+def test_an_invalid_schema_is_reported(tmp_path: Path) -> None:
     text = (
         "<xs:schema xmlns:xs='http://www.w3.org/2001/XMLSchema'><xs:made/><xs:element name='OpenSCENARIO'/></xs:schema>"
     )

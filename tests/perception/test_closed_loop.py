@@ -23,7 +23,7 @@ def steer(lane: LaneResult, speed: float) -> float:
     return math.atan(2.0 * WHEELBASE * y / (x * x + y * y))
 
 
-@pytest.mark.parametrize(("speed", "seconds"), [(5.0, 11.0), (14.0, 10.0)])
+@pytest.mark.parametrize(("speed", "seconds"), [pytest.param(5.0, 11.0, marks=pytest.mark.slow), (14.0, 10.0)])
 def test_a_car_that_follows_the_detected_lane_stays_in_it(speed: float, seconds: float) -> None:
     curvature = 1.0 / 120.0
     reference = Reference([(15, 0, 0), (20, 0, curvature), (50, curvature, curvature), (30, curvature, -curvature),

@@ -6,7 +6,7 @@ from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import look_at_bank
 from scenario_compiler.perception.calibration.fit import fit_confidence, reliability
 from scenario_compiler.perception.calibration.scenes import Fading
-from scenario_compiler.perception.confidence import FEATURES, NEWEST, load_confidence, noise_of
+from scenario_compiler.perception.confidence import FEATURES, NEWEST, in_order, load_confidence, noise_of
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
@@ -25,6 +25,12 @@ def test_the_shipped_confidence_is_for_the_features_there_are() -> None:
     assert ((p > 0.0) & (p < 1.0)).all()
 
 
+def test_features_are_ordered_by_their_names() -> None:
+    assert in_order(("a", "b"), {"b": 2.0, "a": 1.0}).tolist() == [1.0, 2.0]
+    with pytest.raises(RuntimeError, match=r"\['a', 'c'\]"):
+        in_order(("a", "b"), {"b": 2.0, "c": 1.0})
+
+
 @pytest.mark.parametrize(
     "name", ["straight", "radius 100 m, left", "pitch +1 degrees", "pitch -1 degrees", "grade begins, 3 degrees down"]
 )
@@ -40,7 +46,7 @@ def test_in_situations_of_the_bank_few_are_confident_and_wrong(name: str) -> Non
     assert ((looks.p[:, 2] > 0.6) & (looks.error > 0.25)).mean() <= 0.2
 
 
-def test_paint_and_geometry_are_told_apart() -> None:
+def test_paint_and_geometry_have_separate_probabilities() -> None:
     """On a straight road without paint the width tells little of where the lane is, and the paint's probability all."""
     looks = look_at_bank(ClassicalLaneDetector(), situation("no paint"), 4, 8)
     assert looks.p[:, 1].mean() < 0.3

@@ -19,7 +19,7 @@ from scenario_compiler.perception.degradation import (
 GREY = np.full((64, 128, 3), 128, np.uint8)
 
 
-def test_noise_depends_on_seed_and_frame_alone() -> None:
+def test_noise_depends_on_seed_and_frame_only() -> None:
     first = add_noise(GREY, 20.0, 1, 7)
     add_noise(GREY, 20.0, 1, 8)
     assert np.array_equal(first, add_noise(GREY, 20.0, 1, 7))
@@ -28,7 +28,7 @@ def test_noise_depends_on_seed_and_frame_alone() -> None:
 
 
 @pytest.mark.parametrize("sigma", [5.0, 25.0])
-def test_noise_has_mean_zero_and_the_sigma_asked_for(sigma: float) -> None:
+def test_noise_has_mean_zero_and_the_given_sigma(sigma: float) -> None:
     error = add_noise(GREY, sigma, 1, 0).astype(float) - 128.0
     assert abs(error.mean()) < 0.03 * sigma
     assert error.std() == pytest.approx(sigma, rel=0.03)
@@ -53,7 +53,7 @@ def test_negative_seeds_and_large_frame_numbers_are_taken() -> None:
     assert generator(-1, 2**63, RAIN).random() >= 0.0
 
 
-def test_impulses_strike_the_share_of_pixels_asked_for_half_black_and_half_white() -> None:
+def test_impulses_change_the_given_share_of_pixels_half_black_and_half_white() -> None:
     struck = add_impulses(GREY, 0.2, 1, 3)
     assert (struck == 0).all(axis=2).mean() == pytest.approx(0.1, abs=0.02)
     assert (struck == 255).all(axis=2).mean() == pytest.approx(0.1, abs=0.02)
@@ -85,7 +85,7 @@ def test_coarse_grey_levels_go_evenly_from_black_to_white(coarse: float, levels:
 
 
 @pytest.mark.parametrize("threads", [1, 2, 7])
-def test_what_goes_wrong_does_not_depend_on_the_number_of_threads(threads: int) -> None:
+def test_failures_do_not_depend_on_the_number_of_threads(threads: int) -> None:
     state = Degradation(sigma=10.0, dark=0.1, blur=2.0, dirt=0.2, impulses=0.1, brighter=0.2, dead_rows=0.1, coarse=0.4)
     image = generator(5, 0, 0).integers(0, 256, (128, 256, 3), dtype=np.uint8)
     before = cv2.getNumThreads()

@@ -54,7 +54,7 @@ def rows_of(y: float, pitch: float, widens: float = 0.0) -> Rows:
 
 
 @pytest.mark.parametrize("pitch", [0.0, 0.01, -0.01, 0.02])
-def test_sides_that_seem_to_run_together_tell_the_tilt(pitch: float) -> None:
+def test_converging_sides_determine_the_tilt(pitch: float) -> None:
     tilt = tilt_between(rows_of(1.75, pitch), rows_of(-1.75, pitch), V, 0.0)
     assert tilt.pitch == pytest.approx(pitch, abs=0.1 * abs(pitch) + 1e-6)
     assert tilt.deviation < math.radians(0.4)
@@ -65,7 +65,7 @@ def test_a_lane_that_widens_is_taken_for_a_tilt_no_surer_than_tapers_allow() -> 
     assert abs(taper.pitch) < 3.0 * taper.deviation
 
 
-def test_one_side_alone_tells_no_tilt() -> None:
+def test_one_side_does_not_determine_the_tilt() -> None:
     left = rows_of(1.75, 0.0)
     nothing = replace(left, there=np.zeros(ROWS))
     assert math.isinf(tilt_between(left, nothing, V, 0.0).deviation)

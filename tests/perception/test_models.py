@@ -77,7 +77,7 @@ def test_both_orders_have_every_face_once() -> None:
     assert model.rear_first.tolist() != model.front_first.tolist()
 
 
-def test_riders_are_told_from_what_they_ride() -> None:
+def test_riders_are_distinguished_from_their_vehicles() -> None:
     assert set(model_of("bicycle", *SIZES["bicycle"]).tags.tolist()) == {Tag.BICYCLE, Tag.RIDER}
     assert set(traits_of("motorbike", *SIZES["motorbike"], (1, 2, 3), Lamp.NONE)[:, TAG].tolist()) == {
         Tag.MOTORCYCLE,

@@ -37,7 +37,7 @@ def test_the_path_lies_where_the_drivers_camera_sees_it() -> None:
     assert has(picture[round(float(v)) - 2 : round(float(v)) + 3, round(float(u)) - 3 : round(float(u)) + 4], PURPLE)
 
 
-def test_nothing_detected_is_drawn_as_nothing() -> None:
+def test_without_a_detection_nothing_is_drawn() -> None:
     picture = compose(VIEW, CAMERA, None, None, Caption(0.0, 0.0, "automated"))
     assert not has(picture, PURPLE)
     assert not has(picture[200:], GREEN)

@@ -42,7 +42,7 @@ def random_quad(draw: np.random.Generator, size: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("size", [0.5, 4.0, 60.0, 900.0])
-def test_cut_polygons_cover_what_rays_meet(size: float) -> None:
+def test_clipped_polygons_cover_the_pixels_whose_rays_meet_them(size: float) -> None:
     """Many of them reach behind the lens, or many images beyond the border."""
     draw, cut = np.random.default_rng(5), 0
     for _ in range(150):
@@ -57,7 +57,7 @@ def test_cut_polygons_cover_what_rays_meet(size: float) -> None:
     assert cut > 10 or size < 1.0
 
 
-def test_what_lies_behind_the_lens_is_left_out() -> None:
+def test_parts_behind_the_lens_are_left_out() -> None:
     quad = np.array([[-1, -1, -5], [1, -1, -5], [1, 1, -5], [-1, 1, -5]], float).T[:, :, None]
     assert flatten(quad, CAMERA).shapes == []
     assert flatten(np.empty((3, 4, 0)), CAMERA).shapes == []

@@ -50,8 +50,8 @@ def test_equal_arguments_give_equal_bytes_whatever_was_drawn_before() -> None:
     assert not np.array_equal(first, RoadCamera(scene, seed=4).frame(HERE, [CAR], rain, 12.0, 41))
 
 
-@pytest.mark.parametrize("name", ["ClearNoon", "HardRainSunset", "WetNight"])
-@pytest.mark.parametrize("camera", [Camera(), Camera(width=1280, height=720, yaw=0.4, roll=0.1)])
+@pytest.mark.parametrize("name", [pytest.param("ClearNoon", marks=pytest.mark.slow), "HardRainSunset", "WetNight"])
+@pytest.mark.parametrize("camera", [Camera(), Camera(width=640, height=360, yaw=0.4, roll=0.1)])
 def test_pictures_are_equal_for_any_number_of_threads(name: str, camera: Camera) -> None:
     """Two pictures of a row, so that one that was computed otherwise would reach the next."""
     boxes = [CAR, CAR._replace(x=34.0, y=3.5, heading=math.pi, kind="truck", length=9.0, height=3.4)]

@@ -20,9 +20,7 @@ X = np.arange(6.0, 18.5, 1.0)
 
 @pytest.mark.parametrize("radius", [0.0, 200.0, -120.0])
 @pytest.mark.parametrize("degrees", [-1.5, -1.0, 1.0, 1.5])
-def test_boundaries_are_right_though_the_car_has_pitched_by_an_angle_that_nobody_tells(
-    radius: float, degrees: float
-) -> None:
+def test_boundaries_are_right_although_the_cars_pitch_is_unknown(radius: float, degrees: float) -> None:
     reference = bend(radius)
     camera = RoadCamera(two_lanes(reference))
     s = np.arange(0.0, reference.length, 0.25)
@@ -82,7 +80,7 @@ def test_what_may_be_of_something_else_counts_by_how_likely_it_is_and_how_well_i
     assert known.with_seen(close, 0.5).deviation > known.with_seen(close).deviation
 
 
-def test_what_is_surely_seen_counts_however_far_it_is_from_what_was_known() -> None:
+def test_a_certain_observation_counts_however_far_it_is_from_the_estimate() -> None:
     """Its density is too small for a number; there is nothing else that it could be."""
     known, far = Tilt(0.0, 0.0005), Tilt(0.06, 0.0005)
     assert known.with_seen(far).pitch == pytest.approx(0.03)
@@ -108,7 +106,7 @@ def test_two_sides_are_one_lanes_the_less_the_wider_and_the_less_alike_they_are(
     assert alike(*fits_of(3.5, 0.0), 3.5, 0.25, 0.0) == 0.0
 
 
-def test_beside_one_broken_line_the_tilt_stays_about_what_was_known() -> None:
+def test_beside_one_broken_line_the_tilt_stays_near_the_estimate() -> None:
     """The edge of the road is no line, and what noise shows in the asphalt is none: neither tells how the road lies."""
     reference = Reference([(160.0, 0.0, 0.0)])
     strips = [Strip(30.0, -30.0, Material.VERGE), Strip(5.6, -2.2)]

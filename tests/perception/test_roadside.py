@@ -84,7 +84,7 @@ def test_a_heading_turns_a_box_and_a_radius_makes_a_cylinder(tmp_path: Path) -> 
     assert outwards(round_one)
 
 
-def test_what_has_neither_size_nor_a_known_kind_is_left_out(tmp_path: Path) -> None:
+def test_objects_with_neither_size_nor_a_known_kind_are_left_out(tmp_path: Path) -> None:
     assert len(beside(tmp_path, thing("-1"), thing("none"), thing("obstacle")).uprights.quads) == 0
     assert len(beside(tmp_path, thing("pole")).uprights.quads) > 0
 

@@ -109,7 +109,7 @@ def test_each_kind_is_seen_by_its_own_numbers() -> None:
     assert len(scene.seen(Camera(yaw=math.pi).view(STRAIGHT.pose(80.0)))[2].index) == 1
 
 
-def test_a_road_over_another_is_a_bridge_and_a_hill_is_none() -> None:
+def test_a_road_over_another_is_a_bridge_and_a_hill_is_not() -> None:
     over = QUAD + np.array([0, 0, 6], np.float32)
     hill = QUAD + np.array([100, 0, 6], np.float32)
     assert scene_with(np.concatenate([QUAD, over, hill])).bridge.tolist() == [False, True, False]

@@ -60,7 +60,7 @@ def test_a_car_that_stands_sees_sharply_however_long_the_exposure() -> None:
     assert smeared(image, CAMERA, LEVER, 20.0, 0.1, 0.0) is image
 
 
-def test_the_sky_is_smeared_by_turning_alone() -> None:
+def test_the_sky_is_smeared_only_by_turning() -> None:
     image = np.random.default_rng(1).integers(0, 256, (256, 512, 3), dtype=np.uint8)
     straight, turning = (smeared(image, CAMERA, LEVER, 20.0, rate, 0.05) for rate in (0.0, 0.5))
     assert np.array_equal(straight[:70], image[:70])
@@ -98,7 +98,7 @@ def test_severities_smear_the_road_as_far_as_the_kernels_of_imagenet_c(
     assert a_metre * exposure * 100.0 / 3.6 == pytest.approx(length, rel=0.01)
 
 
-def test_a_turned_camera_sees_what_one_that_is_mounted_so_sees() -> None:
+def test_a_turned_camera_sees_the_same_as_one_with_that_mounting() -> None:
     scene, turned = two_lanes(bend(0.0)), (0.03, -0.02, 0.05)
     camera = RoadCamera(scene)
     clean = camera.frame(HERE, [], CLEAR, 0.0, 0)

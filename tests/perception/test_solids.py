@@ -81,7 +81,7 @@ def test_the_road_below_a_car_lies_in_its_shadow(camera: RoadCamera) -> None:
     assert clear < mean(full, shade) / mean(empty, shade) < 1.0
 
 
-def test_lamps_are_on_in_the_dark_and_in_rain_unless_said_otherwise(camera: RoadCamera) -> None:
+def test_lamps_are_on_by_default_in_the_dark_and_in_rain(camera: RoadCamera) -> None:
     car = CAR._replace(x=34.0)
 
     def red(name: str, lamps: Lamp) -> int:
@@ -124,7 +124,7 @@ def test_lamps_that_come_towards_us_dazzle(camera: RoadCamera) -> None:
     assert changed["ClearNight"] > 1.3 * changed["ClearNoon"] > 0
 
 
-def test_ones_own_car_is_seen_from_behind_it_and_hides_nothing_from_within() -> None:
+def test_the_ego_is_seen_from_behind_and_hides_nothing_from_within() -> None:
     own = Box(HERE.x + 1.4, HERE.y, 0.0, 0.0, 4.4, 1.85, 1.45)
     scene, behind = two_lanes(STRAIGHT), Camera(width=320, height=160, x=-7.0, z=3.0, pitch=math.radians(-12.0))
     assert (RoadCamera(scene, behind).draw(HERE, [own], CLEAR).instance == 1).mean() > 0.05

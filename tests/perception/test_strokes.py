@@ -34,7 +34,7 @@ def drawn(*strokes: Stroke, depth: float | NDArray[np.float32] = BACKGROUND) -> 
 
 
 @given(x=st.floats(4.0, 80.0), y=st.floats(-3.0, 3.0), z=st.floats(0.0, 3.0), width=st.floats(0.05, 1.0))
-def test_a_line_across_is_as_broad_as_the_distance_lets_it_be(x: float, y: float, z: float, width: float) -> None:
+def test_the_width_of_a_line_depends_on_its_distance(x: float, y: float, z: float, width: float) -> None:
     seen = drawn(Stroke((x, y - 1.0, z), (x, y + 1.0, z), width, RED))
     ((u, v),) = view().to_image(view().to_camera([[x, y, z]]))
     column = np.flatnonzero(seen[:, round(u)])
@@ -53,7 +53,7 @@ def test_a_point_is_a_square() -> None:
 
 
 @given(wall=st.floats(5.0, 40.0))
-def test_what_lies_before_a_line_hides_it(wall: float) -> None:
+def test_objects_in_front_of_a_line_hide_it(wall: float) -> None:
     away = Stroke((3.0, 0.0, 0.0), (60.0, 0.0, 0.0), 0.3, RED)
     seen = np.flatnonzero(drawn(away, depth=wall).any(axis=1))
     highest = CAMERA.height / 2.0 + CAMERA.focal * 1.5 / wall

@@ -42,7 +42,7 @@ def test_made_up_roads_are_valid_and_can_be_driven(roads: ModuleType, tmp_path: 
         assert all(np.isfinite(truth.boundaries[0][0]) for truth in seen)
 
 
-def test_a_seed_makes_the_same_file_and_another_one_another(roads: ModuleType, tmp_path: Path) -> None:
+def test_the_same_seed_makes_the_same_file_and_another_does_not(roads: ModuleType, tmp_path: Path) -> None:
     files = [tmp_path / name for name in ("a.xodr", "b.xodr", "c.xodr")]
     for file, seed in zip(files, (5, 5, 6), strict=True):
         roads.made_up(file, seed)
@@ -52,7 +52,7 @@ def test_a_seed_makes_the_same_file_and_another_one_another(roads: ModuleType, t
     assert list(first.mark_width) != list(third.mark_width)
 
 
-def test_a_map_that_is_painted_anew_keeps_its_lanes(roads: ModuleType, tmp_path: Path) -> None:
+def test_a_repainted_map_keeps_its_lanes(roads: ModuleType, tmp_path: Path) -> None:
     source = Path(find_map("town_grid"))
     before = load_network(source).tables
     painted = set()

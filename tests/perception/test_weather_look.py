@@ -10,7 +10,7 @@ from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
 from tests.perception.scenery import CLEAR, weather
 
 
-def test_the_published_table_is_what_the_curve_gives() -> None:
+def test_the_published_table_agrees_with_the_curve() -> None:
     table = re.findall(r"(\w+(?:Noon|Sunset|Night)) +(\d\.\d\d)", weather_look.__doc__ or "")
     assert len(table) == 15
     for name, value in table:

@@ -1,4 +1,4 @@
-"""What findings of the checks say, beyond their place: source lines, uses, and what depends on the command line."""
+"""Findings of the checks beyond their place: source lines, uses, and the effect of the command line."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_a_finding_on_an_element_shows_its_line_and_the_use_that_brought_it_in(t
     assert '<static id="blocker"' in text[1]
     assert text[2].strip() == "^^^^^^^"
     assert text[3].endswith("in this use: " + str(tmp_path / "found.xml:4:1"))
-    assert text[4].startswith("      = 'blocked_lane1.blocker' stands here: ")
+    assert text[4].startswith("      = 'blocked_lane1.blocker' is placed here: ")
     assert text[5:] == text[1:3]
 
 
@@ -47,19 +47,19 @@ def test_an_overlap_points_at_the_other_entity_in_every_format(tmp_path: Path, f
     if form == "github":
         assert text.startswith("::error file=")
         assert "line=4,col=1" in text
-        assert f"'a' stands here: {tmp_path / 'found.xml'}:3:1" in text
+        assert f"'a' is placed here: {tmp_path / 'found.xml'}:3:1" in text
         return
     found = json.loads(text)
     if form == "json":
         (other,) = found[0]["related"]
-        assert (other["message"], other["line"], other["column"]) == ("'a' stands here", 3, 1)
+        assert (other["message"], other["line"], other["column"]) == ("'a' is placed here", 3, 1)
     else:
         (other,) = found["runs"][0]["results"][0]["relatedLocations"]
-        assert other["message"]["text"] == "'a' stands here"
+        assert other["message"]["text"] == "'a' is placed here"
         assert other["physicalLocation"]["region"] == {"startLine": 3, "startColumn": 1}
 
 
-def test_of_a_very_long_line_a_plan_keeps_no_text(tmp_path: Path) -> None:
+def test_a_plan_keeps_no_text_of_a_very_long_line(tmp_path: Path) -> None:
     sink = Diagnostics()
     done = compile_target(_file(tmp_path, "", inside=" " * 3000), {}, sink)
     assert done is not None
@@ -89,7 +89,7 @@ def test_a_stored_plan_knows_the_lines_too(tmp_path: Path) -> None:
         ("camera", OWN, None, False),
     ],
 )
-def test_a_controller_that_ideal_perception_never_asks_is_told(
+def test_a_controller_that_ideal_perception_never_calls_is_reported(
     tmp_path: Path, perception: Perception, inside: str, controller: str | None, told: bool
 ) -> None:
     sink = Diagnostics()
@@ -110,7 +110,7 @@ def test_a_controller_that_ideal_perception_never_asks_is_told(
         ('<camera><failure kind="motion_blur"/></camera>', "failures of the kind 'motion_blur'"),
     ],
 )
-def test_surrogate_perception_stands_for_one_detector_behind_one_camera(
+def test_surrogate_perception_replaces_one_detector_with_one_camera(
     tmp_path: Path, inside: str, line: str | None
 ) -> None:
     sink = Diagnostics()
@@ -122,10 +122,10 @@ def test_surrogate_perception_stands_for_one_detector_behind_one_camera(
         assert found[0].place.line == 2
 
 
-def test_surrogate_perception_does_not_stand_for_a_controller_of_ones_own(tmp_path: Path) -> None:
+def test_surrogate_perception_cannot_replace_a_users_own_controller(tmp_path: Path) -> None:
     sink = Diagnostics()
     file = _file(tmp_path, "", '<controller model="own.py:Steering"/>')
     compile_target(file, {}, sink, overrides=Overrides(perception="surrogate"))
     assert [one.message for one in sink if one.code.id == "SC514"] == [
-        "surrogate perception does not stand for the controller 'own.py:Steering'"
+        "surrogate perception cannot replace the controller 'own.py:Steering'"
     ]

@@ -55,5 +55,5 @@ def test_the_offset_of_the_map_counts(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "header", ["", "<geoReference>+proj=merc</geoReference>", f"<geoReference>{pi}</geoReference>"]
 )
-def test_a_map_without_a_known_projection_is_told(tmp_path: Path, header: str) -> None:
+def test_a_map_without_a_known_projection_is_reported(tmp_path: Path, header: str) -> None:
     assert bound(tmp_path, header) is None

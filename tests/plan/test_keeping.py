@@ -1,4 +1,4 @@
-"""Actions on traffic bring vehicles along: how many, of which kinds, under which names."""
+"""Actions on traffic create vehicles: their number, kinds and names."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def told(*actions: TrafficSwarmAction | TrafficSourceAction) -> tuple[list[str],
 @pytest.mark.parametrize(
     ("rate", "duration", "count"), [(0.5, 60.0, 30), (0.01, 10.0, 1), (10.0, 600.0, MOST_OF_SOURCE), (0.0, 60.0, 0)]
 )
-def test_a_source_has_as_many_as_its_rate_asks_for(rate: float, duration: float, count: int) -> None:
+def test_a_source_has_the_vehicles_that_its_rate_requires(rate: float, duration: float, count: int) -> None:
     assert vehicles_of(TrafficSourceAction(rate=rate, position=PLACE), duration) == count
 
 
@@ -44,16 +44,16 @@ def test_several_actions_of_one_name_have_vehicles_of_their_own() -> None:
     assert codes == set()
 
 
-def test_trailers_are_no_vehicles_of_traffic() -> None:
+def test_trailers_are_not_vehicles_of_traffic() -> None:
     _, models, _ = told(swarm(30, kinds=(TrafficKind(category="truck"), TrafficKind(category="car", weight=0.0))))
     assert set(models) == {"truck"}
 
 
-def test_a_category_that_nothing_is_of_is_told() -> None:
+def test_a_category_without_vehicles_is_reported() -> None:
     assert told(swarm(3, kinds=(TrafficKind(category="bus"),))) == ([], [], {"SC288"})
 
 
-def test_what_is_too_much_or_too_little_is_told() -> None:
+def test_too_many_or_too_few_vehicles_are_reported() -> None:
     ids, _, codes = told(swarm(MOST_OF_SWARM + 1))
     assert len(ids) == MOST_OF_SWARM
     assert codes == {"SC289"}

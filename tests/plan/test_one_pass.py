@@ -1,4 +1,4 @@
-"""Every fault of a file in one pass: no fault hides another that it does not stand in the way of."""
+"""Every fault of a file is found in one pass: no fault hides an independent one."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _codes(folder: Path, *scenarios: str) -> list[str]:
         ('<static id="c"><at><lane road="77" lane="-1" s="3"/></at></static>', "SC371"),
     ],
 )
-def test_a_fault_of_one_scenario_hides_none_of_the_next(tmp_path: Path, first: str, code: str) -> None:
+def test_a_fault_of_one_scenario_hides_no_fault_of_the_next(tmp_path: Path, first: str, code: str) -> None:
     found = _codes(tmp_path, _scenario("one", first), _scenario("two", OVERLAPPING + LATE))
     assert found[0] == code
     assert found[-2:] == ["SC381", "SC402"]
@@ -66,12 +66,12 @@ def test_a_fault_of_one_scenario_hides_none_of_the_next(tmp_path: Path, first: s
         ('<when><time after="1"/><do><teleport><lane road="1" lane="9" s="3"/></teleport></do></when>', "SC372"),
     ],
 )
-def test_a_fault_hides_none_that_it_does_not_stand_in_the_way_of(tmp_path: Path, fault: str, code: str) -> None:
+def test_a_fault_hides_no_independent_fault(tmp_path: Path, fault: str, code: str) -> None:
     found = _codes(tmp_path, _scenario("one", OVERLAPPING + fault + LATE))
     assert sorted(found) == sorted([code, "SC381", "SC402"])
 
 
-def test_a_start_off_every_road_hides_no_other_fault_and_is_no_missing_start(tmp_path: Path) -> None:
+def test_a_start_off_every_road_hides_no_other_fault_and_is_not_a_missing_start(tmp_path: Path) -> None:
     ego = EGO.replace("main_street", "nowhere")
     body = '<static id="a"><at><lane road="1" lane="-1" s="30"/></at></static>'
     found = _codes(tmp_path, _scenario("one", body + body.replace('"a"', '"b"') + LATE, ego))
@@ -85,17 +85,17 @@ def test_a_fault_of_names_hides_no_unused_template(tmp_path: Path) -> None:
     assert _codes(tmp_path, templates, _scenario("two", unknown), twice) == ["SC226", "SC222", "SC216"]
 
 
-def test_a_template_that_is_asked_for_by_another_name_is_not_told_to_be_unused(tmp_path: Path) -> None:
+def test_a_template_with_a_misspelt_use_is_not_reported_as_unused(tmp_path: Path) -> None:
     template = f'<template name="wanted">{OVERLAPPING}</template>'
     assert _codes(tmp_path, template, _scenario("one", '<use template="wantd"/>')) == ["SC213"]
 
 
-def test_what_could_not_be_read_is_not_missed_by_the_checks(tmp_path: Path) -> None:
+def test_unreadable_parts_are_not_reported_as_missing(tmp_path: Path) -> None:
     nowhere = '<dynamic id="c" speed="3"><strat><lane road="1" lane="1" s="9"/></strat></dynamic>'
     assert _codes(tmp_path, _scenario("one", nowhere)) == ["SC105"]
 
 
-def test_an_argument_of_the_command_line_that_is_not_known_hides_nothing(tmp_path: Path) -> None:
+def test_an_unknown_argument_of_the_command_line_hides_nothing(tmp_path: Path) -> None:
     path = tmp_path / "faults.xml"
     path.write_text(f'<scenarios version="1">{_scenario("one", OVERLAPPING)}</scenarios>', encoding="utf-8")
     sink = Diagnostics()

@@ -87,7 +87,7 @@ def test_a_stretch_repaints_the_marks(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("attributes", ['t="0" type="double"', 't="0" colour="pink"', 't="0" quality="2"', ""])
-def test_what_is_no_line_is_reported(tmp_path: Path, attributes: str) -> None:
+def test_faulty_lines_are_reported(tmp_path: Path, attributes: str) -> None:
     path = tmp_path / "wrong.xml"
     body = f'<{SecondaryMarkings.tag()} road="1" from="90" to="160" {attributes}/>'
     path.write_text(f"{HEAD}{body}</scenario></scenarios>", encoding="utf-8")
@@ -132,7 +132,7 @@ def test_the_camera_sees_the_line_of_a_work_zone(tmp_path: Path) -> None:
     assert seen[0] > seen[1] + 50
 
 
-def test_a_line_beside_nobody_is_a_fault(tmp_path: Path) -> None:
+def test_a_line_beside_an_unknown_entity_is_a_fault(tmp_path: Path) -> None:
     path = tmp_path / "paint.xml"
     path.write_text(f'{HEAD}<line_beside entity="nobody" to="9"/></scenario></scenarios>', encoding="utf-8")
     sink = Diagnostics()

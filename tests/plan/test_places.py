@@ -1,4 +1,4 @@
-"""Where random positions are drawn from, and what spawn points, groups and positions beside something come to."""
+"""Random positions, and the places of spawn points, groups and positions beside an entity."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def at_start(done: Compilation, seed: int = 1) -> tuple[State, dict[str, int]]:
     return state, {entity.id: i for i, entity in enumerate(done.plan.entities)}
 
 
-def test_stretches_are_of_the_kind_and_on_the_roads_that_are_asked_for() -> None:
+def test_stretches_have_the_requested_kind_and_roads() -> None:
     network = load_network(find_map("town_grid"))
     spans = spans_of(network, RandomPosition(on="sidewalk", roads=("4",), s_from=10.0, s_to=60.0))
     assert [(network.road_ids[one.road], one.lane, one.s_from, one.s_to) for one in spans] == [
@@ -166,7 +166,7 @@ RANDOM_PLACES = {
 
 
 @pytest.mark.parametrize("body", RANDOM_PLACES.values(), ids=list(RANDOM_PLACES))
-def test_what_is_put_at_random_stands_in_nobodys_box(tmp_path: Path, body: str) -> None:
+def test_an_entity_placed_at_random_overlaps_no_other(tmp_path: Path, body: str) -> None:
     done = compiled(tmp_path, body, before=f"<spawn_points>{MANY_POINTS}</spawn_points>")
     drawn = [one.id for one in done.plan.entities if isinstance(one.start, RandomPosition | AnyOfPosition)]
     places = set()
@@ -178,7 +178,7 @@ def test_what_is_put_at_random_stands_in_nobodys_box(tmp_path: Path, body: str) 
     assert len(places) == 1 if SEEDED in body else len(places) > 30
 
 
-def test_room_that_an_author_asks_for_is_kept(tmp_path: Path) -> None:
+def test_the_requested_clearance_is_kept(tmp_path: Path) -> None:
     parameter = '<parameter name="gap" type="length" default="40" min="0" max="100"/>'
     places = "".join(f'<static id="a{k}"><at><random roads="1" clear="$gap"/></at></static>' for k in range(3))
     done = compiled(tmp_path, places, before=parameter)

@@ -1,4 +1,4 @@
-"""The plan's file form: what is written is what pydantic's models say, and is read back as the same plan."""
+"""The file of a plan: it agrees with pydantic's models, and is read back as the same plan."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ def conflict(tmp_path: Path) -> str:
         ({"due": 0.5}, "the point is due at 0.5 s, but the one before at 1 s"),
     ],
 )
-def test_a_variant_is_refused_as_a_run_is(conflict: str, values: dict[str, Value], fault: str) -> None:
+def test_a_variant_is_refused_like_a_run(conflict: str, values: dict[str, Value], fault: str) -> None:
     _, checks = checks_of(conflict)
     errors = refused(conflict, values)
     assert checks.fault(values) == fault

@@ -32,7 +32,7 @@ def test_a_cell_reads_back(text: str) -> None:
     assert cell_text(text_cell(text)) == text
 
 
-def test_names_and_messages_of_strangers_are_no_formulas(tmp_path: Path) -> None:
+def test_names_and_messages_in_files_cannot_become_formulas(tmp_path: Path) -> None:
     names = ("=HYPERLINK(1)", "@car")
     run = record(names, 3, lambda _: {name: (0.0, 5.0) for name in ("x", "y", "h", "v", "s", "off")})
     write_trajectory(run, tmp_path / "t.csv")

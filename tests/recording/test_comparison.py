@@ -1,4 +1,4 @@
-"""What a comparison of two recordings says, of recordings whose differences are known."""
+"""Comparisons of two recordings with known differences."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_the_first_difference_is_the_earliest_then_of_the_first_entity() -> None
     assert (round(found.t, 9), found.entity, found.column) == (0.5, "ego", "y")
 
 
-def test_nothing_equals_nothing() -> None:
+def test_missing_values_are_equal() -> None:
     assert np.isnan(made().sensor_health).all()
     assert compare(made(), made()).parting is None
 
@@ -79,7 +79,7 @@ def test_headings_differ_by_half_a_turn_at_most() -> None:
     assert compare(first, second).apart[0].h == pytest.approx(0.2)
 
 
-def test_absent_rows_are_counted_and_nowhere() -> None:
+def test_an_absent_entity_has_rows_but_no_position() -> None:
     gone = record(IDS, 40, approach()).present.copy()
     gone[30:, 1] = False
     x = made().x.copy()
@@ -105,7 +105,7 @@ def test_with_a_tolerance_runs_may_end_a_step_apart(rows: int, equal: bool) -> N
     assert compare(made(), made(rows), tolerance=0.1).equal == equal
 
 
-def test_events_that_are_not_alike_are_told_in_order() -> None:
+def test_differing_events_are_listed_in_order() -> None:
     other = [EVENTS[0], (1.1, "request", "path_blocked"), (2.5, "collision", "parked")]
     first, second = made(), made(events=record(IDS, 40, approach(), other).events)
     found = compare(first, second)
@@ -134,7 +134,7 @@ def test_how_runs_were_made_may_differ_and_how_they_ended_may_not() -> None:
     assert not compare(first, replace(first, stop_reason="collision")).equal
 
 
-def test_an_entity_of_one_run_alone_makes_them_differ() -> None:
+def test_an_entity_that_only_one_run_has_makes_them_differ() -> None:
     header = made().header.model_copy(update={"entities": ("ego", "other")})
     found = compare(made(), made(header=header))
     assert not found.equal

@@ -46,16 +46,16 @@ def test_the_ego_comes_after_the_other_has_left(early: float) -> None:
     assert value("minimum_post_encroachment_time", crossing(-early - 1.2)) == pytest.approx(early, abs=STEP + 1e-9)
 
 
-def test_in_contact_there_is_no_time_between() -> None:
+def test_in_contact_the_time_is_zero() -> None:
     assert value("minimum_post_encroachment_time", crossing(-0.5)) == 0.0
 
 
-def test_beyond_the_horizon_and_on_a_bridge_there_is_none() -> None:
+def test_beyond_the_horizon_and_on_a_bridge_it_is_undefined() -> None:
     assert math.isnan(value("minimum_post_encroachment_time", crossing(11.0, rows=200)))
     assert math.isnan(value("minimum_post_encroachment_time", crossing(1.0, z=6.0)))
 
 
-def test_what_is_followed_has_its_time_gap() -> None:
+def test_a_followed_vehicle_has_its_time_gap() -> None:
     """30 m from reference point to reference point at 10 m/s: 26 m between the boxes, 2.6 s."""
 
     def row(t: float) -> Row:
@@ -65,7 +65,7 @@ def test_what_is_followed_has_its_time_gap() -> None:
     assert value("minimum_post_encroachment_time", run) == pytest.approx(2.6, abs=STEP + 1e-9)
 
 
-def test_what_stands_is_never_at_a_place_before() -> None:
+def test_a_standing_vehicle_has_no_post_encroachment_time() -> None:
     def row(t: float) -> Row:
         return {"x": (10.0 * t, 50.0), "y": (0.0, 3.0), "h": (0.0, 0.0), "v": (10.0, 0.0)}
 

@@ -46,7 +46,7 @@ def test_within_the_lane_there_is_no_departure() -> None:
     assert math.isnan(value("deepest_lane_departure", run))
 
 
-def test_each_departure_counts_and_the_longest_and_the_deepest_are_told() -> None:
+def test_each_departure_counts_and_the_longest_and_the_deepest_are_measured() -> None:
     """0.75 m of room: two rows out to the left by at most 0.25 m, then four out to the right by at most 0.4 m."""
     run = drive([0.0, 0.9, 1.0, 0.0, -0.8, -1.15, -1.0, -0.9, 0.0])
     assert value("lane_departures", run) == 2.0
@@ -88,7 +88,7 @@ def test_time_to_crossing_is_to_the_side_that_the_car_moves_to() -> None:
     assert value("minimum_time_to_lane_crossing", run) == pytest.approx(room / (10.0 * math.sin(0.1)))
 
 
-def test_time_to_crossing_is_0_beyond_the_edge_and_none_straight_ahead() -> None:
+def test_time_to_crossing_is_0_beyond_the_edge_and_undefined_straight_ahead() -> None:
     assert value("minimum_time_to_lane_crossing", drive([0.0, 0.9])) == 0.0
     assert math.isnan(value("minimum_time_to_lane_crossing", drive([0.0, 0.5])))
     slow = drive([0.0] * 3, heading=lambda _: 0.001, v=1.0)
@@ -112,7 +112,7 @@ def test_the_heading_at_the_response_is_that_of_its_row() -> None:
     assert math.isnan(value("heading_error_at_response", record(("ego",), 30, row, events[:1])))
 
 
-def test_a_request_leads_what_came_of_it() -> None:
+def test_the_request_lead_ends_at_the_first_departure_or_collision() -> None:
     """Out of its lane from the fourth row on: 3 rows after the request; the collision that follows does not count."""
     left = [0.0, 0.5, 0.7, 0.9, 1.1, 0.0]
     assert value("request_lead", drive(left)) == pytest.approx(3 * STEP)

@@ -136,7 +136,7 @@ def test_without_a_request_there_is_no_time_nor_distance() -> None:
 
 
 @pytest.mark.parametrize(("handed_back", "expected"), [(math.inf, 0.9), (2.05, math.nan), (2.55, math.nan)])
-def test_only_the_brake_of_the_driver_who_drives_counts(handed_back: float, expected: float) -> None:
+def test_only_braking_by_the_driver_counts(handed_back: float, expected: float) -> None:
     """The automation brakes until 1.95 s and from the hand-back on, the driver from 2.85 s on; a second one at 4 s."""
 
     def row(t: float) -> Row:
@@ -171,7 +171,7 @@ def test_the_lateral_offset_is_counted_from_the_lane_at_the_request(direction: f
     assert value("maximum_lateral_offset", record(("ego",), 80, row)) == pytest.approx(math.nan, nan_ok=True)
 
 
-def test_the_time_budget_counts_the_speed_of_what_comes_towards_the_vehicle() -> None:
+def test_the_time_budget_counts_the_speed_of_an_oncoming_object() -> None:
     budgets = []
     for towards, cause in ((0.0, opcodes.CAUSE_PATH_BLOCKED), (5.0, opcodes.CAUSE_PATH_BLOCKED), (5.0, 0)):
         code = cause or opcodes.CAUSE_LANE_ENDS
@@ -505,7 +505,7 @@ def test_a_follower_at_the_same_speed_has_a_headway_and_needs_no_brake() -> None
     assert math.isnan(value("minimum_time_to_collision", run))
 
 
-def test_the_time_off_the_lanes_is_so_many_steps() -> None:
+def test_the_time_off_the_lanes_is_a_number_of_steps() -> None:
     def row(t: float) -> Row:
         off = 0.45 < t < 0.75
         return {"x": (t,), "v": (1.0,), "road": (-1 if off else 0,), "lane": (0 if off else -1,), "off": (0.0,)}
@@ -514,7 +514,7 @@ def test_the_time_off_the_lanes_is_so_many_steps() -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
+def test_the_engines_totals_equal_the_measures_of_random_recordings(seed: int) -> None:
     runs = random_runs(seed, rows=120)
     dice = np.random.default_rng(100 + seed)
     request = dice.uniform(0.0, 5.0, 6)
@@ -562,7 +562,7 @@ def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
     assert (totals.raw("fine_reversals") > totals.raw("coarse_reversals")).any()
 
 
-def test_every_measure_says_how_it_is_made_and_when_it_is_not_defined() -> None:
+def test_every_measure_has_a_definition_and_a_reason_for_being_undefined() -> None:
     names = [measure.name for measure in MEASURES]
     assert len(set(names)) == len(names)
     assert all(m.definition.endswith(".") and m.undefined and m.unit for m in MEASURES)

@@ -107,7 +107,7 @@ def test_the_timeline_has_a_state_for_each_stretch() -> None:
     assert judge(plan_of(*IDS), run).resolution == "driver"
 
 
-def test_states_of_one_instant_leave_the_last_of_them() -> None:
+def test_of_several_states_at_one_instant_the_last_one_counts() -> None:
     run = record(IDS, 21, approach(), [(0.0, "warning", ""), (0.0, "request", ""), (1.0, "minimum_risk", "")])
     assert [one.state for one in timeline(run)] == ["request", "minimum_risk"]
     assert judge(plan_of(*IDS), run).resolution == "minimum_risk"
@@ -122,7 +122,7 @@ def test_an_undefined_measure_is_null_and_says_why(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "{", "{}", "[1]", '{"format": "other"}'])
-def test_a_file_that_is_no_outcome_is_refused(tmp_path: Path, text: str) -> None:
+def test_a_file_that_is_not_an_outcome_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "o.json").write_text(text)
     with pytest.raises(OutcomeError, match="not an outcome"):
         read_outcome(tmp_path / "o.json")

@@ -29,7 +29,7 @@ from tests.recording.made import Row, added_up, plan_of, record
         ([5.0, 5.0, 3.9, 5.0], 1),
     ],
 )
-def test_a_reversal_is_a_way_back_of_at_least_the_gap(angles: list[float], count: int) -> None:
+def test_a_reversal_is_a_turn_back_by_at_least_the_gap(angles: list[float], count: int) -> None:
     assert reversals(angles, 1.0) == count
     assert reversals([-angle for angle in angles], 1.0) == count
 

@@ -141,28 +141,28 @@ def test_a_column_that_does_not_exist_or_does_not_fit_is_refused() -> None:
         RecordingBuilder(header("ego"), ROADS, {"cause": [0, 0]})
 
 
-def test_a_row_without_the_first_vehicle_holds_nothing_of_it() -> None:
+def test_a_row_without_the_first_vehicle_has_no_values_of_it() -> None:
     recording = two_rows(present=[0, 1])
     assert recording.x[0, 0] == 1.0
     assert np.isnan(recording.x[1, 0])
 
 
 @pytest.mark.parametrize("content", [b"", b"PAR1", b"no parquet at all"])
-def test_a_file_that_is_no_recording_is_refused(tmp_path: Path, content: bytes) -> None:
+def test_a_file_that_is_not_a_recording_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "r.parquet"
     path.write_bytes(content)
-    with pytest.raises(RecordingError, match="no recording"):
+    with pytest.raises(RecordingError, match="not a recording"):
         read_recording(path)
 
 
-def test_a_table_that_is_no_recording_is_refused(tmp_path: Path) -> None:
+def test_a_table_that_is_not_a_recording_is_refused(tmp_path: Path) -> None:
     pq.write_table(pa.table({"a": [1]}), tmp_path / "r.parquet")
     with pytest.raises(RecordingError, match="is not a recording"):
         read_recording(tmp_path / "r.parquet")
 
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match="no recording"):
+    with pytest.raises(RecordingError, match="not a recording"):
         read_recording(tmp_path / "none.parquet")
 
 
@@ -182,5 +182,5 @@ def test_metadata_of_another_shape_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "r.parquet"
     table = pa.table({"a": [1]}).replace_schema_metadata({"scenario-compiler": "[1]"})
     pq.write_table(table, path)
-    with pytest.raises(RecordingError, match="no recording"):
+    with pytest.raises(RecordingError, match="not a recording"):
         read_recording(path)

@@ -17,8 +17,8 @@ from tests.browser import opened_page
 from tests.live.serving import served
 from tests.report import made
 
-WIDTHS = pytest.mark.parametrize("width", [1400, 390])
-"""Widths of the window, pixels: a desktop and a phone, where tables scroll sideways."""
+WIDTHS = pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])
+"""Widths of the window, pixels: a desktop and a phone, where tables scroll sideways and faults are likelier."""
 
 
 def faults(page: Page) -> list[str]:
@@ -27,8 +27,15 @@ def faults(page: Page) -> list[str]:
     return [f"{one['id']}: {', '.join(str(node['target']) for node in one['nodes'][:3])}" for one in found]
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@WIDTHS
+@pytest.mark.parametrize(
+    ("width", "scheme"),
+    [
+        (1400, "light"),
+        (390, "dark"),
+        pytest.param(1400, "dark", marks=pytest.mark.slow),
+        pytest.param(390, "light", marks=pytest.mark.slow),
+    ],
+)
 def test_a_report_is_accessible(finished: Run, tmp_path: Path, browser: Browser, scheme: str, width: int) -> None:
     path = write_report([finished], tmp_path)
     with opened_page(browser, path.as_uri(), width) as page:

@@ -1,4 +1,4 @@
-"""Repeated events stand on a page once, with how often they came and until when."""
+"""Repeated events are shown once, with their number and last time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def told(text: str) -> list[tuple[str, int, float]]:
     return [(one.event.kind, one.times, one.until) for one in folded(rows(text))]
 
 
-def test_a_warning_that_comes_and_goes_is_told_once() -> None:
+def test_a_repeated_warning_is_shown_once() -> None:
     assert told("wowowor") == [("warning", 3, 4.0), ("warning_over", 3, 5.0), ("request", 1, 6.0)]
 
 
@@ -24,6 +24,6 @@ def test_what_does_not_repeat_stays_as_it_is() -> None:
     assert told("") == []
 
 
-def test_events_of_other_causes_are_no_repeats() -> None:
+def test_events_with_other_causes_are_not_repetitions() -> None:
     one, other = (EventRow(t=1.0, kind="warning", cause=cause) for cause in ("lane_confidence", "path_blocked"))
     assert len(folded([one, other])) == 2

@@ -1,4 +1,4 @@
-"""The page: whole in itself, well-formed, the same for the same run, and with everything a reader looks for."""
+"""The page: self-contained, well-formed, the same for the same run, and with everything that a reader needs."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def test_driving_lanes_have_their_colour_where_they_lie(town: Network, tmp_path:
     assert share > 0.3
 
 
-def test_every_lane_type_has_one_look() -> None:
+def test_every_lane_type_has_one_style() -> None:
     types = [kind for look in LOOKS for kind in look.types]
     assert sorted(types) == sorted(LANE_TYPES)
 

@@ -1,4 +1,4 @@
-"""Pictures of a recorded run: what the world would have drawn, in weather that changes too; films and other formats."""
+"""Pictures of a recorded run equal those that the world would have drawn; films and other formats."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ from scenario_compiler.worlds.model import EntityState, Snapshot
 
 CONFLICT = """\
 <scenarios version="1">
-  <scenario name="rain" map="town_grid" weather="ClearNoon" duration="3">
+  <scenario name="rain" map="town_grid" weather="ClearNoon" duration="0.6">
     <ego speed="13.9"><start><lane road="3" lane="-1" s="20"/></start></ego>
     <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="60"/></at></static>
     <dynamic id="oncoming" model="vehicle.tesla.model3" speed="11">
       <start><lane road="3" lane="1" s="150"/></start>
     </dynamic>
-    <when><time after="0.5"/><do><weather preset="HardRainSunset" over_time="1"/></do></when>
+    <when><time after="0.1"/><do><weather preset="HardRainSunset" over_time="0.4"/></do></when>
   </scenario>
 </scenarios>
 """
@@ -74,8 +74,8 @@ def as_it_was(of: Run, row: int) -> Snapshot:
     return Snapshot(st.clock[0], row, entities, weather=weather_of(st.weather))
 
 
-def test_a_row_is_told_as_it_was(rain: Run) -> None:
-    for still in stills(rain, [0, 9, 20, len(rain.recording.t) - 1]):
+def test_a_row_has_the_state_of_the_run_at_that_time(rain: Run) -> None:
+    for still in stills(rain, [0, 3, 10, len(rain.recording.t) - 1]):
         known = as_it_was(rain, still.row)
         assert [number for number, _, _ in still.there] == [0, 1, 2]
         for _, pose, _ in still.there:
@@ -83,16 +83,16 @@ def test_a_row_is_told_as_it_was(rain: Run) -> None:
                 pose[:3] == other[:3] and math.cos(pose.heading - other.heading) > 1 - 1e-9 for other in known.poses
             )
         assert still.weather == known.weather
-    assert as_it_was(rain, 0).weather != as_it_was(rain, 40).weather
+    assert as_it_was(rain, 0).weather != as_it_was(rain, len(rain.recording.t) - 1).weather
 
 
 def test_a_picture_is_what_the_world_would_have_drawn(rain: Run) -> None:
     """But for the outline of what blocks the path."""
-    known = as_it_was(rain, 20)
+    known = as_it_was(rain, 10)
     with open_world("kinematic", rain.plan, rain.network) as world:
         world.reset(as_it_was(rain, 0), 1)
         expected = world.picture(known)
-    shown = Sights(rain).draw(next(stills(rain, [20])))
+    shown = Sights(rain).draw(next(stills(rain, [10])))
     different = (shown != expected).any(axis=2)
     assert 0 < different.mean() < 0.02
     assert not different[300:].any()
@@ -102,7 +102,7 @@ def test_pictures_of_a_page_show_even_times_and_moments(rain: Run) -> None:
     taken = camera_pictures(rain, per_second=2.0, width=320)
     times = [one.t for one in taken]
     assert times == sorted(times)
-    assert {0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0} <= {round(t, 6) for t in times}
+    assert {0.0, 0.5} <= {round(t, 6) for t in times}
     assert {one.label for one in taken if one.label} == {kind for kind, _ in rain.moments}
     assert taken[0].data[8:12] == b"WEBP"
 
@@ -112,7 +112,7 @@ def test_a_film_lasts_as_long_as_its_run(rain: Run, tmp_path: Path, ending: str,
     path = tmp_path / f"film{ending}"
     write_video(rain, path, "map" if ending == ".gif" else "view")
     pictures = decoded(path)
-    assert len(pictures) == 3 * rate + 1
+    assert len(pictures) == round(0.6 * rate) + 1
     assert pictures[0].shape == (height + BAR, height if ending == ".gif" else 2 * height, 3)
     if ending == ".mp4":
         darker = pictures[0][: height // 2].mean() - pictures[-1][: height // 2].mean()

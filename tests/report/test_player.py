@@ -26,11 +26,29 @@ def report(finished: Run, tmp_path_factory: pytest.TempPathFactory) -> str:
     return write_report([finished], tmp_path_factory.mktemp("report")).as_uri()
 
 
-@pytest.fixture
-def player(browser: Browser, report: str) -> Iterator[Page]:
+@pytest.fixture(scope="module")
+def opened(browser: Browser, report: str) -> Iterator[Page]:
     with opened_page(browser, report) as page:
         page.locator(".player.ready").wait_for()
         yield page
+
+
+@pytest.fixture
+def player(opened: Page) -> Page:
+    """The page of the report at its start, as it is when it has been opened."""
+    opened.mouse.move(0, 0)
+    opened.get_by_label("Speed").select_option("1")
+    opened.evaluate(
+        """() => {
+            const player = document.querySelector('.player').player;
+            player.pause();
+            player.maps[0].follow(true);
+            document.activeElement?.blur();
+            scrollTo(0, 0);
+        }"""
+    )
+    opened.keyboard.press("Home")
+    return opened
 
 
 def time_of(page: Page) -> float:
@@ -38,14 +56,67 @@ def time_of(page: Page) -> float:
 
 
 def test_it_plays_at_the_chosen_speed_and_pauses(player: Page) -> None:
-    player.get_by_label("Speed").select_option("8")
+    player.get_by_label("Speed").select_option("0.25")
     player.get_by_role("button", name="Play").click()
-    player.wait_for_function("document.querySelector('.player').player.t > 4")
+    player.wait_for_function("document.querySelector('.player').player.t > 0.5")
     player.get_by_role("button", name="Pause").click()
     stopped = time_of(player)
-    assert stopped > 4
+    assert stopped > 0.5
     player.wait_for_timeout(200)
     assert time_of(player) == stopped
+
+
+def test_it_plays_at_one_speed_however_often_it_was_paused_within_a_frame(player: Page) -> None:
+    """Two presses of a key between two frames of the screen."""
+    player.evaluate(
+        """() => {
+          const [ask, drop] = [requestAnimationFrame, cancelAnimationFrame];
+          globalThis.asked = new Set();
+          globalThis.requestAnimationFrame = (what) => {
+            const number = ask((now) => (asked.delete(number), what(now)));
+            asked.add(number);
+            return number;
+          };
+          globalThis.cancelAnimationFrame = (number) => (asked.delete(number), drop(number));
+        }"""
+    )
+    asked = player.evaluate(
+        """() => {
+          const { player } = document.querySelector(".player");
+          player.play();
+          player.pause();
+          player.play();
+          return asked.size;
+        }"""
+    )
+    assert asked == 1
+
+
+def test_the_last_moment_asked_for_is_shown_however_long_a_run_is_unpacked(
+    browser: Browser, network: Network, tmp_path: Path
+) -> None:
+    report = write_report(made.runs(network), tmp_path).as_uri()
+    page = browser.new_page()
+    page.add_init_script(
+        """
+        const read = Response.prototype.text;
+        let first = new Promise((resolve) => (globalThis.release = resolve));
+        Response.prototype.text = async function () {
+          const before = first;
+          first = undefined;
+          const found = await read.call(this);
+          await before;
+          return found;
+        };
+        """
+    )
+    page.goto(f"{report}#run-1&t=3")
+    page.evaluate("location.hash = '#run-2&t=5'")
+    expect(page.locator("#run-2 .clock")).to_have_text("5.00 s")
+    page.evaluate("release()")
+    expect(page.locator("#run-1 .clock")).to_have_text("0.00 s")
+    assert page.evaluate("location.hash") == "#run-2&t=5"
+    page.close()
 
 
 def test_it_stops_at_the_end_and_starts_again(player: Page) -> None:
@@ -105,7 +176,7 @@ def test_a_click_into_a_curve_goes_there_and_a_drag_zooms(player: Page) -> None:
     assert player.evaluate("document.querySelector('.player').player.curves.range") == pytest.approx([0.0, 16.0])
 
 
-def test_the_pointer_is_told_values_with_units(player: Page) -> None:
+def test_the_pointer_shows_values_with_units(player: Page) -> None:
     chart = player.locator(".u-over").nth(1)
     chart.scroll_into_view_if_needed()
     chart.hover(position={"x": 5, "y": 30})

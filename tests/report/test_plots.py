@@ -33,7 +33,7 @@ def test_a_legend_of_many_entries_wraps_within_the_picture(finished: Run, draw: 
 
 
 @pytest.mark.parametrize("draw", [overview_map, close_up_map])
-def test_colours_of_moments_stand_for_moments_alone(finished: Run, draw: Draw) -> None:
+def test_colours_of_moments_are_used_for_moments_only(finished: Run, draw: Draw) -> None:
     drawn = draw(with_events(finished), "it").lower()
     assert [kind for kind, colour in MOMENT_COLOURS.items() if colour.lower() in drawn] == []
 

@@ -1,4 +1,4 @@
-"""The preview: paths of one's own are drawn, and no text stands on another."""
+"""The preview: paths are drawn, and no text covers another."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_labels_that_would_cover_another_are_left_out() -> None:
     assert not any(one.overlaps(other) for one, other in combinations(extents, 2))
 
 
-def test_no_id_of_a_road_stands_on_the_scale_bar() -> None:
+def test_no_road_id_covers_the_scale_bar() -> None:
     done, axes = compiled("obstacle_ahead.xml"), made_axes()
     draw_map(axes, done.network, section_of(done.plan, done.network))
     (length,) = (text for text in axes.texts if text.get_text().endswith(" m"))

@@ -1,4 +1,4 @@
-"""What a page holds of a run: all of it, to the step that it is rounded to, and small."""
+"""The data of a run in a page: complete, rounded to a known step, and small."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def test_a_run_in_one_row(finished: Run) -> None:
         ({"resolution": "open", "stop_reason": "duration"}, "request still open, no collision"),
     ],
 )
-def test_what_came_of_a_run(finished: Run, changes: dict[str, str], words: str) -> None:
+def test_the_result_of_a_run(finished: Run, changes: dict[str, str], words: str) -> None:
     assert outcome_words(finished.outcome.model_copy(update=changes)) == words
 
 

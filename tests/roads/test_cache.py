@@ -53,14 +53,14 @@ def test_a_damaged_file_is_made_again(folder: Path, path: Path, damage: str) -> 
     assert file.read_bytes() == good
 
 
-def test_a_changed_map_is_read_anew(folder: Path, path: Path) -> None:
+def test_a_changed_map_is_read_again(folder: Path, path: Path) -> None:
     load(path)
     path.write_text(path.read_text(encoding="utf-8").replace('a="3.5"', 'a="3.0"'), encoding="utf-8")
     assert load(path)[0]["cubic_a"] == [3.0, 3.0]
     assert len(list(folder.iterdir())) == 2
 
 
-def test_a_cache_that_cannot_be_written_is_no_fault(
+def test_a_cache_that_cannot_be_written_is_not_a_fault(
     tmp_path: Path, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
@@ -74,14 +74,14 @@ def test_the_folder_is_the_users(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     assert cache_folder() == tmp_path / "scenario-compiler"
 
 
-def test_it_belongs_to_the_user_alone(folder: Path, path: Path) -> None:
+def test_only_the_user_can_open_it(folder: Path, path: Path) -> None:
     folder.mkdir(parents=True, mode=0o777)
     folder.chmod(0o777)
     load(path)
     assert [one.stat().st_mode & 0o777 for one in (folder, folder.parent)] == [0o700, 0o700]
 
 
-def test_a_file_of_another_road_in_its_place_is_not_believed(folder: Path, path: Path, tmp_path: Path) -> None:
+def test_a_cached_file_of_another_road_is_not_used(folder: Path, path: Path, tmp_path: Path) -> None:
     load(path)
     (file,) = folder.iterdir()
     other = tmp_path / "other"
@@ -93,7 +93,7 @@ def test_a_file_of_another_road_in_its_place_is_not_believed(folder: Path, path:
     assert load(path)[0]["road_length"] == [100.0]
 
 
-def test_a_pipe_or_a_folder_in_its_place_is_passed_over(folder: Path, path: Path) -> None:
+def test_a_pipe_or_a_folder_in_its_place_is_ignored(folder: Path, path: Path) -> None:
     first = load(path)
     (file,) = folder.iterdir()
     file.unlink()

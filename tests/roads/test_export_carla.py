@@ -1,4 +1,4 @@
-"""Files for CARLA's clients: what they cannot use is replaced, the rest stays, and every lane goes on."""
+"""Files for CARLA's clients: parts that they cannot use are replaced, the rest stays, and no lane is a dead end."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def test_a_map_of_carla_is_left_alone(corpus: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["town_grid", "signal_crossing"])
-def test_maps_that_come_along_go_on_everywhere(repository: Path, tmp_path: Path, name: str) -> None:
+def test_packaged_maps_have_no_dead_ends_in_carla(repository: Path, tmp_path: Path, name: str) -> None:
     _, data = export(repository / "maps" / name / f"{name}.xodr")
     found = ask_carla(tmp_path, data)
     assert found["ends"] == []
@@ -304,7 +304,7 @@ print(min(one.lane_width for way in points for one in (way, *way.next(3.0), *way
 
 
 @pytest.mark.parametrize("exported", [False, True])
-def test_no_lane_is_narrower_than_nothing(repository: Path, tmp_path: Path, exported: bool) -> None:
+def test_no_lane_has_a_negative_width(repository: Path, tmp_path: Path, exported: bool) -> None:
     """In the file as it is, the client computes widths below 0 where lanes begin and end."""
     pytest.importorskip("carla")
     file = repository / "maps/highway_loop/highway_loop.xodr"

@@ -1,4 +1,4 @@
-"""Input made to do harm gets a diagnostic, with bounded work and memory."""
+"""Hostile input gets a diagnostic, with bounded work and memory."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_a_missing_file_is_an_error(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("number", ["NaN", "inf", "-inf", "1e300", "1e400", "x", ""])
-def test_numbers_that_are_none_are_replaced(tmp_path: Path, number: str) -> None:
+def test_invalid_numbers_are_replaced(tmp_path: Path, number: str) -> None:
     good = road()
     for old in ('x="0"', 'hdg="0"', 'a="3.5"', 'sOffset="0"', 'length="100.0"', 's="0"'):
         name = old.split("=")[0]

@@ -1,4 +1,4 @@
-"""Checking road files that are made to do harm: findings with bounded work and memory, never a traceback."""
+"""Checking hostile road files gives findings with bounded work and memory, never a traceback."""
 
 from __future__ import annotations
 
@@ -170,5 +170,5 @@ def test_document_types_are_found_wherever_they_stand(raw: bytes, line: int) -> 
     assert [(one.code.id, one.place.line) for one in sink] == [("SC103", line)]
 
 
-def test_a_document_type_in_a_comment_is_none() -> None:
+def test_a_document_type_in_a_comment_is_ignored() -> None:
     assert parse_document(b"<!--> <!DOCTYPE a> --><a/>", "made.xml", Diagnostics()) is not None

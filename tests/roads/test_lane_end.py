@@ -1,4 +1,4 @@
-"""Lanes that end although their road goes on."""
+"""Lanes that end although their road continues."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ def test_off_the_road_nothing_is_found_unless_the_nearest_is_asked_for(bend: Net
 
 
 @pytest.mark.parametrize("x", [math.nan, math.inf, -math.inf, 1e300])
-def test_points_that_are_none_are_nowhere(bend: Network, x: float) -> None:
+def test_points_that_are_not_finite_are_nowhere(bend: Network, x: float) -> None:
     assert bend.locate(x, 0.0) == []
     assert bend.locate(x, 0.0, nearest=True) == []
     assert track(bend.tables, x, 0.0, 0, 10.0)[0] == 0

@@ -61,6 +61,6 @@ def test_on_a_sphere() -> None:
         "+proj=tmerc +lon_0=nan",
     ],
 )
-def test_what_is_no_transverse_mercator_projection_is_none(text: str) -> None:
+def test_other_projections_than_transverse_mercator_are_not_supported(text: str) -> None:
     """Other projections, units and unreadable numbers are not guessed at."""
     assert read_projection(text) is None

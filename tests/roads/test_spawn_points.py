@@ -1,4 +1,4 @@
-"""The description of a map (map.toml): what is wrong in it is said in words for its author."""
+"""The description of a map (map.toml): its faults are reported in words for its author."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ POINT = '[[spawn_point]]\nname = "a"\nroad = "1"\nlane = -1\ns = 20.0\n'
     ("content", "reason"),
     [
         (POINT.replace("lane = -1\n", "").encode(), "a [[spawn_point]] has no lane"),
-        (POINT.replace("20.0", '"far"').encode(), "a [[spawn_point]] has a text where a number is due"),
-        (b"spawn_point = 3", "a [[spawn_point]] has a text where a number is due, or is no table"),
+        (POINT.replace("20.0", '"far"').encode(), "a [[spawn_point]] has a text instead of a number"),
+        (b"spawn_point = 3", "a [[spawn_point]] has a text instead of a number, or is not a table"),
         (b"[[spawn_point", "it is not TOML"),
         (b"\xff\xfe", "it is not written in UTF-8"),
     ],
 )
-def test_what_is_wrong_is_said(tmp_path: Path, content: bytes, reason: str) -> None:
+def test_faults_of_a_description_are_reported(tmp_path: Path, content: bytes, reason: str) -> None:
     (tmp_path / "map.toml").write_bytes(content)
     sink = Diagnostics()
     read_spawn_points(str(tmp_path / "map.xodr"), sink)
@@ -37,7 +37,7 @@ def test_the_points_come_in_the_order_of_the_file(tmp_path: Path) -> None:
     assert list(read_spawn_points(str(tmp_path / "map.xodr"), Diagnostics())) == ["b", "a"]
 
 
-def test_a_copy_of_a_map_that_comes_along_has_its_points_unless_it_is_described_or_changed(tmp_path: Path) -> None:
+def test_a_copy_of_a_packaged_map_has_its_points_unless_it_is_described_or_changed(tmp_path: Path) -> None:
     original = find_map("town_grid")
     copy = tmp_path / "copy.xodr"
     shutil.copy(original, copy)

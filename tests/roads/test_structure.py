@@ -62,7 +62,7 @@ def test_a_valid_file_has_no_finding() -> None:
             "SC320",
             6,
             32,
-            "it belongs to OpenDRIVE 1.1, 1.2, 1.3, 1.4, 1.5; the file says 1.7",
+            "it belongs to OpenDRIVE 1.1, 1.2, 1.3, 1.4, 1.5; the file's version is 1.7",
         ),
         ('hdg="0"', 'hdg="0" kurve="1"', "SC321", 5, 43, ""),
         ('t="2"', 't="2" outlineId="1"', "SC321", 13, 34, ""),
@@ -71,7 +71,7 @@ def test_a_valid_file_has_no_finding() -> None:
         ('x="0"', 'x="left"', "SC323", 5, 26, ""),
         ('length="10"><line', 'length="0"><line', "SC323", 5, 51, ""),
         ('type="none"', 'type="drivng"', "SC323", 9, 36, "did you mean 'driving'?"),
-        ('type="none"', 'type="slipLane"', "SC323", 9, 36, "it belongs to OpenDRIVE 1.8; the file says 1.7"),
+        ('type="none"', 'type="slipLane"', "SC323", 9, 36, "it belongs to OpenDRIVE 1.8; the file's version is 1.7"),
         ('lane id="0"', 'lane id="1"', "SC323", 9, 27, ""),
         ("</objects>", "</objects><lanes/>", "SC324", 14, 15, ""),
         ("</objects>", f"</objects>{SWITCH}", "SC325", 14, 25, ""),
@@ -121,7 +121,7 @@ def test_what_stands_together_since_1_8(inside: str) -> None:
     )
 
 
-def test_the_tables_hang_together() -> None:
+def test_the_tables_are_complete() -> None:
     """Every child and every kind of value that a table names is declared, in every version."""
     for minor in VERSIONS:
         known = declarations(minor)

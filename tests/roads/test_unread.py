@@ -1,4 +1,4 @@
-"""What stands in a road file and is not read is listed, and the list tells the truth."""
+"""Parts of a road file that are not read are listed, and the list is correct."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def test_without_a_schema_there_is_no_verdict(tmp_path: Path, version: str) -> N
     "schema", ["", "<a", "<xs:schema xmlns:xs='http://www.w3.org/2001/XMLSchema'><xs:made/></xs:schema>"]
 )
 @pytest.mark.parametrize("minor", [7, 8])
-def test_a_schema_that_is_none_is_reported(tmp_path: Path, schema: str, minor: int) -> None:
+def test_an_invalid_schema_is_reported(tmp_path: Path, schema: str, minor: int) -> None:
     marker = '<!-- <xs:element name="OpenDRIVE"> -->'
     (tmp_path / f"OpenDRIVE_1.{minor}.xsd").write_text(schema + marker, encoding="utf-8")
     sink = Diagnostics()

@@ -1,4 +1,4 @@
-"""A run that breaks off says which entity, which quantity, what value and when, and exits with an error."""
+"""A run that breaks off reports the entity, the quantity, its value and the time, and exits with an error."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def conflict(tmp_path: Path) -> Path:
     return file
 
 
-def test_a_run_says_why_and_keeps_its_recording(
+def test_a_run_that_breaks_off_gives_the_reason_and_keeps_its_recording(
     conflict: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     plan, out = tmp_path / "plan.json", tmp_path / "out"
@@ -51,7 +51,7 @@ def test_a_run_says_why_and_keeps_its_recording(
     assert call("report", out) == 0
 
 
-def test_a_sweep_says_why_in_the_variants_row(conflict: Path, tmp_path: Path) -> None:
+def test_a_sweep_gives_the_reason_in_the_variants_row(conflict: Path, tmp_path: Path) -> None:
     swept = tmp_path / "swept"
     command = ("sweep", conflict, "--perception", "ideal", "--vary", "v=values(10,1e20)", "--no-report", "-o", swept)
     assert call(*command) == 0
@@ -69,12 +69,12 @@ def test_a_sweep_says_why_in_the_variants_row(conflict: Path, tmp_path: Path) ->
         ({}, "'b' at 1.5 s: a position or speed is no longer a finite number"),
     ],
 )
-def test_the_first_quantity_that_is_none_is_named(values: dict[str, float], said: str) -> None:
+def test_the_first_quantity_that_is_not_finite_is_named(values: dict[str, float], said: str) -> None:
     whole = dict.fromkeys(QUANTITIES, 0.0) | values
     assert break_off_text(opcodes.FAULT_NOT_FINITE, 1, ["a", "b"], whole, 1.5) == said
 
 
-def test_every_fault_of_the_engine_has_words() -> None:
+def test_every_fault_of_the_engine_has_a_description() -> None:
     codes = [value for name, value in vars(opcodes).items() if name.startswith("FAULT_") and value]
     for code in codes:
         why = break_off_text(code, 0, ["a"], dict.fromkeys(QUANTITIES, 0.0), 0.0)

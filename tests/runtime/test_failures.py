@@ -1,4 +1,4 @@
-"""A run that cannot go on ends there: the recording is kept, and a diagnostic says where it failed."""
+"""A run that cannot continue ends: the recording is kept, and a diagnostic names the place of the failure."""
 
 from __future__ import annotations
 

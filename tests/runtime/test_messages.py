@@ -1,4 +1,4 @@
-"""What the driver is told: by policy, with its time, in each language, and no longer than its reason lasts."""
+"""Messages to the driver: by policy, at their time, in each language, and no longer than their reason lasts."""
 
 from __future__ import annotations
 
@@ -68,14 +68,14 @@ def test_a_message_comes_after_its_time_if_its_reason_still_holds() -> None:
     assert list(one.come(10.0)) == []
 
 
-def test_texts_of_ones_own_are_said_at_their_event() -> None:
+def test_an_authors_own_texts_are_shown_at_their_event() -> None:
     one = messenger(Message(content=("what", "why"), says=(Say(at="request", text="Hands on the wheel"),)))
     assert [found.message for found in one.heed(row(1.0, "request"))] == ["Hands on the wheel"]
     list(one.heed(row(2.0, "escalation")))
     assert one.shown[0].text == "Take over immediately: the path ahead is blocked"
 
 
-def test_the_modality_none_tells_nothing() -> None:
+def test_the_modality_none_shows_nothing() -> None:
     assert list(messenger(Message(modality=("none",))).heed(row(1.0, "request"))) == []
 
 

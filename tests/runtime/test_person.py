@@ -1,4 +1,4 @@
-"""A person at the wheel: takes over asked or not, drives, hands back, leaves; repeated bit for bit from the inputs."""
+"""A person at the wheel takes over with or without a request, hands back, leaves; inputs repeat the run bit for bit."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_a_person_takes_over_without_being_asked_and_hands_back(compiled: Compil
     assert recording.throttle[(recording.t > 0.2) & (recording.t < 1.0), 0] == pytest.approx(0.3)
 
 
-def test_the_automation_is_not_given_back_what_asks(compiled: Compilation) -> None:
+def test_control_is_not_handed_back_while_there_is_a_cause(compiled: Compilation) -> None:
     def does(t: float, state: str) -> PersonInput:
         del t
         return PersonInput(
@@ -165,7 +165,7 @@ def test_a_command_repeats_a_persons_run_and_a_model_stands_in(
     assert call("compare", tmp_path / "by_hand" / "recording.parquet", tmp_path / "again" / "recording.parquet") == 0
 
 
-def test_who_looks_on_lets_the_automation_request(compiled: Compilation) -> None:
+def test_an_observer_lets_the_automation_request(compiled: Compilation) -> None:
     """A request of nobody but the experimenter is scheduled; it comes again from the recorded inputs."""
 
     def asked(t: float, state: str) -> PersonInput:

@@ -1,4 +1,4 @@
-"""The AISA toolkit's own file, as it is."""
+"""The AISA toolkit's own file, unchanged."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_attributes_can_be_set(config: Source) -> None:
         ({"npc_vehicles": "3"}, "SC241"),
     ],
 )
-def test_what_is_set_is_checked(config: Source, arguments: dict[str, str], code: str) -> None:
+def test_arguments_are_checked(config: Source, arguments: dict[str, str], code: str) -> None:
     assert [found for found, _ in _expanded(config, "sensornoise", **arguments)[1]] == [code]
 
 
@@ -169,7 +169,7 @@ def test_faults_in_a_file_of_this_form(attributes: str, inner: str, codes: list[
     assert sorted(one.code.id for one in sink) == codes
 
 
-def test_names_that_stand_twice() -> None:
+def test_repeated_names_are_reported() -> None:
     sink = Diagnostics()
     twice = "<scenario name='a' town='T'/>" * 2
     parsed(f"<config><scenarios>{twice}</scenarios></config>", sink)

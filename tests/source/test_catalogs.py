@@ -1,4 +1,4 @@
-"""Catalogs: entries by name, faults in them, and what a gap in one means."""
+"""Catalogs: entries by name, their faults, and missing values."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_a_catalogs_faults_are_reported_each_time(tmp_path: Path) -> None:
         assert [one.code.id for one in sink] == ["SC112"]
 
 
-def test_entries_that_stand_twice() -> None:
+def test_repeated_entries_are_reported() -> None:
     assert _codes(CAR + CAR) == ["SC216"]
     assert _codes(DRIVER + DRIVER) == ["SC216"]
     assert _codes(CAR + DRIVER.replace("ours", "our.car")) == []
@@ -53,7 +53,7 @@ def test_later_catalogs_win() -> None:
     assert both.extended(Catalogs().with_a_gap()).complete is False
 
 
-def test_what_a_faulty_entry_would_have_been_is_not_missed(tmp_path: Path) -> None:
+def test_a_faulty_entry_is_not_reported_as_missing(tmp_path: Path) -> None:
     (tmp_path / "fleet.xml").write_text(_catalog(CAR.replace('"4"', '"four"')))
     text = library_text(head='<include file="fleet.xml"/>', ego=EGO.replace("<ego", '<ego model="our.car"'))
     assert codes_of(text, tmp_path / "made.xml") == ["SC111"]

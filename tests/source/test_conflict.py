@@ -1,4 +1,4 @@
-"""The conflict language: a file to a scenario."""
+"""The conflict language: from a file to a scenario."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def test_when_becomes_an_event_of_its_actor() -> None:
     assert condition.origin.line == 22
 
 
-def test_what_actors_do_stands_in_the_storyboard_alone() -> None:
+def test_actions_of_actors_are_only_in_the_storyboard() -> None:
     scenario = expanded(DESIGN)
     assert all(not actor.whens for actor in scenario.actors if isinstance(actor, Dynamic))
 
@@ -193,7 +193,7 @@ def test_all_faults_of_a_file_come_in_one_pass() -> None:
     assert sorted(codes_of(text)) == ["SC105", "SC106", "SC111", "SC111", "SC112", "SC218", "SC219"]
 
 
-def test_a_fault_in_an_actor_is_no_fault_of_what_names_it() -> None:
+def test_a_fault_in_an_actor_is_not_reported_where_it_is_named() -> None:
     items = (
         '<static id="a"><at><lane road="1" lane="x" s="1"/></at></static>'
         '<static id="b"><at><ahead_of entity="a" distance="10"/></at></static>'
@@ -269,12 +269,12 @@ def test_the_same_text_gives_the_same_scenario() -> None:
             '<when><simulationTimeCondition after="5"/><do><weather preset="ClearNoon"/></do></when>',
             "did you mean 'time'?",
         ),
-        ('<static id="a"><lane road="1" lane="-1" s="9"/></static>', "<lane> stands in <at>, which stands in <static>"),
+        ('<static id="a"><lane road="1" lane="-1" s="9"/></static>', "put <lane> into a <at> in <static>"),
         ("<zebra/>", "known: parameter, "),
     ],
     ids=["the_standards_term", "the_standards_element", "wrapper_left_out", "nothing_similar"],
 )
-def test_an_unknown_element_is_reported_with_what_was_probably_meant(content: str, hint: str) -> None:
+def test_an_unknown_element_is_reported_with_the_probable_name(content: str, hint: str) -> None:
     text = library_text(content)
     sink = Diagnostics()
     expand(parsed(text, sink), None, {}, sink)

@@ -204,7 +204,7 @@ def pieces(root: etree._Element) -> Iterator[etree._Element]:
             yield piece
 
 
-@pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("every", [10, pytest.param(1, marks=pytest.mark.slow)])
 def test_both_judges_agree_on_mutants_of_the_library(every: int) -> None:
     seen: set[str] = set()
     differing = []
@@ -246,7 +246,7 @@ def test_both_judges_agree_on_any_number(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["${}", "${ }", "${\n}"])
-def test_an_expression_says_something(text: str) -> None:
+def test_an_expression_is_not_empty(text: str) -> None:
     root = etree.fromstring(
         b'<catalog version="1"><vehicle name="v" length="4" width="2" height="1" wheelbase="2" center="1"/></catalog>'
     )

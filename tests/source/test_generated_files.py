@@ -24,7 +24,7 @@ from scenario_compiler.vocabulary.schema import words_below
 from scenario_compiler.vocabulary.word import Word
 from tests.source.test_form import VALUES, disagreement, faults
 
-FILES, FAULTS = 20, 20
+FILES, FAULTS = 12, 12
 """Files that are made up, and faults that are tried in each."""
 
 DEEPEST = 7
@@ -91,14 +91,14 @@ def made_up(word: type[Word], tag: str, dice: Dice, depth: int = 0) -> etree._El
 
 
 def chosen(child: ChildRule, dice: Dice, depth: int) -> tuple[str, type[Word]]:
-    """Return one of the words that may stand somewhere; deep down, one that needs little below it."""
+    """Return one of the words that are allowed somewhere; deep down, one that needs little below it."""
     words = list(child.words.items())
     least = min(height(word) for _, word in words)
     return dice.choice([pair for pair in words if depth < DEEPEST or height(pair[1]) == least])
 
 
 def literal(rule: AttributeRule, dice: Dice) -> str:
-    """Return a right text for an attribute: at and between its limits for a number, a list where one may stand."""
+    """Return a right text for an attribute: at and between its limits for a number, a list where one is allowed."""
     plain = rule.kind == "text" and not rule.spelling.pattern and not rule.spelling.separated
     if not plain and dice.random() < 0.1:
         return dice.choice(("$name", "${1 + $name}"))

@@ -1,4 +1,4 @@
-"""What stands in <if>, <repeat> and <for>: which of it comes about, how often, and under which ids."""
+"""The contents of <if>, <repeat> and <for>: which of them are inserted, how often, and with which ids."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_a_branch_that_is_not_taken_need_not_have_values() -> None:
     assert _distances(text) == [50.0]
 
 
-def test_a_branch_that_is_not_taken_is_read_for_what_is_wrong_in_any_case() -> None:
+def test_faults_that_do_not_depend_on_values_are_reported_in_untaken_branches() -> None:
     wrong = '<static id="a"><at><ahead_of entity="ego" distnce="1"/></at></static>'
     nested = f'<if test="false"><repeat count="2" as="k">{_static("a", "$k")}{_static("b", "$q")}</repeat></if>'
     assert codes_of(library_text(f'<if test="false">{wrong}</if>')) == ["SC107", "SC106"]

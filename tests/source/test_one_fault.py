@@ -31,8 +31,8 @@ ELSEWHERE = {
 """Element and attribute whose wrong value is right in itself: what depends on it is wrong, or nothing is."""
 
 
-EVERY = [5, pytest.param(1, marks=pytest.mark.slow)]
-"""Which of the faults are tried: every fifth, and all."""
+EVERY = [12, pytest.param(1, marks=pytest.mark.slow)]
+"""Which of the faults are tried: every twelfth, and all."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def _misspelt_elements(text: str) -> Iterator[Mutant]:
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 @pytest.mark.parametrize("every", EVERY)
-def test_one_misspelt_element_gives_findings_on_its_line_alone(path: Path, every: int, tmp_path: Path) -> None:
+def test_one_misspelt_element_gives_findings_on_its_line_only(path: Path, every: int, tmp_path: Path) -> None:
     shutil.copy(HERE / "every_entry.xml", tmp_path)
     wrong = []
     mutants = list(_misspelt_elements(path.read_text(encoding="utf-8")))
@@ -97,7 +97,7 @@ def test_one_misspelt_element_gives_findings_on_its_line_alone(path: Path, every
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 @pytest.mark.parametrize("every", EVERY)
-def test_one_fault_gives_findings_on_its_line_alone(path: Path, every: int, tmp_path: Path) -> None:
+def test_one_fault_gives_findings_on_its_line_only(path: Path, every: int, tmp_path: Path) -> None:
     shutil.copy(HERE / "every_entry.xml", tmp_path)
     wrong = []
     mutants = list(_mutants(path.read_text(encoding="utf-8")))

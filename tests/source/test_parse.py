@@ -1,4 +1,4 @@
-"""What a file is, by its first element; and that no file, however odd, brings the reader down."""
+"""The kind of a file follows from its first element, and no file, however odd, crashes the reader."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_attributes_of_other_namespaces_are_reported(attribute: str) -> None:
     assert codes_of(library_text(ego=EGO.replace("<ego", f"<ego {attribute}"))) == ["SC106"]
 
 
-def test_comments_and_instructions_are_no_content() -> None:
+def test_comments_and_instructions_are_ignored() -> None:
     odd = "<!-- a --><?b c?>"
     text = library_text(f"{odd}<criteria>{odd}<no_collision/>{odd}</criteria>{odd}", head=odd)
     assert codes_of(text) == []

@@ -1,4 +1,4 @@
-"""Studies and questionnaires as files: what is read, which conditions there are, and that every word is shown."""
+"""Files of studies and questionnaires: their contents, their conditions, and an example of every word."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ def test_pictures_become_part_of_their_page(tmp_path: Path) -> None:
     assert '<img src="data:image/png;base64,iVBORw==" alt="the car"' in found
 
 
-def test_pages_that_participants_could_not_see_as_meant_are_reported(tmp_path: Path) -> None:
+def test_pages_that_participants_would_not_see_as_intended_are_reported(tmp_path: Path) -> None:
     text = "# Hi\n\n![a](gone.png)\n\n![b](https://example.org/b.png) ![c](notes.txt)\n\n<script>alert(1)</script>\n"
     found, wrong = page(tmp_path, text)
     assert wrong == [
         ("page.md", 3, "the picture 'gone.png' cannot be read: No such file or directory"),
-        ("page.md", 5, "'https://example.org/b.png' is no file beside the page, which is shown without a network"),
-        ("page.md", 5, "'notes.txt' is no picture: .png, .jpg, .jpeg, .gif, .webp, .svg are"),
+        ("page.md", 5, "'https://example.org/b.png' is not a file beside the page; pages are shown without a network"),
+        ("page.md", 5, "'notes.txt' is not a picture in one of the formats .png, .jpg, .jpeg, .gif, .webp, .svg"),
     ]
     assert "<script>" not in (found or "")
     assert page(tmp_path, " \n") == (None, [("study.xml", 3, "'page.md' is empty")])

@@ -1,4 +1,4 @@
-"""Templates of a group's own: from folders that are named, and from installed packages, by name and in order."""
+"""A group's own templates: from given folders and from installed packages, by name and in order."""
 
 from __future__ import annotations
 
@@ -154,10 +154,10 @@ def test_the_page_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     assert [one.id for one in compile_scenario("conflict.xml", templates=["templates"]).entities][-1].endswith("cars.3")
 
 
-def test_two_files_of_a_folder_with_one_name_are_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_templates_of_a_folder_with_one_name_are_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "ours" / "again.xml").write_text(template("ours"), encoding="utf-8")
     assert call("validate", folder / "conflict.xml", "--templates", folder / "ours") == 1
-    assert "a template named 'ours' is in" in capsys.readouterr().err
+    assert "a template named 'ours' is already in" in capsys.readouterr().err
 
 
 def test_a_folder_that_is_not_there_is_wrong_use(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -165,7 +165,7 @@ def test_a_folder_that_is_not_there_is_wrong_use(folder: Path, capsys: pytest.Ca
     assert "there is no folder" in capsys.readouterr().err
 
 
-def test_a_package_whose_entry_is_none_is_passed_over(tmp_path: Path) -> None:
+def test_a_package_whose_entry_point_is_not_a_folder_is_skipped(tmp_path: Path) -> None:
     installed(tmp_path / "site", "their_group")
     described = tmp_path / "site" / "their_group-1.0.dist-info" / "entry_points.txt"
     described.write_text("[scenario_compiler_templates]\na = ../..\nb = their_group:name\nc = sys\n", encoding="utf-8")

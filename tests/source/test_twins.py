@@ -1,4 +1,4 @@
-"""A name that stands twice: the finding at the second names the place of the first."""
+"""Repeated names: the finding at the second one names the place of the first."""
 
 from __future__ import annotations
 

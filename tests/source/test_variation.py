@@ -1,4 +1,4 @@
-"""What a scenario's <vary> says is what the sweep command is given in words."""
+"""A scenario's <vary> means the same as the options of the sweep command."""
 
 from __future__ import annotations
 
@@ -84,5 +84,5 @@ def test_the_variation_of_a_file_is_found(tmp_path: Path) -> None:
         ('<poisson parameter="count" mean="2"/><poisson parameter="count" mean="2"/>', ["SC250"]),
     ],
 )
-def test_what_cannot_be_varied_so_is_reported(inside: str, codes: list[str]) -> None:
+def test_invalid_variations_are_reported(inside: str, codes: list[str]) -> None:
     assert codes_of(_varied(inside)) == codes

@@ -1,4 +1,4 @@
-"""The notation of tables: what a declaration says in each version, and what a check of it finds."""
+"""The notation of tables: the meaning of a declaration in each version, and the findings of its checks."""
 
 from __future__ import annotations
 
@@ -131,17 +131,17 @@ def test_a_valid_file_has_no_finding() -> None:
     assert found(HOUSE.replace("<roof/>", '<window kind="round" radius="1"/><window size="2"/><roof/>'), 2) == []
 
 
-def test_what_another_version_knows_is_named() -> None:
+def test_the_versions_that_have_an_element_are_named() -> None:
     text = HOUSE.replace("<roof/>", '<window size="2"/><roof/>')
-    help_text = "it belongs to Houses 1.1, 1.2; the file says 1.0"
-    assert found(text, 0) == [("SC701", "<house> has no child <window>", help_text)]
-    assert found(text, 0, STRICT) == [("SC708", "<house> has no child <window>", help_text)]
+    help_text = "it belongs to Houses 1.1, 1.2; the file's version is 1.0"
+    assert found(text, 0) == [("SC701", "<window> is not allowed in <house>", help_text)]
+    assert found(text, 0, STRICT) == [("SC708", "<window> is not allowed in <house>", help_text)]
     assert [one[0] for one in found('<house name="a"><door><handle/></door></house>', 0, STRICT)] == ["SC708", "SC708"]
     assert [one[0] for one in found('<house name="a"><door><handle/></door></house>', 0)] == ["SC703", "SC706"]
 
 
 def test_a_child_of_another_version_is_walked_along_that_version() -> None:
-    outside = ("SC708", "<house> has no child <window>")
+    outside = ("SC708", "<window> is not allowed in <house>")
     round_one = HOUSE.replace("<roof/>", '<window kind="round" radius="1"/><roof/>')
     assert [one[:2] for one in found(round_one, 0, STRICT)] == [outside], "1.2 takes it as it is"
     bare = HOUSE.replace("<roof/>", "<window/><roof/>")
@@ -157,7 +157,7 @@ def test_order_and_number() -> None:
     twice = HOUSE.replace("<roof/>", "<roof/><roof/>")
     assert found(twice, 1) == [("SC705", "<roof> occurs too often or too late in <house>", "")]
     assert found(HOUSE.replace("<handle/>", "<handle/><handle/>"), 2) == [
-        ("SC705", "<handle> occurs too often or too late in <door>", "here may stand: lock, hinge")
+        ("SC705", "<handle> occurs too often or too late in <door>", "allowed here: lock, hinge")
     ]
 
 
@@ -176,7 +176,7 @@ def test_numbers(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["", ".", "1,5", "inf", "nan", "+INF", "1e", "0x1", "1_0", "\u0661", "1 "])
-def test_no_numbers(text: str) -> None:
+def test_texts_that_are_not_numbers(text: str) -> None:
     assert not is_number(text)
     assert not is_integer(text)
 
@@ -209,5 +209,5 @@ def test_dates(text: str) -> None:
         *("0000-01-01T00:00:00", "2020-1-1T0:0:0", "012020-01-01T00:00:00", "2020-01-01T00:00:00z"),
     ],
 )
-def test_no_dates(text: str) -> None:
+def test_texts_that_are_not_dates(text: str) -> None:
     assert not is_date_time(text)

@@ -1,1 +1,1 @@
-"""Published takeover studies as conflicts: what the paper reports, what comes out here, and what is asserted."""
+"""Published takeover studies as conflicts: the paper's results, the results here, and the assertions."""

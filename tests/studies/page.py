@@ -1,4 +1,4 @@
-"""docs/validity.md and its figure: the studies of this folder, what the papers report and what comes out here.
+"""docs/validity.md and its figure: the studies of this folder with the papers' results and the results here.
 
 `python -m tests.studies.page` writes both. It runs some 800 conflicts without a camera.
 """

@@ -44,7 +44,7 @@ class Condition:
     """Medians of a condition.
 
     Attributes:
-        away: Distance to the obstacle at the begin of the evasion, m.
+        away: Distance to the obstacle at the start of the evasion, m.
         least: Least time to collision along the lane, s.
         lateral: Greatest lateral acceleration, m/s2.
     """

@@ -58,6 +58,6 @@ def test_the_last_takeover_is_faster_and_better_than_the_first(tmp_path: Path) -
     assert last[1] > first[1]
 
 
-def test_who_brakes_keeps_the_greater_time_to_collision(tmp_path: Path) -> None:
+def test_drivers_who_brake_keep_a_greater_time_to_collision(tmp_path: Path) -> None:
     steering, braking = (takeovers(tmp_path, brakes=brakes)[0] for brakes in (False, True))
     assert np.nanmedian(braking[:, 1]) > np.nanmedian(steering[:, 1])

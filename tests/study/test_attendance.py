@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from scenario_compiler.compiler import Overrides, StudyCompilation, compile_stud
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.live.session import Picture, Session
 from scenario_compiler.live.wheel import Told
+from scenario_compiler.report.run import Run
 from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.study.attendance import Attendance, OutOfPlaceError, Rules
 from scenario_compiler.study.tables import read_table
@@ -26,9 +28,10 @@ def compiled(folder: Path, **changes: str) -> StudyCompilation:
     text = study.read_text()
     for old, new in changes.items():
         text = text.replace(f'{old}="2"', f'{old}="{new}"')
-    study.write_text(text)
+    study.write_text(text.replace('<probe from="0.5" to="1.5">', '<probe from="0.2" to="0.4">'))
     conflicts = folder / "conflicts.xml"
-    conflicts.write_text(conflicts.read_text().replace('duration="8"', 'duration="2"'))
+    short = conflicts.read_text().replace('duration="8"', 'duration="0.8"').replace('distance="80"', 'distance="76"')
+    conflicts.write_text(short)
     read = read_source(study, Diagnostics())
     assert read is not None
     assert isinstance(read[1], StudyFile)
@@ -59,7 +62,7 @@ def run_of(attendance: Attendance, *, taken_over: bool = False) -> Session:
     The participant may take over before any request.
     """
     assert attendance.cockpit is not None
-    session = attendance._begin(watching(attendance))
+    session = attendance._begin(attendance.step.number, watching(attendance))
     assert session is not None
     attendance.cockpit.session = session
     if taken_over:
@@ -107,7 +110,7 @@ def test_a_run_that_the_program_ends_is_begun_again(rules: Rules) -> None:
     one.go_on(0, {"agree": "yes"})
     one.go_on(1, {})
 
-    session = one._begin(lambda picture: True)
+    session = one._begin(one.step.number, lambda picture: True)
     assert session is not None
     session.start()
     waited_for(lambda: session.held == "probe")
@@ -120,6 +123,68 @@ def test_a_run_that_the_program_ends_is_begun_again(rules: Rules) -> None:
     assert run_of(again).number == 2
     again.close()
     assert [row["attempt"] for row in read_table(again.seat.table("short", "beh"))] == ["2"]
+
+
+def test_a_page_of_an_earlier_step_begins_no_run(tmp_path: Path) -> None:
+    """A page that is loaded while the files of a run are written is still one of this run's step."""
+    done = compiled(tmp_path, repetitions="1")
+    study = done.study.model_copy(update={"before": None, "after_each": None})
+    one = Attendance(Rules(replace(done, study=study), tmp_path / "data", None, (64, 36)), 1)
+    one.start()
+    before = one.cockpit_at("0")
+    run_of(one)
+    assert one.step.trial is not None
+    assert one._begin(0, lambda _: True) is None
+    assert one.cockpit_at("0") is None
+    assert one.cockpit_at("1") is one.cockpit is not before
+    one.close()
+
+
+def test_a_session_that_is_paused_begins_no_run_and_stores_the_answers_on_their_way(rules: Rules) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.pause()
+    one.go_on(0, {"agree": "yes"})
+    one.go_on(1, {})
+    assert (one.step.number, one.presence) == (2, "paused")
+    assert one._begin(2, lambda _: True) is None
+    one.close()
+    again = Attendance(rules, 1)
+    again.start()
+    run_of(again)
+    again.close()
+    last = Attendance(rules, 1)  # the participant's form is still open, the experimenter has not pressed Start again
+    last.go_on(3, ANSWERS)
+    assert (last.step.number, last.presence) == (4, "waiting")
+    last.close()
+
+
+def test_what_is_done_while_the_files_of_a_run_are_written_does_not_count(rules: Rules) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.go_on(0, {"agree": "yes"})
+    one.go_on(1, {})
+    assert one.cockpit is not None
+    session = one._begin(2, watching(one))
+    assert session is not None
+    keep = session._kept
+    assert keep is not None
+
+    def late(ended: Session, run: Run) -> None:
+        shown = one.heard("search", {"number": 0, "chosen": 0, "seconds": 1.0})
+        assert shown is not None
+        assert shown["search"]["number"] == 0
+        one.request()
+        one.abort()
+        keep(ended, run)
+
+    session._kept = late
+    one.cockpit.session = session
+    session.start()
+    session.join()
+    one.close()
+    assert kinds(one)[-4:] == ["begun", "probe", "driven", "done"]
+    assert next(record for record in one.journal.records if record["kind"] == "driven")["marks"] == []
 
 
 def test_tables_that_are_missing_are_made_when_the_program_starts_again(rules: Rules) -> None:
@@ -194,7 +259,7 @@ def test_answers_that_are_none_leave_the_run_standing(rules: Rules) -> None:
             one.abort()
         return True
 
-    session = one._begin(show)
+    session = one._begin(one.step.number, show)
     assert session is not None
     assert one.cockpit is not None
     one.cockpit.session = session

@@ -24,7 +24,9 @@ LOST = 1.0
 def driven_until_cut(server: Served, pictures: int) -> float:
     """Drive, and kill the server after some pictures; return the time of the last one, s."""
     here, t = origin(server), 0.0
-    with connect(here.replace("http", "ws") + "/participant/1/socket", origin=Origin(here), max_size=None) as page:
+    with connect(
+        here.replace("http", "ws") + "/participant/1/socket?step=0", origin=Origin(here), max_size=None
+    ) as page:
         page.recv()
         page.send('{"kind": "start"}')
         try:

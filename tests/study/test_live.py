@@ -22,7 +22,7 @@ SLOW = 120_000
 LONG = """\
 <scenarios version="1">
   <scenario name="blocked" map="motorway" duration="600">
-    <ego speed="13.9"><start><spawn_point name="right_lane"/></start></ego>
+    <ego speed="4"><start><spawn_point name="right_lane"/></start></ego>
     <takeover escalate_after="600" minimum_risk_after="600"/>
     <criteria><no_collision/></criteria>
   </scenario>

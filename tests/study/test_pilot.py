@@ -101,7 +101,7 @@ def test_the_page_of_expected_effects_names_its_conditions(piloted: Path) -> Non
         assert text in page
 
 
-@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])
 def test_the_page_of_expected_effects_is_accessible(piloted: Path, browser: Browser, width: int) -> None:
     with opened_page(browser, (piloted / "data" / "expected.html").as_uri(), width) as page:
         assert [one["id"] for one in Axe().run(page).response["violations"]] == []
@@ -125,7 +125,7 @@ def test_a_file_that_is_not_a_study_and_a_missing_folder(tmp_path: Path, capsys:
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "thesis.txt").write_text("mine")
     assert call("study", tmp_path / "study.xml", "--pilot", "-o", tmp_path / "full") == 2
-    assert "holds no study" in capsys.readouterr().err
+    assert "contains no study" in capsys.readouterr().err
 
 
 def test_scores_count_reversed_items_from_the_other_end(tmp_path: Path) -> None:
@@ -210,7 +210,7 @@ def asked_twice(tmp_path: Path) -> Path:
     return tmp_path / "data"
 
 
-def test_answers_before_and_after_are_told_apart(asked_twice: Path) -> None:
+def test_answers_before_and_after_are_distinguished(asked_twice: Path) -> None:
     given = read_table(asked_twice / "sub-01/ses-01/beh/sub-01_ses-01_task-sickness_beh.tsv")
     assert [(one["when"], one["run"]) for one in given] == [("before", "n/a"), ("after", "n/a")]
     for row in tidy_rows(asked_twice)[:4]:

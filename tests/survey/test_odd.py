@@ -1,4 +1,4 @@
-"""The conditions of a scenario as tags: each is said where the plan or its map says so, and nowhere else."""
+"""The conditions of a scenario as tags: each is set if the plan or its map has it, and only then."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_the_road_is_that_of_the_map(tmp_path: Path) -> None:
     assert motorway["LaneSpecificationLaneCount"] == (("lanes in the direction of travel", 2.0),)
 
 
-def test_a_way_through_a_junction_crosses_an_intersection(tmp_path: Path) -> None:
+def test_a_route_through_a_junction_crosses_an_intersection(tmp_path: Path) -> None:
     places = """<start><spawn_point name="main_street"/></start>
       <destination><lane road="2" lane="-1" s="120"/></destination>"""
     path = tmp_path / "through.xml"
@@ -104,7 +104,7 @@ def test_others_and_what_they_do(tmp_path: Path) -> None:
     assert not {"MotionAccelerate", "MotionLaneChangeRight", "VehicleTruck", "HumanPedestrian"} & set(found)
 
 
-def test_the_automated_vehicle_is_none_of_the_others(tmp_path: Path) -> None:
+def test_the_automated_vehicle_is_not_one_of_the_others(tmp_path: Path) -> None:
     assert not {"VehicleCar", "MotionDrive"} & set(tags(tmp_path))
 
 

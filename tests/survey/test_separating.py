@@ -1,4 +1,4 @@
-"""Scenarios with an attentive, a slow, an absent and a reference driver: who fails, and the page of it."""
+"""Scenarios with an attentive, a slow, an absent and a reference driver: who fails, and the page of results."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def some() -> dict[str, Separated]:
     return {target: separate(f"{CONFLICTS / target}") for target in FAIL}
 
 
-def test_the_drivers_fail_who_should_and_the_reference_never(some: dict[str, Separated]) -> None:
+def test_the_expected_drivers_fail_and_the_reference_never_does(some: dict[str, Separated]) -> None:
     for target, failing in FAIL.items():
         drivers = some[target].drivers
         assert tuple(drivers) == tuple(DRIVERS)
@@ -36,7 +36,7 @@ def test_the_drivers_fail_who_should_and_the_reference_never(some: dict[str, Sep
         assert some[target].separates == bool(failing)
 
 
-def test_each_driver_answers_when_he_is_said_to(some: dict[str, Separated]) -> None:
+def test_each_driver_responds_at_the_stated_time(some: dict[str, Separated]) -> None:
     drivers = some["markings_variants.xml#missing_stretch"].drivers
     assert drivers["attentive"].takeover_time == pytest.approx(ATTENTIVE, abs=0.1)
     assert drivers["slow"].takeover_time == pytest.approx(SLOW, abs=0.1)
@@ -55,7 +55,7 @@ def test_the_page_has_a_row_for_each_driver_and_names_what_was_broken(some: dict
     assert "- `bad`: there is no map 'nowhere'" in page
 
 
-def test_what_cannot_be_compiled_says_why(tmp_path: Path) -> None:
+def test_a_scenario_that_cannot_be_compiled_has_a_reason(tmp_path: Path) -> None:
     path = tmp_path / "bad.xml"
     path.write_text('<scenarios version="1"><scenario name="bad" map="nowhere"/></scenarios>', encoding="utf-8")
     found = separate(f"{path}#bad")

@@ -1,4 +1,4 @@
-"""What a library covers: situations, near-duplicates, what never asks or fails, what is unused and what is missing."""
+"""The survey of a library: situations, near-duplicates, scenarios without requests or failures, and gaps."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_a_library_is_surveyed(folder: Path) -> None:
     assert {tuple(sorted(values.values())) for values in alike.differ.values()} == {(12.0, 13.0)}
 
 
-def test_what_is_missing_is_said_in_sentences(folder: Path) -> None:
+def test_gaps_are_described_in_sentences(folder: Path) -> None:
     said = survey(folder, Diagnostics()).missing
     assert all(re.fullmatch(r"[A-Z0-9].*\.", sentence) for sentence in said)
     together = " ".join(said)
@@ -96,7 +96,7 @@ def test_what_is_missing_is_said_in_sentences(folder: Path) -> None:
     assert "unused" in next(sentence for sentence in said if "templates" in sentence)
 
 
-def test_without_runs_nothing_is_said_of_them(folder: Path) -> None:
+def test_without_runs_the_page_says_nothing_about_runs(folder: Path) -> None:
     found = survey(folder, Diagnostics())
     assert (found.never_ask, found.never_fail) == ((), ())
     assert all(one.runs == () for one in found.scenarios)
@@ -119,14 +119,14 @@ def killed_by(target: str) -> Studied:
 
 
 @pytest.mark.slow
-def test_a_process_that_dies_costs_its_own_scenario_alone(folder: Path) -> None:
+def test_a_process_that_dies_costs_only_its_own_scenario(folder: Path) -> None:
     targets = [f"{folder / 'good.xml'}#{name}" for name in ("blocked", "nested", "blocked_faster", "nothing_there")]
     found = list(studying._spread(targets, killed_by, 2))
     assert [bool(one.fault) for one in found] == [False, True, False, False]
     assert "ended by the system" in found[1].fault
 
 
-def test_scenarios_that_say_other_things_are_not_alike(folder: Path) -> None:
+def test_scenarios_with_other_content_are_not_near_duplicates(folder: Path) -> None:
     studied = list(study_all([f"{folder / 'good.xml'}#{name}" for name in ("blocked", "nested", "nothing_there")]))
     assert len({one.likeness for one in studied}) == 3
 

@@ -1,4 +1,4 @@
-"""Every word is declared, described and reachable, and stands with all its attributes in a file that is read."""
+"""Every word is declared, described and reachable, and occurs with all its attributes in a file that is read."""
 
 from __future__ import annotations
 

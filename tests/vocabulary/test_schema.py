@@ -44,7 +44,7 @@ def test_words_below_come_once_outermost_first() -> None:
     assert len(words) == len(set(words))
 
 
-def test_defaults_are_told_in_xml_units() -> None:
+def test_defaults_are_stated_in_xml_units() -> None:
     rules = grammar_of(Takeover).attributes
     assert default_text(rules["budget"]) == "Default: 7."
     assert default_text(grammar_of(LanePositionWord).attributes["turn"]) == "Default: 0."

@@ -1,4 +1,4 @@
-"""What a number of a word may be: a float, or an expression, in Python and in JSON."""
+"""The numbers of a word are floats or expressions, in Python and in JSON."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_an_expression_is_kept_open(given: object) -> None:
 @pytest.mark.parametrize(
     "given", [float("inf"), float("nan"), "fast", None, {"expr": 1}, {"expr": "2 *"}, {"text": "speed"}, [1.0]]
 )
-def test_anything_else_is_no_number(given: object) -> None:
+def test_anything_else_is_not_a_number(given: object) -> None:
     with pytest.raises(ValidationError):
         SpeedAction.model_validate({"to": given})
     with pytest.raises(ValidationError):

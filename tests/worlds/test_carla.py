@@ -168,7 +168,7 @@ def test_a_camera_that_is_turned_on_its_mount_is_the_built_in_one(server: Served
         assert "turns the camera on its mount" in world.findings[0].message
 
 
-def test_who_has_no_blueprint_gets_another_and_it_is_told(server: Served) -> None:
+def test_an_entity_without_a_blueprint_gets_another_one_with_a_warning(server: Served) -> None:
     plan = ideal("obstacle_ahead").model_copy(update={"duration": 0.2})
     blocker = plan.entities[1]
     strange = blocker.model_copy(update={"vehicle": blocker.vehicle.model_copy(update={"name": "vehicle.our.own"})})

@@ -1,4 +1,4 @@
-"""A world that moves the ego by its own physics, one that is lost, and one that notices things by itself."""
+"""Worlds with physics of their own, with events of their own, and a world that is lost."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def test_a_world_with_the_same_physics_leaves_the_same_run(plan: Plan) -> None:
     assert judge(plan, own).result == judge(plan, usual).result
 
 
-def test_what_the_world_says_of_the_ego_is_recorded(plan: Plan) -> None:
+def test_the_egos_state_from_the_world_is_recorded(plan: Plan) -> None:
     own = recorded(plan, OwnPhysics)
     assert own.brake[:, 0].max() > 0.1
     assert np.abs(own.steer[:, 0]).max() > 0.0
@@ -131,7 +131,7 @@ def test_a_world_that_is_lost_at_once_leaves_the_first_row(plan: Plan) -> None:
     assert (recording.stop_reason, list(recording.t)) == ("world_lost", [0.0])
 
 
-def test_what_a_world_notices_is_in_the_events(plan: Plan) -> None:
+def test_events_of_a_world_are_recorded(plan: Plan) -> None:
     events = recorded(plan, WatchfulWorld).events
     invasion = next(event for event in events if event.kind == "lane_invasion")
     collision = next(event for event in events if event.kind == "world_collision")

@@ -1,4 +1,4 @@
-"""The built-in world's pictures: what a scenario says is seen in them, and what they depend on is recorded."""
+"""The built-in world's pictures show the scenario, and the versions on which they depend are recorded."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_traffic_lights_show_the_state_that_the_scenario_gives_them(tmp_path: Pa
     assert rows["red"] < rows["green"]
 
 
-def test_what_pictures_depend_on_is_recorded_with_a_camera_alone(tmp_path: Path) -> None:
+def test_the_versions_on_which_pictures_depend_are_recorded_only_with_a_camera(tmp_path: Path) -> None:
     for perception, names in (("camera", {"opencv", "processor"}), ("ideal", set())):
         done = compiled(tmp_path, perception=perception)  # type: ignore[arg-type]
         with open_world("kinematic", done.plan, done.network) as world:
@@ -91,7 +91,7 @@ def test_what_pictures_depend_on_is_recorded_with_a_camera_alone(tmp_path: Path)
             assert versions["opencv"] == cv2.__version__
 
 
-def test_things_follow_the_slope_that_they_stand_on(tmp_path: Path) -> None:
+def test_objects_follow_the_slope_on_which_they_stand(tmp_path: Path) -> None:
     """A box is placed and turned with its whole pose, not with its heading alone."""
     done = compiled(tmp_path)
     poses = (done.network.lane_pose("1", -1, 20.0), Pose(40.0, -1.75, 0.0, 0.0, 0.1, 0.2))

@@ -1,4 +1,4 @@
-"""What slows CARLA's vehicles down."""
+"""The resistance of CARLA's vehicles."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_wheels_and_air_add_up() -> None:
 
 
 @given(NUMBERS, NUMBERS, NUMBERS, st.floats(min_value=0.0, exclude_min=True, width=32, allow_infinity=False))
-def test_it_is_a_number_whatever_a_client_gives(damping: float, radius: float, drag: float, mass: float) -> None:
+def test_it_is_finite_for_any_values_of_a_client(damping: float, radius: float, drag: float, mass: float) -> None:
     found = resistance([(damping, radius)], drag, 2.0, mass)
     for grip in (0.0, 1.0):
         assert 0.0 <= found.at(300.0, grip) < math.inf

@@ -1,4 +1,4 @@
-"""What a world is told of the entities: every one as it was at that instant, whenever it is asked for."""
+"""The snapshot for a world: every entity as it was at that instant, whenever it is read."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ CONFLICT = """<scenarios version="1"><scenario name="lit" map="highway_loop" dur
 
 
 class Watching(KinematicWorld):
-    """The built-in world, which keeps all that it is told."""
+    """The built-in world, which keeps all snapshots."""
 
     def __init__(self, plan: Plan, network: Network) -> None:
         super().__init__(plan, network)
@@ -48,7 +48,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> list[Snapshot]:
     return world.told
 
 
-def test_a_state_is_built_once_and_when_it_is_asked_for() -> None:
+def test_a_state_is_built_once_when_it_is_first_read() -> None:
     built = []
 
     def state_of(i: int) -> EntityState:
@@ -67,7 +67,7 @@ def test_a_state_is_built_once_and_when_it_is_asked_for() -> None:
         entities[3]
 
 
-def test_it_stays_as_it_was_when_the_run_has_gone_on(told: list[Snapshot]) -> None:
+def test_a_snapshot_does_not_change_while_the_run_continues(told: list[Snapshot]) -> None:
     where = [one.entities[1].pose.x for one in told]
     assert len(set(where)) == len(where)
 

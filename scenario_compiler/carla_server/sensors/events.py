@@ -43,7 +43,7 @@ class EventPixels:
 
         Args:
             thresholds: For changes downwards and upwards, in the unit of the brightness.
-            spread: Standard deviations of these thresholds, which are drawn anew for each pixel and picture.
+            spread: Standard deviations of these thresholds, which are drawn again for each pixel and picture.
             rest: Time after an event for which a pixel reports no other, ns.
         """
         self._thresholds, self._spread, self._rest = np.array(thresholds), np.array(spread), rest
@@ -107,11 +107,11 @@ class EventCamera(CameraInstrument):
             (max(sensor.number("sigma_negative_threshold"), 0.0), max(sensor.number("sigma_positive_threshold"), 0.0)),
             max(int(sensor.number("refractory_period_ns")), 0),
         )
-        self._logarithmic = sensor.attributes.get("use_log", "true").lower() != "false"
+        self._logarithmic = sensor.says("use_log")
         self._least_light = max(sensor.number("log_eps"), SLIGHTEST)
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes | None:
-        """Return the events since the picture before; None where there are none, as CARLA sends nothing then."""
+        """Return the events since the picture before; None if there are none, as CARLA sends nothing then."""
         del dt
         picture = self.draw(stage, sensor, weather).image(SEED, frame, stage.shapes.at(stage.time))
         events = self._pixels.see(self._brightness(picture), int(stage.time * 1e9), generator(sensor))

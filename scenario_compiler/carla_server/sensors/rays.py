@@ -257,7 +257,7 @@ class Obstacle(RayCaster):
         axes = np.array(carla_axes(*at[3:]))
         radius, reach = sensor.number("hit_radius"), sensor.number("distance")
         offsets = [(0.0, 0.0), (radius, 0.0), (-radius, 0.0), (0.0, radius), (0.0, -radius)]
-        moving = sensor.attributes.get("only_dynamics", "false").lower() == "true"
+        moving = sensor.says("only_dynamics")
         best: tuple[float, Body] | None = None
         for right, up in offsets:
             begin = np.array(at[:3]) + right * axes[1] + up * axes[2]

@@ -6,7 +6,7 @@ NONE = -1
 """Index that refers to nothing."""
 
 FAR = 1.0e9
-"""Distance or time that stands for "there is none": finite, so that it can be compared, subtracted and written."""
+"""Distance or time that means "there is none": finite, so that it can be compared, subtracted and written."""
 
 STANDING = 0.05
 """Speed below which an entity stands, m/s."""
@@ -67,7 +67,7 @@ PRIORITY_OVERRIDE = 1
 PRIORITY_SKIP = 2
 
 ALL_MARKS = 1 << 20
-"""Lane of a stretch of marks that stands for every mark of the road."""
+"""Lane of a stretch of marks that means every mark of the road."""
 
 # Conditions.
 SIDE_BOTH = 0

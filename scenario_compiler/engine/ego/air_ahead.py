@@ -77,7 +77,7 @@ ONE_DEGREE = 0.017453292519943295
 
 @compiled
 def share_or(percent: float, usual: float) -> float:
-    """Return a share for a number in percent; the usual one where it is negative, which stands for "not said"."""
+    """Return a share for a number in percent; the usual one if it is negative, which means that it is not given."""
     return usual if percent < 0.0 else min(0.01 * percent, 1.0)
 
 

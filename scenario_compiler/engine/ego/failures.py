@@ -29,7 +29,7 @@ MOST = 1.6
 """Largest amount: severity 5 of ImageNet-C's blur corresponds to an amount of 1.52."""
 
 CREEPING = 0.5
-"""Speed below which a repeated image is no sign of a fault, m/s."""
+"""Speed below which a repeated image does not indicate a fault, m/s."""
 
 
 @compiled

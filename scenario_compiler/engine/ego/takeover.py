@@ -47,7 +47,9 @@ def remember(st: State, cause: int, raw: int, count: float, of: float) -> None:
 
 @compiled
 def lacks_confidence(p: Program, st: State) -> int:
-    """Return 1 if the confidence in both sides of the lane is too low."""
+    """Return 1 if the confidence in both sides of the lane is too low, and the vehicle does not merge across a line."""
+    if st.merging[0] == 1:
+        return 0
     limit = p.const[slot.K_CONFIDENCE_REQUEST]
     return 1 if st.conf_left[0] < limit and st.conf_right[0] < limit else 0
 

@@ -76,7 +76,7 @@ LEAST_RIVAL = 0.02
 LONG_RUN = 60.0
 BESIDE_EVERY = 10.0
 """How far beside a line another counts as another, and up to where, m; how much of it is painted at least, on how many
-metres; and after how many metres this is looked at anew."""
+metres; and after how many metres this is searched again."""
 
 STEADY_SPEED = 0.5
 STEADY_OFF = 0.05
@@ -143,7 +143,7 @@ def note_rival(st: State, base: int, beyond: float, paint: float) -> None:
 def look_beside(n: RoadTables, p: Program, st: State, road: int, row: int, s: float) -> None:
     """Note the lines and the pavement beyond both sides of the lane, and how rough the ground looks.
 
-    It is looked at anew after some metres only.
+    It is computed again after some metres only.
     """
     if row == st.beside_row[0] and abs(s - st.beside_s[0]) < BESIDE_EVERY and st.sigma[0] == st.beside_sigma[0]:
         return

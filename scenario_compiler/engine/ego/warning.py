@@ -81,9 +81,12 @@ def warns_of_camera(p: Program, st: State, shown: int) -> int:
 
 @compiled
 def warns_of_lane(p: Program, st: State, shown: int) -> int:
-    """Return 1 if a working camera recognises a side of the lane badly; `shown` is 1 while a warning is shown."""
+    """Return 1 if a working camera recognises a side of the lane badly; `shown` is 1 while a warning is shown.
+
+    During a merge the camera is above the line between two lanes, and sees the sides of neither.
+    """
     limit = p.const[slot.K_CONFIDENCE_OVER] if shown == 1 else p.const[slot.K_CONFIDENCE_WARNING]
-    if st.health[0] < p.const[slot.K_HEALTH_REQUEST]:
+    if st.health[0] < p.const[slot.K_HEALTH_REQUEST] or st.merging[0] == 1:
         return 0
     return 1 if min(st.conf_left[0], st.conf_right[0]) < limit else 0
 

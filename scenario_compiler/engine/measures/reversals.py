@@ -68,7 +68,7 @@ def filtered(m: Totals, k: int, angle: float, step: float) -> float:
 def count_reversal(m: Totals, k: int, smooth: float) -> None:
     """Follow the filtered angle; a return by the gap from the last extreme value is a reversal.
 
-    The first turn by the gap defines the direction and is no reversal.
+    The first turn by the gap defines the direction and is not a reversal.
     """
     gap = least_gap(k)
     if m.driven_rows[0] == 0:

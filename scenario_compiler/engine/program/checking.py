@@ -43,7 +43,7 @@ def check_program(program: Program) -> None:
             raise ValueError(f"column action_op holds {number}, which is not an action")
         entry = ACTIONS[number]
         if p.action_entity[k] == op.NONE and not entry.of_the_run:
-            raise ValueError(f"column action_entity holds no entity for {entry.words[0]}")
+            raise ValueError(f"column action_entity has no entity for {entry.words[0]}")
         for name, allowed in entry.refers.items():
             check_values(f"action_{name}", [getattr(p, f"action_{name}")[k]], allowed, p)
     for c, number in enumerate(p.condition_op):

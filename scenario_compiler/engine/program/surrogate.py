@@ -116,7 +116,7 @@ def check_surrogate(plan: Plan, sink: Diagnostics) -> None:
     fitted = load_surrogate()
     hint = "--perception camera runs it"
     if controller.model != Controller.model_construct().model:
-        message = f"surrogate perception does not stand for the controller '{controller.model}'"
+        message = f"surrogate perception cannot replace the controller '{controller.model}'"
         sink.add(NO_SURROGATE, message, controller.place_of("model"), hint=hint)
     detector = controller.detector
     if detector is not None and detector.model != fitted.detector:

@@ -84,7 +84,7 @@ def stop_below(p: Program, st: State, e: int, mark: int) -> None:
 def rest_below(p: Program, st: State, e: int) -> None:
     """Set everything below an element to standby without executions, for its next execution.
 
-    The delays of its own trigger and of those below start anew: an execution knows nothing of the previous one.
+    The delays of its own trigger and of those below start again: an execution does not depend on the previous one.
     """
     for k in range(e, p.element_end[e]):
         if p.element_start[k] >= 0:

@@ -9,7 +9,15 @@ const TELL_EVERY = 20; // milliseconds
 const REPORT_EVERY = 1000;
 const base = document.body.dataset.base;
 const one = (selector) => document.querySelector(selector);
-const about = await (await fetch(`${base}/about`)).json();
+const about = await described();
+
+/** Return what the server says of the run. A page whose step is over meanwhile, or whose server is gone, is loaded again. */
+async function described() {
+  const answer = await fetch(`${base}/about`).catch(() => null);
+  if (answer?.ok) return answer.json();
+  setTimeout(() => location.reload(), 1000);
+  return new Promise(() => {}); // nothing else of this page runs
+}
 
 /** Return a text of the page in its language, with what stands in its places. */
 function words(key, ...values) {
@@ -66,6 +74,7 @@ class LiveRun {
 
 class Page {
   constructor() {
+    if (about.study) sessionStorage.clear(); // what was answered in the forms before has arrived
     this.about = about;
     this.wheel = new Wheel();
     this.run = new LiveRun(about);
@@ -90,13 +99,16 @@ class Page {
     one("#go").addEventListener("click", () => (this.over ? location.reload() : this.start()));
     one("#held form").addEventListener("submit", (event) => this.answer(event));
     this.search = about.study?.search ? new SearchTask(one("#search"), about.study.search, (told) => this.say(told)) : null;
-    load(about.sounds);
+    load(about.sounds).finally(() => {
+      this.loaded = true;
+      this.allowStart();
+    });
     for (const kind of ["pointerdown", "keydown"]) addEventListener(kind, allow);
     this.connect();
   }
 
   connect() {
-    this.socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${base}/socket`);
+    this.socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${base}/socket${about.study ? `?step=${about.study.step}` : ""}`);
     this.socket.binaryType = "arraybuffer";
     this.socket.addEventListener("message", ({ data }) => {
       if (typeof data === "string") this.hear(JSON.parse(data));
@@ -107,7 +119,8 @@ class Page {
       clearInterval(this.reporting);
       one("#ended").textContent ||= words("gone");
       one("#start").hidden = false;
-      one("#go").disabled = true;
+      this.role = undefined;
+      this.allowStart();
       this.search?.hide();
       if (!this.about.watched) setTimeout(() => this.comeBack(), 1000);
     });
@@ -130,10 +143,6 @@ class Page {
 
   start() {
     this.wheel.release();
-    this.run.clear();
-    this.samples = [];
-    this.sent.clear();
-    this.told = [];
     one("#start").hidden = true;
     one("#ended").textContent = "";
     one("#report").hidden = true;
@@ -142,19 +151,45 @@ class Page {
   }
 
   hear(message) {
-    if (message.role === "viewer" && !this.about.watched) {
-      one("#ended").textContent = words("other_page");
-      one("#go").hidden = true;
-    }
-    this.role = message.role ?? this.role;
-    one("#go").disabled = this.role !== "driver";
-    if (message.role === "driver") this.search?.ask();
+    if (message.role) this.seat(message.role);
+    if (message.refused) location.reload(); // the session is paused, or at another step
     if (message.search) this.search.show(message.search);
     if (message.pong !== undefined) {
       const now = performance.now();
       this.offsets.push({ trip: now - message.pong, offset: message.at - (message.pong + now) / 2 });
       this.offsets = this.offsets.slice(-20);
     }
+  }
+
+  /** Drive, or watch; a page that watches drives when the one that drove is gone. */
+  seat(role) {
+    const ended = one("#ended");
+    if (role === "viewer" && !this.about.watched) ended.textContent = words("other_page");
+    else if (ended.textContent === words("other_page")) ended.textContent = "";
+    one("#go").hidden = role === "viewer";
+    this.role = role;
+    this.allowStart();
+    if (role === "driver") this.search?.ask();
+    const reason = this.heldFor;
+    if (!reason) return;
+    this.heldFor = undefined; // whoever drives now is asked the questions
+    this.hold(reason);
+  }
+
+  /** Let a run be started by the page that drives, once its sounds can be played. */
+  allowStart() {
+    one("#go").disabled = this.role !== "driver" || !this.loaded;
+  }
+
+  /** Forget the run before: its rows, its messages, and when its inputs were sent. */
+  begin(run) {
+    this.number = run;
+    this.stretch += 1;
+    this.run.clear();
+    this.samples = [];
+    this.sent.clear();
+    this.told = [];
+    this.mute = [];
   }
 
   /** Tell what the person does; every message has a number, which comes back with the picture that shows it. */
@@ -183,7 +218,9 @@ class Page {
     const about = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
     if (about.end !== undefined) return this.finish(about);
     if (about.held !== undefined) return this.hold(about.held);
+    if (about.run !== this.number) this.begin(about.run);
     const stretch = this.stretch;
+    if (this.heldFor) this.wheel.forget(); // what was pressed meanwhile
     this.running = true;
     one("#start").hidden = true;
     const size = view.getUint32(4 + length);
@@ -193,7 +230,7 @@ class Page {
     this.decoded = Promise.allSettled([before, decoding]); // a smaller picture is decoded sooner, and must wait
     const images = await decoding;
     await before;
-    if (!document.hidden) await new Promise(requestAnimationFrame);
+    await frame();
     // a run that ended or was held meanwhile shows no more; a page that was hidden may have shown a later picture
     if (stretch === this.stretch && !(this.latest?.run === about.run && this.latest.k > about.k)) this.show(about, images);
   }
@@ -204,6 +241,9 @@ class Page {
     this.heldFor = reason;
     this.running = false;
     this.stretch += 1;
+    this.wheel.release();
+    this.sent.clear(); // the time that the run stands still is no latency
+    hush();
     one("#start").hidden = true;
     one("#held").hidden = false;
     one("#scene").classList.add("blank");
@@ -290,12 +330,15 @@ class Page {
 
   /** Give a message that is heard or felt, and tell the server by what. */
   give([modality, text, language, files], state) {
+    const run = this.number;
     const given = (by) => {
-      if (by === "text" && this.told.some(([, one]) => one === text)) {
+      const shown = by === "text" && run === this.number && this.told.some(([, one]) => one === text);
+      if (shown) {
         this.mute.push(text);
         this.showTold(state);
       }
-      if (this.role === "driver") this.say({ kind: "given", modality, by });
+      const how = by === "text" && !shown ? "none" : by; // its reason ended before it could be spoken
+      if (this.role === "driver") this.say({ kind: "given", run, modality, by: how });
     };
     if (modality === "tone") tone(files, given);
     if (modality === "speech") speak(text, language, files, given);
@@ -330,6 +373,16 @@ class Page {
     report.href = `/runs/${about.run}`;
     one("#start").hidden = false;
   }
+}
+
+/** Wait until the screen shows the next frame; a hidden page has none, and does not wait for it. */
+function frame() {
+  if (document.hidden) return Promise.resolve();
+  const hidden = new AbortController();
+  return new Promise((resolve) => {
+    requestAnimationFrame(resolve);
+    document.addEventListener("visibilitychange", resolve, { signal: hidden.signal });
+  }).finally(() => hidden.abort());
 }
 
 /** A question of a probe: answers to choose from, or a number. */

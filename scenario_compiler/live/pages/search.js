@@ -31,6 +31,7 @@ export class SearchTask {
       }),
     );
     this.shownAt = performance.now();
+    this.answered = false;
   }
 
   /** Let the task be done, or not: who drives by hand has none. */
@@ -46,6 +47,8 @@ export class SearchTask {
 
   #answer(event, chosen) {
     event.preventDefault(); // the keys stay with the wheel
+    if (this.answered) return; // the next picture is on its way
+    this.answered = true;
     this.tell({ kind: "search", number: this.number, chosen, seconds: (performance.now() - this.shownAt) / 1000 });
   }
 }

@@ -77,14 +77,18 @@ export class Wheel {
   release() {
     this.held.clear();
     this.steer = this.throttle = this.brake = 0;
+    this.forget();
+  }
+
+  /** Forget buttons pressed while nothing was driven. */
+  forget() {
     this.pressed = { take: false, back: false };
   }
 
   #key(event, down) {
     const name = KEYS[event.code];
-    const target = event.target;
     if (!name || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (target instanceof HTMLButtonElement || target instanceof HTMLAnchorElement) return;
+    if (down && event.target.closest?.("button, a, input")) return;
     event.preventDefault();
     if (name === "take" || name === "back") {
       if (down && !event.repeat) this.pressed[name] = true;

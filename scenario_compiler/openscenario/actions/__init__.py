@@ -24,14 +24,14 @@ ACTIONS = Forms((*LONGITUDINAL, *LATERAL, *ROUTING, *CONTROL, *APPEARANCE, *WORL
 """The actions that OpenSCENARIO can express."""
 
 UNSAID = {
-    "lane_offset": "the standard bounds the lateral acceleration, not the duration",
-    "follow_path": "the standard's trajectories begin at a place, not where the entity is",
-    "sensor_noise": "the standard has no sensors that fail",
-    "failure": "the standard has no sensors that fail",
-    "end_failure": "the standard has no sensors that fail",
-    "message": "the standard has no messages to a driver",
-    **dict.fromkeys(("request", "warn", "hand_back"), "the standard has no takeover"),
-    "stop": "the standard stops by a trigger only",
+    "lane_offset": "OpenSCENARIO limits the lateral acceleration, not the duration",
+    "follow_path": "OpenSCENARIO's trajectories start at a fixed position, not at the entity",
+    "sensor_noise": "OpenSCENARIO has no sensor failures",
+    "failure": "OpenSCENARIO has no sensor failures",
+    "end_failure": "OpenSCENARIO has no sensor failures",
+    "message": "OpenSCENARIO has no messages to the driver",
+    **dict.fromkeys(("request", "warn", "hand_back"), "OpenSCENARIO has no takeover"),
+    "stop": "OpenSCENARIO ends a run only by a stop trigger",
 }
 """Tags of the actions that OpenSCENARIO cannot express, with the reasons."""
 
@@ -59,7 +59,7 @@ def read_actions(node: Node) -> list[Action]:
     if node.tag in _GROUPS:
         inner = node.elements()
         if not inner:
-            node.report(codes.MISSING_ELEMENT, f"<{node.tag}> holds no action")
+            node.report(codes.MISSING_ELEMENT, f"<{node.tag}> contains no action")
         return [action for one in inner for action in read_actions(one)]
     if node.tag == "EnvironmentAction":
         return list(read_environment(node))
@@ -76,17 +76,17 @@ def read_actions(node: Node) -> list[Action]:
 def _report_unread(node: Node) -> None:
     node.read_whole()
     if node.tag == _AREA:
-        node.report(NO_MEANING_IN_TRAFFIC, f"<{node.tag}> does nothing here")
+        node.report(NO_MEANING_IN_TRAFFIC, f"<{node.tag}> has no effect here")
         return
     known = [*ACTIONS.by_tag, *_GROUPS, _AREA]
-    node.report(codes.UNKNOWN_ELEMENT, f"<{node.tag}> is no action", hint=did_you_mean(node.tag, known))
+    node.report(codes.UNKNOWN_ELEMENT, f"<{node.tag}> is not an action", hint=did_you_mean(node.tag, known))
 
 
 def write_action(word: Word, output: Output) -> etree._Element | None:
     """Return the <PrivateAction>, <GlobalAction> or <UserDefinedAction> of an action; report it if there is none."""
     form = ACTIONS.by_word.get(type(word))
     if form is None or output.version < form.since:
-        why = UNSAID.get(word.tag(), "") if form is None else f"<{form.tag}> is not known before that"
+        why = UNSAID.get(word.tag(), "") if form is None else f"earlier versions have no <{form.tag}>"
         before = "" if form is None else f" before {output.dotted(form.since)}"
         output.tell_lost(word, f"the action <{word.tag()}> cannot be written{before}: {why}")
         return None

@@ -125,7 +125,7 @@ def _precipitation(weather: Node) -> dict[str, float]:
     elif inner.has("intensity"):
         share = 100.0 * inner.float("intensity")
     if kind == "snow":
-        inner.report(SNOW, "there is no snow here; rain is used instead", "precipitationType")
+        inner.report(SNOW, "snow is not supported; rain is used instead", "precipitationType")
     return {"precipitation": 0.0 if kind == "dry" else _percent(share)}
 
 

@@ -43,7 +43,7 @@ def _read_change(node: Node) -> LaneChangeAction | LaneChangeToAction | None:
 
 def _write_change(word: LaneChangeAction, output: Output) -> etree._Element:
     if not word.of and not output.actor:
-        output.tell_lost(word, "a lane change of several entities names one that the lanes are counted from")
+        output.tell_lost(word, "a lane change of several entities must name the entity from which lanes are counted")
     target = made("RelativeTargetLane", entityRef=word.of or output.actor, value=str(word.by))
     return _change(word, target, output)
 
@@ -68,7 +68,7 @@ class _Offset:
         dynamics, target = node.required("LaneOffsetActionDynamics"), node.required("LaneOffsetTarget")
         inner = None if target is None else target.first()
         if inner is None or inner.tag not in ("AbsoluteTargetLaneOffset", "RelativeTargetLaneOffset"):
-            node.report(codes.MISSING_ELEMENT, "<LaneOffsetTarget> holds no target")
+            node.report(codes.MISSING_ELEMENT, "<LaneOffsetTarget> contains no target")
             return None
         fields: Fields = {"to": inner.number("value")}
         if inner.tag == "RelativeTargetLaneOffset":

@@ -135,7 +135,7 @@ class _FinalSpeed:
             speed = made("RelativeSpeedToMaster", value=output.text(final.value, final))
             speed.set("speedTargetValueType", final.kind)
             if final.relative_to != word.master:
-                output.tell_lost(final, "a final speed is relative to the entity that is synchronised with")
+                output.tell_lost(final, "in OpenSCENARIO a final speed can be relative to the master entity only")
         for value, tag, name in (
             (final.steady_time, "TargetTimeSteadyState", "time"),
             (final.steady_distance, "TargetDistanceSteadyState", "distance"),

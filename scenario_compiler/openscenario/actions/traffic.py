@@ -58,12 +58,12 @@ def _defined_kinds(definition: Node) -> tuple[TrafficKind, ...]:
     definition.has("name")
     for roles in definition.children("VehicleRoleDistribution"):
         roles.read_whole()
-        roles.report(NO_MEANING_IN_TRAFFIC, "vehicles of traffic have no roles here")
+        roles.report(NO_MEANING_IN_TRAFFIC, "roles have no effect on vehicles of background traffic")
     for controllers in definition.children("ControllerDistribution"):
         controllers.read_whole()
         names = {str(one.get("name")) for one in controllers.element.iter("{*}Controller")}
         if names != {BY_RULES}:
-            controllers.report(NO_MEANING_IN_TRAFFIC, "all vehicles of traffic drive by the same rules here")
+            controllers.report(NO_MEANING_IN_TRAFFIC, "all vehicles of background traffic drive by the same rules")
     kinds = []
     for categories in definition.children("VehicleCategoryDistribution"):
         for entry in categories.children("VehicleCategoryDistributionEntry"):
@@ -92,7 +92,7 @@ def _template_kind(template: Node, weight: float) -> TrafficKind | None:
     vehicle = given(template, "Vehicle", severity=Severity.WARNING)
     template.read_whole()
     if vehicle is None:
-        template.report(NO_MEANING_IN_TRAFFIC, "traffic that an action makes is of vehicles alone")
+        template.report(NO_MEANING_IN_TRAFFIC, "actions on traffic create vehicles only")
         return None
     kind = _kind(vehicle, vehicle.text("vehicleCategory", "car"), weight)
     vehicle.read_whole()
@@ -102,7 +102,7 @@ def _template_kind(template: Node, weight: float) -> TrafficKind | None:
 def _kind(node: Node, category: str, weight: float) -> TrafficKind | None:
     ours = CATEGORIES.get(category, "")
     if ours not in _KINDS or category in ("trailer", "semitrailer"):
-        node.report(NO_MEANING_IN_TRAFFIC, f"no vehicle of traffic is a {category}")
+        node.report(NO_MEANING_IN_TRAFFIC, f"background traffic has no vehicles of the category {category}")
         return None
     return TrafficKind.model_validate({"category": ours, "weight": weight}).written_at(node.origin)
 
@@ -188,7 +188,7 @@ def _read_sink(node: Node) -> TrafficSinkAction | None:
     definition = node.child("TrafficDefinition")
     if definition is not None:
         definition.read_whole()
-        definition.report(NO_MEANING_IN_TRAFFIC, "a sink takes vehicles of all kinds here")
+        definition.report(NO_MEANING_IN_TRAFFIC, "a sink removes vehicles of all kinds")
     if position is None:
         return None
     return TrafficSinkAction.model_construct(
@@ -224,7 +224,7 @@ def _definition(word: KeepsVehicles, output: Output) -> list[etree._Element]:
     if not word.kinds and output.version >= (1, 3):
         return []
     if not word.kinds:
-        output.tell_lost(word, f"{output.dotted()} wants to know what traffic is made of: cars are written")
+        output.tell_lost(word, f"{output.dotted()} requires the kinds of vehicles: cars are written")
     return [_traffic_definition(word.kinds or (TrafficKind(category="car"),))]
 
 

@@ -42,7 +42,7 @@ def export_variation(
         output.tell_lost(vary, "<ParameterValueDistribution> is not known before 1.1")
         return None
     for constraint in vary.constraints:
-        output.tell_lost(constraint, f"values that are drawn together cannot be bound by '{constraint.holds}'")
+        output.tell_lost(constraint, f"the constraint '{constraint.holds}' between parameters cannot be expressed")
     axes = [one for one in vary.axes if _is_said(one, parameters, output)]
     drawn = [one for one in axes if type(one) in _DRAWN]
     listed = [one for one in axes if type(one) in _LISTED]
@@ -57,7 +57,7 @@ def export_variation(
 
 def _is_said(axis: Axis, parameters: Collection[str], output: Output) -> bool:
     if axis.parameter not in parameters:
-        output.tell_lost(axis, f"'{axis.parameter}' decides more than numbers, so it is fixed in the exported file")
+        output.tell_lost(axis, f"'{axis.parameter}' changes the structure, so it is fixed in the exported file")
         return False
     if type(axis) not in _DRAWN and type(axis) not in _LISTED:
         output.tell_lost(axis, f"OpenSCENARIO has no distribution such as <{axis.tag()}>")

@@ -157,16 +157,16 @@ class _Export:
         told = []
         if self.automated:
             what = "its automation, camera and takeover, the criteria and the road's marks"
-            told.append(f"'{plan.ego.id}' goes at its speed elsewhere: {what} are kept as properties")
+            told.append(f"'{plan.ego.id}' keeps its speed in other programs: {what} are kept as properties")
         following = [one.id for one in self.entities if one.follow is not None]
         if following:
-            told.append(f"{len(following)} vehicles follow the one ahead, which is kept as properties")
+            told.append(f"{len(following)} vehicles keep a distance to the vehicle ahead, which is kept as properties")
         kept = self.scenario is not None
         traffic = [one for one in plan.entities if one.kind in _TRAFFIC]
         if not all(map(appears_by_action, traffic)):
             told.append("background traffic is kept as properties" if kept else "a plan's background traffic is lost")
         if any(map(appears_by_action, traffic)):
-            told.append(f"which vehicles actions on traffic let appear is {'kept as properties' if kept else 'lost'}")
+            told.append(f"the vehicles of actions on traffic are {'kept as properties' if kept else 'lost'}")
         for message in told:
             self.output.sink.add(LOST, message, FilePlace(plan.name))
 

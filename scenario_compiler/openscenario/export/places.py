@@ -20,7 +20,7 @@ from scenario_compiler.vocabulary.traversal import parameters_in
 from scenario_compiler.vocabulary.word import Number
 
 SEED = 1
-"""Seed of the random positions that are written, which in a run are drawn anew."""
+"""Seed of the random positions that are written; each run draws its own."""
 
 
 def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -> Position:
@@ -35,10 +35,10 @@ def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -
     pose = plan.derived.get(entity.id)
     if pose is not None:
         if start is not None and parameters_in(start):
-            message = f"where '{entity.id}' starts is written for the parameters' present values"
+            message = f"the start of '{entity.id}' is written for the parameters' present values"
             output.sink.add(LOST, message, start.origin)
         return FreePosition(x=pose.x, y=pose.y, z=pose.z, heading=pose.heading)
-    message = f"where '{entity.id}' starts is random in each run; the file has the place for seed {SEED}"
+    message = f"the start of '{entity.id}' is random in each run; the file has the one for seed {SEED}"
     output.sink.add(LOST, message, FilePlace(plan.name) if start is None else start.origin)
     return _drawn(plan, network, entity.id)
 

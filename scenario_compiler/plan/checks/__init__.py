@@ -10,6 +10,7 @@ from scenario_compiler.plan.checks.curves import check_curves
 from scenario_compiler.plan.checks.driver import check_driver
 from scenario_compiler.plan.checks.endless import check_endless
 from scenario_compiler.plan.checks.failures import check_failures
+from scenario_compiler.plan.checks.messages import check_messages
 from scenario_compiler.plan.checks.moves import check_moves
 from scenario_compiler.plan.checks.nowhere import check_nowhere
 from scenario_compiler.plan.checks.overlap import check_overlap
@@ -40,6 +41,7 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_reach,
     check_triggers,
     check_failures,
+    check_messages,
     check_moves,
     check_restarts,
     check_endless,

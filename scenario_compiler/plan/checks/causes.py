@@ -32,7 +32,7 @@ def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
     sensor = plan.forward_sensor
     for name in ("noise",) if sensor.kind == "camera" else ("headlights",):
         if getattr(sensor, name) is not None:
-            sink.add(FOREIGN_LIMIT, f"'{name}' is nothing that a {sensor.kind} has", sensor.place_of(name))
+            sink.add(FOREIGN_LIMIT, f"a {sensor.kind} has no '{name}'", sensor.place_of(name))
     for cause in plan.takeover.causes:
         counted = set() if cause.kind == "no_progress" else {"count", "of"}
         budgets = {"budget", "warning_budget"} if cause.kind in ("path_blocked", "lane_ends") else set()
@@ -44,5 +44,5 @@ def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
                 message = f"'{attribute}' is not a limit of the cause '{cause.kind}'"
                 sink.add(FOREIGN_LIMIT, message, cause.place_of(attribute))
         if cause.count is not None and cause.of is not None and cause.count > cause.of:
-            message = f"{cause.count} of {cause.of} control steps can never ask"
+            message = f"{cause.count} of {cause.of} control steps are impossible: the cause never takes effect"
             sink.add(IMPOSSIBLE_COUNT, message, cause.place_of("count"))

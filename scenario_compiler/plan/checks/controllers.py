@@ -62,7 +62,7 @@ def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
     del network
     own = plan.controller
     if own is not None and plan.perception == "ideal" and own.model != Controller.model_construct().model:
-        message = f"'{own.model}' is not called with ideal perception: the automation keeps the lane by the map"
+        message = f"'{own.model}' is not called with ideal perception: the automation keeps the lane from the map"
         sink.add(NOT_ASKED, message, own.place_of("model"), hint="--perception camera runs it")
     entities = {entity.id: entity for entity in plan.entities}
     for actor, word in plan.storyboard.actions():
@@ -74,7 +74,7 @@ def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
                 message = f"the controller of '{actor}' is switched by the takeover, not by actions"
                 sink.add(IDLE_CONTROLLER, message, word.origin)
         elif isinstance(word, OverrideControllerAction) and word.active and entity is not None and entity.kind != "ego":
-            sink.add(NO_PEDALS, f"'{actor}' has no {word.input.replace('_', ' ')} that could be held", word.origin)
+            sink.add(NO_PEDALS, f"'{actor}' has no {word.input.replace('_', ' ')} to hold", word.origin)
 
 
 def _check_assigned(word: AssignControllerAction, entity: Entity | None, sink: Diagnostics) -> None:
@@ -84,12 +84,12 @@ def _check_assigned(word: AssignControllerAction, entity: Entity | None, sink: D
         return
     if word.model not in DRIVING:
         name = "" if entity is None else f" of '{entity.id}'"
-        sink.add(IDLE_CONTROLLER, f"the controller '{word.model}'{name} does nothing here", word.place_of("model"))
+        sink.add(IDLE_CONTROLLER, f"the controller '{word.model}'{name} has no effect here", word.place_of("model"))
     if word.model not in FOLLOWING:
         return
     for one in word.properties:
         if one.name in LEAST and not _fits(one.value, LEAST[one.name]):
-            message = f"'{one.value}' is no {one.name}: a number of at least {LEAST[one.name]:g}"
+            message = f"'{one.value}' is not a valid {one.name}: it must be a number of at least {LEAST[one.name]:g}"
             sink.add(BAD_PROPERTY, message, one.place_of("value"))
 
 

@@ -36,11 +36,13 @@ def _fault_of(curve: Nurbs) -> str:
     """Return the reason why a NURBS does not define a curve; empty if it does."""
     points, order, knots = len(curve.points), curve.order, curve.knots
     if points < order:
-        return f"a NURBS of the order {order} has {order} control points or more, not {points}"
+        return f"a NURBS of the order {order} needs at least {order} control points, not {points}"
     if len(knots) != points + order:
-        return f"a NURBS of the order {order} with {points} control points has {points + order} knots, not {len(knots)}"
+        return (
+            f"a NURBS of the order {order} with {points} control points needs {points + order} knots, not {len(knots)}"
+        )
     if any(later < one for one, later in pairwise(knots)):
-        return "the knots of a NURBS never fall"
+        return "the knots of a NURBS must not decrease"
     if knots[order - 1] >= knots[points]:
-        return "the knots of a NURBS do not all lie in one place"
+        return "the knots of a NURBS must not all be equal"
     return ""

@@ -30,7 +30,7 @@ def check_driver(plan: Plan, network: Network, sink: Diagnostics) -> None:
         sink.add(IDLE_DRIVER, message, driver.place_of(attribute))
     how = driver.driving
     if how.brakes + how.steers > 1.0:
-        message = f"{how.brakes:g} who brake and {how.steers:g} who steer are more than all drivers"
+        message = f"{how.brakes:g} who brake and {how.steers:g} who steer exceed 1 in sum"
         sink.add(IDLE_DRIVER, message, how.place_of("steers"))
 
 
@@ -42,6 +42,6 @@ def _idle(driver: DriverModel) -> Iterator[tuple[str, str]]:
     }
     if driver.takeover_time is not None:
         for attribute in (name for name, is_said in said.items() if is_said):
-            yield attribute, f"{attribute} changes nothing: the takeover time is fixed"
+            yield attribute, f"{attribute} has no effect: the takeover time is fixed"
     elif said["traffic_density"] and not any(one.of == "traffic_density" for one in driver.effects):
         yield "traffic_density", "no <effect> defines how the traffic density changes the takeover time"

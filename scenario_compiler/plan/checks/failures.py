@@ -67,19 +67,19 @@ def check_failures(plan: Plan, network: Network, sink: Diagnostics) -> None:
 def _check(failure: Failure, end: float, values: Mapping[str, Value], sink: Diagnostics) -> None:
     if failure.severity is not None:
         if failure.kind not in SEVERITIES:
-            message = f"ImageNet-C has no severities of '{failure.kind}'"
+            message = f"ImageNet-C defines no severities for '{failure.kind}'"
             sink.add(NO_SEVERITY, message, failure.place_of("severity"), hint="use `amount`, from 0 to 1")
         elif failure.amount != 1.0:
-            message = "the failure has an amount and a severity"
+            message = "the failure has both an amount and a severity"
             sink.add(NO_SEVERITY, message, failure.place_of("severity"), hint="leave one of them out")
     angles = {name: getattr(failure, name) for name in ("yaw", "pitch", "roll")}
     turned = [name for name, angle in angles.items() if angle != 0.0]
     if failure.kind == "misalignment" and not turned:
-        message = "the camera is turned by no angle"
-        sink.add(ANGLES, message, failure.place_of("kind"), hint='give an angle: yaw="2", for instance, in degrees')
+        message = "a misalignment needs an angle"
+        sink.add(ANGLES, message, failure.place_of("kind"), hint='give an angle in degrees, such as yaw="2"')
     elif failure.kind != "misalignment" and turned:
         message = f"a failure of the kind '{failure.kind}' has no {turned[0]}"
-        sink.add(ANGLES, message, failure.place_of(turned[0]), hint="misalignment turns the camera")
+        sink.add(ANGLES, message, failure.place_of(turned[0]), hint="only misalignment turns the camera")
     onset, ramp = number_value(failure.onset, values), number_value(failure.ramp, values)
     if onset >= end:
         message = f"the failure begins at {onset:g} s, but the run ends at {end:g} s"
@@ -88,5 +88,5 @@ def _check(failure: Failure, end: float, values: Mapping[str, Value], sink: Diag
         return
     duration = number_value(failure.duration, values)
     if duration <= 0.0 or duration < 2.0 * ramp:
-        message = f"the failure lasts {duration:g} s, with ramps of {ramp:g} s: it never comes to its amount"
+        message = f"the failure lasts {duration:g} s, with ramps of {ramp:g} s: it never reaches its amount"
         sink.add(CUT_SHORT, message, failure.place_of("duration"))

@@ -47,7 +47,7 @@ def check_nowhere(plan: Plan, network: Network, sink: Diagnostics) -> None:
     placed = set(_placed(plan))
     for name in homeless:
         if name not in placed:
-            message = f"'{name}' has no start, and no action puts it anywhere"
+            message = f"'{name}' has no start position, and no action places it"
             sink.add(NOWHERE, message, place_of(plan, f"entities/{name}"))
 
 

@@ -63,7 +63,7 @@ class Overlaps:
     def _add(self, hit: Entity, other: Entity, sink: Diagnostics) -> None:
         message = f"'{hit.id}' and '{other.id}' overlap at the start"
         place, there_too = (place_of(self._plan, f"entities/{one.id}") for one in (other, hit))
-        related = (Related(f"'{hit.id}' stands here", there_too),)
+        related = (Related(f"'{hit.id}' is placed here", there_too),)
         sink.add(OVERLAP, message, place, severity=self._severity, related=related)
 
 

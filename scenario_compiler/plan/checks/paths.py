@@ -18,7 +18,7 @@ PATH_TIMES = Code(
     "SC384",
     "path-times",
     "The times of a path's points do not make a trajectory: some points have one and others none, or a time is not "
-    "later than the one before. Times count from the begin of the path:\n\n"
+    "later than the one before. Times count from the start of the path:\n\n"
     '    <path><point time="2"><lane road="1" lane="-1" s="40"/></point>\n'
     '          <point time="4"><lane road="1" lane="-1" s="55"/></point></path>\n\n'
     "Without times the actor moves at its own speed; <path speed=...> sets it.",

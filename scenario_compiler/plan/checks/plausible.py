@@ -48,7 +48,7 @@ def check_plausible(plan: Plan, network: Network, sink: Diagnostics) -> None:
             sink.add(IMPLAUSIBLE, message, place, hint=hint, severity=None if usable else Severity.ERROR)
     budget = number_value(plan.takeover.budget, values)
     if plan.controller is not None and budget > LONGEST_BUDGET:
-        message = f"a time budget of {budget:g} s is longer than a driver is ever given"
+        message = f"a time budget of {budget:g} s is implausibly long"
         sink.add(IMPLAUSIBLE, message, plan.takeover.place_of("budget"), hint=f"{budget:g} ms are {budget / 1000:g} s")
 
 

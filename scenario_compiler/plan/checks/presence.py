@@ -11,7 +11,7 @@ EGO_STAYS = Code(
     "SC386",
     "automated-vehicle-stays",
     "An action adds, removes or tows the automated vehicle. The automated vehicle is the subject of a run: it is "
-    "present from begin to end and moves by its own controls.\n\n"
+    "present from start to end and moves by its own controls.\n\n"
     '    <do><delete_entity entity="ego"/></do>     another entity, or <stop/> to end the run',
 )
 OWN_TRAILER = Code(
@@ -33,7 +33,7 @@ def check_presence(plan: Plan, network: Network, sink: Diagnostics) -> None:
         elif isinstance(action, ConnectTrailerAction):
             named = "trailer"
             if action.trailer == actor:
-                sink.add(OWN_TRAILER, f"'{actor}' is to tow itself", action.place_of(named))
+                sink.add(OWN_TRAILER, f"'{actor}' cannot tow itself", action.place_of(named))
                 continue
         if named and ego and getattr(action, named) == ego:
             message = f"<{action.tag()}> names '{ego}', the automated vehicle"

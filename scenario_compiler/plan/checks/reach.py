@@ -119,5 +119,5 @@ def check_reach(plan: Plan, network: Network, sink: Diagnostics) -> None:
     if len(away) < len(others) or min(away.values()) <= speed * plan.duration:
         return
     nearest = min(away, key=lambda name: away[name])
-    message = f"'{nearest}' is {away[nearest]:.0f} m away, but {speed * plan.duration:.0f} m are driven in the run"
+    message = f"'{nearest}' is {away[nearest]:.0f} m away, but {speed * plan.duration:.0f} m are driven during the run"
     sink.add(OUT_OF_REACH, message, place_of(plan, f"entities/{nearest}"))

@@ -38,7 +38,7 @@ NEVER_FIRES = Code(
     "entity to itself, events that wait for each other:\n\n"
     '    <when><distance to="ego" below="0"/> <do>...</do></when>     a distance is never below 0\n\n'
     'Correct the number. If the condition can be true at other values of a parameter, write <allow code="SC401"/> at '
-    "the begin of the file.",
+    "the start of the file.",
     Severity.WARNING,
 )
 AFTER_THE_END = Code(
@@ -192,7 +192,7 @@ def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[s
         return Never(AFTER_THE_END, late, "after") if begin >= plan.duration else None
     between = TimeHeadwayCondition | DistanceCondition | TimeToCollisionCondition
     if isinstance(condition, between) and condition.to and condition.to == condition.entity:
-        return Never(NEVER_FIRES, f"'{condition.to}' is not ahead of itself", "to")
+        return Never(NEVER_FIRES, f"'{condition.to}' cannot be ahead of itself", "to")
     missed = beyond(condition, plan, values)
     if missed is not None:
         return Never(NEVER_FIRES, *missed)
@@ -202,7 +202,7 @@ def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[s
         return Never(AFTER_THE_END, late, "duration") if begin >= plan.duration else None
     if isinstance(condition, TraveledDistanceCondition):
         way, reach = number_value(condition.distance, values), _top_speed(plan, condition.entity) * plan.duration
-        far = f"no more than {reach:.0f} m are driven until the run ends"
+        far = f"at most {reach:.0f} m are driven before the run ends"
         return Never(NEVER_FIRES, far, "distance") if way > reach else None
     return _never_so_far(condition, plan, network, values) if isinstance(condition, ReachPositionCondition) else None
 
@@ -229,5 +229,5 @@ def _never_so_far(
     pose = network.lane_pose(goal.road, goal.lane, s, number_value(goal.offset, values))
     away = math.hypot(pose.x - start.x, pose.y - start.y) - number_value(condition.tolerance, values)
     reach = plan.ego.vehicle.max_speed * plan.duration
-    reason = f"it is {away:.0f} m away, but no more than {reach:.0f} m are driven until the run ends"
+    reason = f"it is {away:.0f} m away, but at most {reach:.0f} m are driven before the run ends"
     return Never(NEVER_FIRES, reason) if away > reach else None

@@ -151,10 +151,10 @@ def _check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
         known = [name for group in groups for name in (group.name, group.id)]
         for phase in one.phases:
             if phase.state and one.name not in known:
-                message = f"the map has no controller of signals '{one.name}', whose signals the phase switches"
+                message = f"the map has no controller of signals '{one.name}', to which this state applies"
                 sink.add(UNKNOWN_PHASE, message, phase.place_of("state"), hint=did_you_mean(one.name, known))
         if at:
-            reason = "counts from itself" if at in seen else f"counts from '{at}', which is not there"
+            reason = "counts from itself" if at in seen else f"counts from '{at}', which does not exist"
             sink.add(UNKNOWN_PHASE, f"the delay of '{one.name}' {reason}", one.place_of("reference"))
 
 
@@ -168,7 +168,7 @@ def _check_date(plan: Plan, word: Any, sink: Diagnostics) -> None:
 
 def _check_given(plan: Plan, word: Any, sink: Diagnostics) -> None:
     del plan
-    sink.add(NEVER_GIVEN, f"no world gives the value '{word.name}', so this is never true", word.origin)
+    sink.add(NEVER_GIVEN, f"no world supplies the value '{word.name}', so this is never true", word.origin)
 
 
 def _check_frame(plan: Plan, word: Any, sink: Diagnostics) -> None:

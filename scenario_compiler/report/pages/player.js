@@ -54,15 +54,16 @@ export class Player {
     if (this.t >= this.end - 1e-6) this.show(this.begin);
     this.playing = true;
     this.#label();
+    cancelAnimationFrame(this.ticking); // of a play that was paused since the last frame
     let before = performance.now();
     const tick = (now) => {
       if (!this.playing) return;
       this.show(this.t + ((now - before) / 1000) * this.speed);
       before = now;
       if (this.t >= this.end - 1e-6) this.pause();
-      else requestAnimationFrame(tick);
+      else this.ticking = requestAnimationFrame(tick);
     };
-    requestAnimationFrame(tick);
+    this.ticking = requestAnimationFrame(tick);
   }
 
   /** Stop where the run is, and keep the moment in the page's address. */
@@ -306,10 +307,12 @@ export function start() {
   });
   places.forEach((place) => watch.observe(place));
   const follow = async () => {
+    const named = location.hash;
     const { anchor, t } = moment();
     const place = places.find((one) => one.dataset.anchor === anchor) ?? (places.length === 1 ? places[0] : null);
     if (!place || !Number.isFinite(t)) return;
     const player = await once(place);
+    if (location.hash !== named) return; // another moment was asked for while this run was unpacked
     player.show(t);
     place.scrollIntoView({ block: "start" });
   };

@@ -123,7 +123,9 @@ def _check_curves(road: Road, findings: Findings) -> None:
         if curve is None:
             continue
         if any(abs(number(curve, name)) > START_TOLERANCE for name in ("aU", "aV", "bV")) or number(curve, "bU") <= 0.0:
-            findings.report(CURVE_START, "the curve does not start at its geometry's start, in its direction", curve)
+            findings.report(
+                CURVE_START, "the curve does not start at its geometry's position or in its direction", curve
+            )
         length = number(geometry, "length")
         curved = _curve_length(curve, length if curve.get("pRange") == "arcLength" else 1.0)
         if abs(curved - length) > LENGTH_TOLERANCE:

@@ -3,7 +3,9 @@
 
 const body = document.querySelector("#participants");
 const status = document.querySelector("#status");
+const GONE = "The server has gone.";
 const rows = new Map();
+let answers = 0; // to orders; rows that were asked for before one are older than it
 
 function cell(row, text = "") {
   const found = row.insertCell();
@@ -64,15 +66,18 @@ async function order(what) {
   const answer = await fetch("/experimenter/do", { method: "POST", body: JSON.stringify(what) });
   status.textContent = answer.ok ? "" : await answer.text();
   if (answer.ok) show(await answer.json());
+  answers += 1;
   return answer.ok;
 }
 
 async function look() {
+  const before = answers;
   try {
-    (await (await fetch("/experimenter/state")).json()).forEach(show);
-    status.textContent = "";
+    const found = await (await fetch("/experimenter/state")).json();
+    if (before === answers) found.forEach(show);
+    if (status.textContent === GONE) status.textContent = "";
   } catch {
-    status.textContent = "The server has gone.";
+    status.textContent = GONE;
   }
   setTimeout(look, 1000);
 }

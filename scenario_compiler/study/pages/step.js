@@ -1,5 +1,5 @@
-// A page with a form: it may be sent after its least time, once, and is loaded again when the experimenter pauses. What has
-// been answered until then is kept in this tab, and stands in the form again.
+// A page with a form: it may be sent after its least time, and is loaded again when the experimenter pauses. What has been
+// answered is kept in this tab and stands in the form again, until the page of another step shows that it has arrived.
 
 const form = document.querySelector("form");
 const { base, token, least } = form.dataset;
@@ -10,7 +10,7 @@ for (const [name, value] of JSON.parse(sessionStorage.getItem(drawer) ?? "[]")) 
   if (name !== "step" && form.elements[name]) form.elements[name].value = value; // of radio buttons this chooses one
 }
 form.addEventListener("input", () => sessionStorage.setItem(drawer, JSON.stringify([...new FormData(form)])));
-form.addEventListener("submit", () => sessionStorage.removeItem(drawer));
+for (const other of Object.keys(sessionStorage)) if (other !== drawer) sessionStorage.removeItem(other);
 
 if (Number(least) > 0) {
   const texts = buttons.map((button) => button.textContent);

@@ -43,7 +43,9 @@ class OverrideControllerAction(Word):
 
     word: Literal["override_controller"] = "override_controller"
 
-    input: Literal["throttle", "brake", "clutch", "parking_brake", "steering_wheel", "gear"] = attribute("Which one.")
+    input: Literal["throttle", "brake", "clutch", "parking_brake", "steering_wheel", "gear"] = attribute(
+        "Input to hold."
+    )
     active: bool = attribute("true: it is held from now on; false: it is released.")
     value: Number = attribute("Value: 0 to 1, the angle in radians, or the gear.", default=0.0)
 
@@ -62,6 +64,6 @@ class AnimationAction(Word):
 
     word: Literal["animation"] = "animation"
 
-    type: str = attribute("What moves.")
+    type: str = attribute("Part that moves, or gesture.")
     state: Number = attribute("Final state, 0 to 1.", default=1.0)
     duration: Number | None = attribute("Duration, s.", default=None, quantity="time")

@@ -11,7 +11,7 @@ class TeleportAction(Word):
 
     word: Literal["teleport"] = "teleport"
 
-    position: Position = child("Where to.")
+    position: Position = child("Target position.")
 
 
 class AssignRouteAction(Word):
@@ -23,7 +23,7 @@ class AssignRouteAction(Word):
 
 
 class AcquirePositionAction(Word):
-    """Assign the way to a position to the entity as its route."""
+    """Give the entity a route to a position."""
 
     word: Literal["acquire_position"] = "acquire_position"
 
@@ -57,7 +57,7 @@ class FollowTrajectoryAction(Word):
         "Whether the entity follows the trajectory exactly, or steers along it.", default="position"
     )
     begin: Number = attribute(
-        "Distance from the trajectory's begin at which the entity starts, m.", default=0.0, quantity="length"
+        "Distance from the trajectory's start at which the entity starts, m.", default=0.0, quantity="length"
     )
     timing: TrajectoryTiming | None = child(
         "Use of the trajectory's times. If left out, they are ignored.", default=None

@@ -12,7 +12,7 @@ class PathPoint(Word):
     word: Literal["point"] = "point"
 
     time: Number | None = attribute(
-        "Time of arrival at the point, s after the begin of the path; determined by the entity's speed if left out. "
+        "Time of arrival at the point, s after the start of the path; determined by the entity's speed if left out. "
         "Either all points have a time or none.",
         default=None,
         quantity="time",
@@ -30,7 +30,7 @@ class Path(Word):
     word: Literal["path"] = "path"
 
     speed: Number | None = attribute(
-        "Speed from the begin of the path, m/s; the present speed if left out. Times of the points override it.",
+        "Speed from the start of the path, m/s; the present speed if left out. Times of the points override it.",
         default=None,
         quantity="speed",
         minimum=0,

@@ -198,24 +198,24 @@ class RelativeClearanceCondition(Word):
 
 
 class AngleCondition(Word):
-    """The heading of an entity, compared with an angle."""
+    """An entity's heading, pitch or roll, compared with an angle."""
 
     word: Literal["angle"] = "angle"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    kind: Literal["heading", "pitch", "roll"] = attribute("Which angle.", default="heading")
+    kind: Literal["heading", "pitch", "roll"] = attribute("Angle that is compared.", default="heading")
     value: Number = attribute("Angle to compare with, degrees.", quantity="angle")
     tolerance: Number = attribute("Tolerance for equality, degrees.", quantity="angle", minimum=0)
     coordinates: CoordinateSystem = attribute("Coordinate system of the measurement.", default="world")
 
 
 class RelativeAngleCondition(Word):
-    """The heading of an entity relative to another entity's, compared with an angle."""
+    """An entity's heading, pitch or roll relative to another entity's, compared with an angle."""
 
     word: Literal["relative_angle"] = "relative_angle"
 
     entity: str = attribute(ENTITY, default="", names="entity")
     to: str = attribute("Id of the other entity.", names="entity")
-    kind: Literal["heading", "pitch", "roll"] = attribute("Which angle.", default="heading")
+    kind: Literal["heading", "pitch", "roll"] = attribute("Angle that is compared.", default="heading")
     value: Number = attribute("Angle to compare with, degrees.", quantity="angle")
     tolerance: Number = attribute("Tolerance for equality, degrees.", quantity="angle", minimum=0)

@@ -16,7 +16,8 @@ class SimulationTimeCondition(Word):
 
     after: Number = attribute("Limit, s: true from this time on.", quantity="time", minimum=0)
     rule: Rule = attribute(
-        "Comparison of the time with the limit, if it is not `from this time on`.", default="greaterOrEqual"
+        "Comparison of the time with the limit. By default the condition is true from this time on.",
+        default="greaterOrEqual",
     )
 
 

@@ -15,7 +15,7 @@ Direction = Literal["total", "longitudinal", "lateral", "vertical"]
 """Component of a velocity or acceleration, in the entity's own axes."""
 
 ENTITY = "Id of the triggering entity; the actor that contains the <when> if left out."
-RULE = "Comparison with the limit, if it is not `less than`."
+RULE = "Comparison with the limit. By default the value must be less than the limit."
 FREESPACE = "Whether the distance is measured between the bounding boxes, not between the reference points."
 COORDINATES = "Coordinate system of the measurement."
 DISTANCE = "Kind of distance."

@@ -49,7 +49,7 @@ class Waypoint(Word):
     word: Literal["waypoint"] = "waypoint"
 
     strategy: Literal["fastest", "leastIntersections", "random", "shortest"] = attribute(
-        "Strategy for the way from the previous waypoint.", default="shortest"
+        "Strategy for choosing the route from the previous waypoint.", default="shortest"
     )
     position: Point = child("Position.")
 
@@ -60,12 +60,12 @@ class RouteWord(Word):
     word: Literal["route"] = "route"
 
     name: str = attribute("Name of the route.", default="")
-    closed: bool = attribute("Whether the route continues at its begin after its end.", default=False)
+    closed: bool = attribute("Whether the route starts again after its end.", default=False)
     waypoints: tuple[Waypoint, ...] = child("The waypoints, in order.")
 
 
 class InRouteLane(Word):
-    """A place on a route, by the distance from the route's begin, in a given lane."""
+    """A place on a route, by the distance from the route's start, in a given lane."""
 
     word: Literal["route_lane"] = "route_lane"
 
@@ -75,7 +75,7 @@ class InRouteLane(Word):
 
 
 class InRouteRoad(Word):
-    """A place on a route, by the distance from the route's begin and from the road's reference line."""
+    """A place on a route, by the distance from the route's start and from the road's reference line."""
 
     word: Literal["route_road"] = "route_road"
 
@@ -126,12 +126,12 @@ class Clothoid(Word):
 
     word: Literal["clothoid"] = "clothoid"
 
-    curvature: Number = attribute("Curvature at its begin, 1/m, positive to the left.")
+    curvature: Number = attribute("Curvature at its start, 1/m, positive to the left.")
     curvature_rate: Number = attribute("Change of the curvature per length, 1/m2.")
     length: Number = attribute("Length, m.", quantity="length", minimum=0)
-    start_time: Number | None = attribute("Time at which its begin is passed, s.", default=None, quantity="time")
+    start_time: Number | None = attribute("Time at which its start is passed, s.", default=None, quantity="time")
     stop_time: Number | None = attribute("Time at which its end is reached, s.", default=None, quantity="time")
-    position: Point = child("Position and heading of its begin.")
+    position: Point = child("Position and heading of its start.")
 
 
 class ClothoidSegment(Word):
@@ -139,15 +139,15 @@ class ClothoidSegment(Word):
 
     word: Literal["segment"] = "segment"
 
-    curvature_start: Number = attribute("Curvature at its begin, 1/m.")
+    curvature_start: Number = attribute("Curvature at its start, 1/m.")
     curvature_end: Number = attribute("Curvature at its end, 1/m.")
     length: Number = attribute("Length, m.", quantity="length", minimum=0)
     turn_at_start: Number = attribute(
-        "Heading at its begin relative to the end of the previous segment, degrees.", default=0.0, quantity="angle"
+        "Heading at its start relative to the end of the previous segment, degrees.", default=0.0, quantity="angle"
     )
-    time_start: Number | None = attribute("Time at which its begin is passed, s.", default=None, quantity="time")
+    time_start: Number | None = attribute("Time at which its start is passed, s.", default=None, quantity="time")
     position: Point | None = child(
-        "Position of its begin, if that is not the end of the previous segment.", default=None
+        "Position of its start, if that is not the end of the previous segment.", default=None
     )
 
 
@@ -190,8 +190,8 @@ class Trajectory(Word):
     word: Literal["trajectory"] = "trajectory"
 
     name: str = attribute("Name of the trajectory.", default="")
-    closed: bool = attribute("Whether its end is connected to its begin.", default=False)
-    shape: Polyline | Clothoid | ClothoidSpline | Nurbs = child("Its form.")
+    closed: bool = attribute("Whether its end is connected to its start.", default=False)
+    shape: Polyline | Clothoid | ClothoidSpline | Nurbs = child("Its shape.")
 
 
 class TrajectoryPosition(Word):
@@ -199,7 +199,7 @@ class TrajectoryPosition(Word):
 
     word: Literal["on_trajectory"] = "on_trajectory"
 
-    s: Number = attribute("Distance from the trajectory's begin, m.", quantity="length", minimum=0)
+    s: Number = attribute("Distance from the trajectory's start, m.", quantity="length", minimum=0)
     t: Number = attribute("Distance to the left of the trajectory, m.", default=0.0, quantity="length")
     turn: Number = attribute("Heading relative to the trajectory's, degrees.", default=0.0, quantity="angle")
     heading: Number | None = attribute(

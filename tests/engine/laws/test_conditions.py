@@ -1,4 +1,4 @@
-"""Conditions: when the row comes in which what they trigger shows."""
+"""Conditions: the row in which their effect appears."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ W = Actor(lane=2, s=1500.0, speed=1.0)
 
 
 def seen(folder: Path, inner: str, *events: Event, **actors: Actor) -> float | None:
-    """Return the first row in which W acts on a condition of A, None where it never does."""
+    """Return the first row in which W acts on a condition of A, None if it never does."""
     told = {"A": Actor(), **actors, "W": W}
     run = play(folder, told, [*events, Event("W", speed(DONE), of_entity("A", inner))], 8.0)
     return run.acts("W", DONE)
@@ -77,7 +77,7 @@ def test_a_headway_across(tmp_path: Path) -> None:
     assert seen(tmp_path, gap("TimeHeadwayCondition", more, 0.4), A=Actor(lane=-2), **right) is None
 
 
-def test_a_headway_to_what_is_behind_is_undefined(tmp_path: Path) -> None:
+def test_a_headway_to_an_entity_behind_is_undefined(tmp_path: Path) -> None:
     more = 'coordinateSystem="road" relativeDistanceType="longitudinal"'
     for rule in ("lessThan", "greaterThan"):
         told = gap("TimeHeadwayCondition", more, 3.0, rule)
@@ -217,7 +217,7 @@ def test_a_pitch_is_against_the_world_or_the_road(tmp_path: Path) -> None:
 @pytest.mark.law("AngleCondition", "roll, system trajectory")
 @pytest.mark.law("AngleCondition", "heading, system trajectory")
 @pytest.mark.parametrize("kind", ["heading", "pitch", "roll"])
-def test_an_angle_against_a_trajectory_is_undefined_but_while_one_is_followed(tmp_path: Path, kind: str) -> None:
+def test_an_angle_relative_to_a_trajectory_is_defined_only_while_one_is_followed(tmp_path: Path, kind: str) -> None:
     """The trajectory of 20 m is begun at 1 s, where W stands later in the file, and ends at 3 s."""
     line = (
         '<RoutingAction><FollowTrajectoryAction><TrajectoryRef><Trajectory name="t" closed="false"><Shape><Polyline>'
@@ -259,7 +259,7 @@ def test_an_angle_to_another_entity(tmp_path: Path, kind: str, value: float) -> 
 
 
 @pytest.mark.law("ReachPositionCondition", "turned")
-def test_a_position_is_reached_whichever_way_one_faces(tmp_path: Path) -> None:
+def test_a_position_is_reached_whatever_the_heading(tmp_path: Path) -> None:
     """A comes within 5 m of x = 100 after 4.5 s; strictly nearer is the row of 4.55 s."""
     for turn in ("", '<Orientation h="1.5" type="relative"/>'):
         place = lane_position(-1, 100.0).replace("/></Position>", f">{turn}</LanePosition></Position>")
@@ -294,7 +294,7 @@ def test_a_time_that_has_come(tmp_path: Path) -> None:
         assert run.acts("W", DONE) == pytest.approx(wanted)
 
 
-def test_all_triggering_entities_are_those_that_are_there(tmp_path: Path) -> None:
+def test_only_present_entities_count_as_triggering_entities(tmp_path: Path) -> None:
     """B, which is never fast, is deleted at 3 s; A is faster than 11 m/s from 2 s on."""
     gone = '<GlobalAction><EntityAction entityRef="B"><DeleteEntityAction/></EntityAction></GlobalAction>'
     faster = '<SpeedCondition value="11" rule="greaterOrEqual"/>'
@@ -329,7 +329,7 @@ BESIDE = '<Position><WorldPosition x="88" y="28.25"/></Position>'
 @pytest.mark.law("TimeHeadwayCondition", "system trajectory")
 @pytest.mark.law("TimeToCollisionCondition", "system trajectory")
 def test_a_distance_along_the_trajectory_that_is_followed(tmp_path: Path) -> None:
-    """60 m at the begin are less than 35 m in the row of 3.55 s; before 1 s A follows none, and the road counts."""
+    """60 m at the start are less than 35 m in the row of 3.55 s; before 1 s A follows none, and the road counts."""
     more = 'coordinateSystem="trajectory" relativeDistanceType="longitudinal"'
     begin = Event("A", CORNER)
     there = {"B": Actor(position=BESIDE, speed=0.0)}
@@ -421,7 +421,7 @@ def test_the_phases_of_a_controller_follow_each_other_in_a_circle(
 
 
 @pytest.mark.law("TrafficSignalControllerAction", "used")
-def test_a_controller_goes_on_from_the_phase_that_it_is_set_to(tmp_path: Path) -> None:
+def test_a_controller_continues_from_the_phase_to_which_it_is_set(tmp_path: Path) -> None:
     """Stop is set at 1 s and lasts 3 s."""
     stop = (
         '<GlobalAction><InfrastructureAction><TrafficSignalAction><TrafficSignalControllerAction phase="stop" '
@@ -445,7 +445,7 @@ def test_a_time_to_collision_across(tmp_path: Path) -> None:
 
 
 @pytest.mark.law("UserDefinedValueCondition", "used")
-def test_a_value_that_no_program_gives_never_compares(tmp_path: Path) -> None:
+def test_a_value_that_no_program_supplies_meets_no_condition(tmp_path: Path) -> None:
     """The value is defined outside of the file; where nobody defines it, the condition is false whatever the rule."""
     for rule in ("equalTo", "notEqualTo", "lessThan"):
         told = condition(f'<UserDefinedValueCondition name="outside" value="1" rule="{rule}"/>')

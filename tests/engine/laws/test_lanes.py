@@ -48,7 +48,7 @@ def test_a_rate_is_the_peak_of_a_cubic_change(tmp_path: Path) -> None:
 
 
 @pytest.mark.law("LaneChangeAction", "linear by distance")
-def test_a_change_by_distance_goes_over_way_ahead(tmp_path: Path) -> None:
+def test_a_change_by_distance_takes_that_distance_along_the_road(tmp_path: Path) -> None:
     run = play(tmp_path, A, [Event("A", lane_change(RIGHT, by("linear", "distance", 40.0)))])
     ahead = 20.0 / sqrt(1.0 + (3.5 / 40.0) ** 2)
     assert run.at("A", 3.0).x == pytest.approx(60.0 + ahead)
@@ -89,7 +89,7 @@ def test_an_oncoming_entity_changes_to_its_own_left(tmp_path: Path) -> None:
     ("lane", "far", "there", "back"),
     [(-1, 3.2, 1.45, -1.25), (-2, -3.2, -8.45, -4.75), (1, 3.2, 4.95, 2.25), (2, -3.2, 2.05, 5.75)],
 )
-def test_a_second_offset_counts_from_the_lane_that_one_belongs_to(
+def test_a_second_offset_counts_from_the_lane_to_which_the_entity_belongs(
     tmp_path: Path, lane: int, far: float, there: float, back: float
 ) -> None:
     actors = {"A": Actor(lane=lane, s=500.0)}
@@ -98,13 +98,13 @@ def test_a_second_offset_counts_from_the_lane_that_one_belongs_to(
     assert run.at("A", 10.0).y == pytest.approx(back)
 
 
-def test_a_relative_change_counts_from_the_lane_that_one_belongs_to(tmp_path: Path) -> None:
+def test_a_relative_change_counts_from_the_lane_to_which_the_entity_belongs(tmp_path: Path) -> None:
     right = lane_change('<RelativeTargetLane entityRef="A" value="-1"/>', by("linear", "time", 2.0))
     run = play(tmp_path, A, [Event("A", lane_offset(offset(3.2))), Event("A", right, 6.0)])
     assert run.at("A", 9.0).y == pytest.approx(-5.25)
 
 
-def test_another_entitys_change_counts_from_the_lane_that_it_belongs_to(tmp_path: Path) -> None:
+def test_a_change_relative_to_another_entity_counts_from_the_lane_to_which_that_belongs(tmp_path: Path) -> None:
     actors = {"A": Actor(), "B": Actor(s=20.0)}
     beside = lane_change('<RelativeTargetLane entityRef="A" value="-1"/>', by("linear", "time", 2.0))
     run = play(tmp_path, actors, [Event("A", lane_offset(offset(3.2))), Event("B", beside, 6.0)])
@@ -158,9 +158,7 @@ def test_a_continuous_offset_is_kept_beside_a_reference_that_moves_aside(tmp_pat
 
 @pytest.mark.law("Road network", "a lane that narrows to nothing")
 @pytest.mark.parametrize("aside", [0.0, 0.5])
-def test_one_goes_on_in_the_middle_of_the_next_lane_where_ones_own_narrows_to_nothing(
-    tmp_path: Path, aside: float
-) -> None:
+def test_where_a_lane_narrows_to_nothing_its_traffic_continues_in_the_next_lane(tmp_path: Path, aside: float) -> None:
     run = play(tmp_path, {"A": Actor(lane=-3, s=690.0, offset=aside)}, [])
     assert run.at("A", 3.5).y == pytest.approx(-7.0 - 0.5 * (3.5 - 0.07 * 25.0) + aside)
     assert (run.at("A", 7.0).y, run.at("A", 7.0).lane) == pytest.approx((-5.25, -2))
@@ -192,7 +190,7 @@ def polyline(*points: str, closed: str = "false") -> str:
 
 
 @pytest.mark.law("FollowTrajectoryAction", "closed")
-def test_a_closed_trajectory_goes_on_at_its_begin(tmp_path: Path) -> None:
+def test_a_closed_trajectory_continues_at_its_start(tmp_path: Path) -> None:
     square = polyline("60 -1.75", "70 -1.75", "70 -6.75", "60 -6.75", closed="true")
     run = play(tmp_path, A, [Event("A", follow(square))])
     assert (run.at("A", 1.5).x, run.at("A", 1.5).y) == pytest.approx((65.0, -1.75))
@@ -204,7 +202,7 @@ def test_a_closed_trajectory_goes_on_at_its_begin(tmp_path: Path) -> None:
     ("scale", "shift", "times"), [(2.0, 0.0, (3.0, 5.0)), (0.5, 0.0, (1.5, 2.0)), (1.0, 2.0, (4.0, 5.0))]
 )
 def test_times_are_scaled_and_shifted(tmp_path: Path, scale: float, shift: float, times: tuple[float, float]) -> None:
-    """A relative time of 1 s is met `scale + shift` after the begin at 1 s, one of 2 s `2 scale + shift` after it."""
+    """A relative time of 1 s is met `scale + shift` after the start at 1 s, one of 2 s `2 scale + shift` after it."""
     line = polyline("60 -1.75 0", "70 -1.75 1", "80 -1.75 2")
     timing = f'<Timing domainAbsoluteRelative="relative" scale="{scale}" offset="{shift}"/>'
     run = play(tmp_path, A, [Event("A", follow(line, timing))])

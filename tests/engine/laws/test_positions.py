@@ -1,4 +1,4 @@
-"""Positions: where an entity is put."""
+"""Positions: the place and heading of an entity that is teleported there."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def turned(kind: str, h: float = 0.3) -> str:
     ],
 )
 @pytest.mark.parametrize(("kind", "ahead", "oncoming"), [("absolute", 0.3, 0.3), ("relative", 0.3, pi + 0.3)])
-def test_a_relative_position_is_turned_in_the_world_or_against_what_it_is_relative_to(
+def test_the_heading_of_a_relative_position_is_absolute_or_relative(
     tmp_path: Path, position: str, x: float, y: float, kind: str, ahead: float, oncoming: float
 ) -> None:
     one = put(tmp_path, position.format("B", turned(kind)))
@@ -56,7 +56,7 @@ def test_along_a_lane_ahead_and_left_are_those_of_its_travel(tmp_path: Path, to:
 
 
 @pytest.mark.law("RelativeLanePosition", "without a distance")
-def test_without_distances_one_is_beside_the_entity(tmp_path: Path) -> None:
+def test_a_relative_position_without_distances_is_beside_the_entity(tmp_path: Path) -> None:
     place = put(tmp_path, '<RelativeLanePosition entityRef="B" dLane="1"></RelativeLanePosition>')
     assert (place.x, place.y) == pytest.approx((208.0, -1.75))
     place = put(tmp_path, '<RelativeRoadPosition entityRef="B" dt="3.5"></RelativeRoadPosition>')
@@ -140,7 +140,7 @@ ROUTE = (
 @pytest.mark.law("RoutePosition", "turned against the road")
 @pytest.mark.law("RoutePosition", "turned in the world")
 @pytest.mark.parametrize("kind", ["relative", "absolute"])
-def test_a_position_on_a_route_counts_from_its_begin(tmp_path: Path, kind: str) -> None:
+def test_a_position_on_a_route_counts_from_its_start(tmp_path: Path, kind: str) -> None:
     where = '<InRoutePosition><FromLaneCoordinates pathS="40" laneId="-2"/></InRoutePosition>'
     place = put(tmp_path, f"<RoutePosition>{ROUTE}{turned(kind)}{where}</RoutePosition>")
     assert (place.x, place.y, place.h) == pytest.approx((140.0, -5.25, 0.3))

@@ -39,7 +39,7 @@ def test_the_sign_of_a_rate_is_ignored(tmp_path: Path) -> None:
 
 
 @pytest.mark.law("SpeedAction", "linear by distance")
-def test_a_change_through_0_covers_way_on_both_sides(tmp_path: Path) -> None:
+def test_a_change_through_0_covers_distance_forwards_and_backwards(tmp_path: Path) -> None:
     run = changed(tmp_path, speed(-10.0, by("linear", "distance", 20.0)))
     assert run.at("A", 3.0).v == pytest.approx(0.0, abs=1e-9)
     assert run.acts("A", -10.0) == pytest.approx(5.0)
@@ -157,7 +157,7 @@ def test_a_single_entry_that_is_followed_rises_and_falls_by_its_jerk(
         assert run.at("A", time).v == pytest.approx(value, abs=1e-9)
 
 
-def test_a_corner_that_cannot_be_rounded_in_time_is_driven_as_it_is(tmp_path: Path) -> None:
+def test_a_corner_that_cannot_be_rounded_in_time_stays_sharp(tmp_path: Path) -> None:
     sharp = LIMITS.replace('Rate="3"', 'Rate="0.5"')
     run = play(tmp_path, A, [Event("A", profile("follow", "14@2 10@2", sharp))])
     assert [run.at("A", time).v for time in (2.0, 3.0, 4.0, 5.0)] == pytest.approx([12.0, 14.0, 12.0, 10.0])
@@ -202,7 +202,7 @@ def test_the_first_phase_speeds_up_or_slows_down(tmp_path: Path, way: float, fir
 
 
 @pytest.mark.law("SynchronizeAction", "with a steady time")
-def test_a_steady_time_is_taken_off_way_and_time(tmp_path: Path) -> None:
+def test_a_steady_time_reduces_the_remaining_distance_and_time(tmp_path: Path) -> None:
     steady = '<TargetTimeSteadyState time="2.5"/>'
     run = play(tmp_path, A_AND_B, [Event("A", synchronize(absolute(12.0, steady), 150.0))], seconds=15.0)
     assert run.at("A", 1.05).v == pytest.approx(10.0 + 0.05 * 2.0 * (1.0 + sqrt(2.0)) / 10.0)
@@ -219,7 +219,7 @@ def test_a_final_speed_can_be_relative_to_the_masters(tmp_path: Path) -> None:
     assert run.at("A", 13.6).v == pytest.approx(12.0)
 
 
-def test_it_stops_in_the_way_that_is_left_while_the_master_stands(tmp_path: Path) -> None:
+def test_it_stops_within_the_remaining_distance_while_the_master_stands(tmp_path: Path) -> None:
     actors = {"B": Actor(lane=-2, s=200, speed=0.0), "A": Actor(speed=8.0, s=52.0)}
     run = play(tmp_path, actors, [Event("A", synchronize(absolute(10.0), 100.0))], seconds=20.0)
     assert run.at("A", 1.05).v == pytest.approx(8.0 - 0.05 * (8.0**2 + 10.0**2) / 200.0)
@@ -227,7 +227,7 @@ def test_it_stops_in_the_way_that_is_left_while_the_master_stands(tmp_path: Path
     assert run.at("A", 20.0).x < 160.0
 
 
-def test_it_brakes_hard_where_the_way_to_stop_is_too_short(tmp_path: Path) -> None:
+def test_it_brakes_hard_if_the_distance_to_stop_is_too_short(tmp_path: Path) -> None:
     actors = {"B": Actor(lane=-2, s=200, speed=0.0), "A": Actor(speed=12.0, s=48.0)}
     run = play(tmp_path, actors, [Event("A", synchronize(absolute(10.0), 100.0))], seconds=10.0)
     assert run.at("A", 1.55).v == pytest.approx(12.0 - 8.0 * 0.55)
@@ -245,7 +245,7 @@ def test_tolerances_shorten_the_ways(tmp_path: Path) -> None:
     assert run.at("A", 1.05).v == pytest.approx(10.0 + 0.05 * 2.0 * (12.5 - 10.0) / 10.0)
 
 
-def test_ways_are_those_along_the_trajectories_that_are_followed(tmp_path: Path) -> None:
+def test_distances_are_measured_along_the_followed_trajectories(tmp_path: Path) -> None:
     """A's way leads round a corner: 60 m and 80 m, though its end is 100 m away. B needs 12.5 s for its own.
 
     The trajectory is stepped first, so 0.5 m of the 140 m are gone when the speed is chosen.

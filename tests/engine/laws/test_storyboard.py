@@ -70,7 +70,7 @@ def test_a_parallel_event_takes_over_the_domain_that_it_acts_on(tmp_path: Path) 
 
 @pytest.mark.law("Storyboard", "an event executed again")
 @pytest.mark.parametrize(("count", "wanted"), [(1, 12.0), (2, 14.0), (3, 16.0)])
-def test_an_event_is_executed_as_often_as_it_may(tmp_path: Path, count: int, wanted: float) -> None:
+def test_an_event_is_executed_as_often_as_its_maximum_allows(tmp_path: Path, count: int, wanted: float) -> None:
     """Each execution of 1 s adds 2 m/s to A's own speed."""
     more = relative_speed("A", 2.0, by("linear", "time", 1.0))
     run = play(tmp_path, A, [Event("A", more, count=count)])
@@ -79,7 +79,7 @@ def test_an_event_is_executed_as_often_as_it_may(tmp_path: Path, count: int, wan
 
 @pytest.mark.law("Storyboard", "an event executed again")
 @pytest.mark.law("Storyboard", "delay")
-def test_an_execution_knows_nothing_of_the_delays_before(tmp_path: Path) -> None:
+def test_an_execution_does_not_depend_on_earlier_delays(tmp_path: Path) -> None:
     """The first execution is begun after the delay of 1 s, at 1 s; it ends in the row of 2 s.
 
     From the next frame, at 2 s, the delay counts again: the second is begun at 3 s.

@@ -1,4 +1,4 @@
-"""VisibilityAction: who minds an entity. What is there, and what conditions measure, stays as it is."""
+"""VisibilityAction: who reacts to an entity. Its motion and what conditions measure do not change."""
 
 from __future__ import annotations
 
@@ -55,6 +55,6 @@ def _run(folder: Path, *, sensors: str, traffic: str) -> list[tuple[int, int]]:
     return found
 
 
-def test_the_forward_sensor_minds_what_sensors_see(tmp_path: Path) -> None:
+def test_the_forward_sensor_ignores_entities_that_are_hidden_from_sensors(tmp_path: Path) -> None:
     assert _run(tmp_path, sensors="true", traffic="false") == [(1, 0), (1, 0)]
     assert _run(tmp_path, sensors="false", traffic="true") == [(0, 1), (0, 1)]

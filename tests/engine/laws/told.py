@@ -109,7 +109,7 @@ class Played:
         return self.rows[round(time / STEP)][name]
 
     def acts(self, name: str, speed: float) -> float | None:
-        """Return the time of the first row in which an entity has a speed, None where it never has."""
+        """Return the time of the first row in which an entity has a speed, None if it never has."""
         times = (k * STEP for k, row in enumerate(self.rows) if name in row and abs(row[name].v - speed) < 1e-6)
         return next((round(time, 6) for time in times), None)
 

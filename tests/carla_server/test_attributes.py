@@ -1,0 +1,49 @@
+"""The attributes of actors, as a client's description has them."""
+
+from __future__ import annotations
+
+import pytest
+
+from scenario_compiler.carla_server.actors import Actor, Car
+from scenario_compiler.carla_server.blueprints import library
+from scenario_compiler.carla_server.spawning import new_actor
+from scenario_compiler.frames import CarlaTransform
+
+VERSION = "0.9.16"
+BOOL = 1
+"""The number of the type "bool" on the wire."""
+
+HERE = CarlaTransform(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def actor(blueprint: str, **attributes: str) -> Actor:
+    return new_actor(VERSION, [1, blueprint, [[name, BOOL, text] for name, text in attributes.items()]], HERE)
+
+
+@pytest.mark.parametrize("text", ["true", "True", "TRUE", "yes", "On", "1", "-1", " 2", "3 m"])
+def test_a_text_is_true_as_in_the_unreal_engine(text: str) -> None:
+    assert actor("sensor.other.obstacle", only_dynamics=text).says("only_dynamics")
+
+
+@pytest.mark.parametrize("text", ["false", "False", "no", "off", "0", "00", "", "maybe", "truee", " true", "t", "+"])
+def test_every_other_text_is_false(text: str) -> None:
+    assert not actor("sensor.camera.dvs", use_log=text).says("use_log")
+
+
+def test_without_a_text_of_the_client_the_blueprints_default_holds() -> None:
+    assert actor("sensor.camera.dvs").says("use_log")
+    assert not actor("sensor.other.obstacle").says("only_dynamics")
+
+
+@pytest.mark.parametrize(("text", "sticky"), [("true", True), ("False", False), ("off", False), ("1", True)])
+def test_a_control_is_sticky_where_the_attribute_is_true(text: str, sticky: bool) -> None:
+    car = actor("vehicle.audi.tt", sticky_control=text)
+    assert isinstance(car, Car)
+    assert car.sticky is sticky
+
+
+def test_each_default_is_true_or_false() -> None:
+    defaults = {
+        one.value for blueprint in library(VERSION).values() for one in blueprint.attributes if one.kind == "bool"
+    }
+    assert defaults == {"true", "false"}
