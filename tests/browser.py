@@ -11,7 +11,12 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, expect, sync_playwright
+
+SLOW = 120_000
+"""Time after which a state that must come is no longer waited for, ms: the machine may be slow and busy."""
+
+expect.set_options(timeout=SLOW)
 
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 
@@ -38,12 +43,20 @@ def killable_page(browser: Browser, address: str, folder: Path) -> Iterator[tupl
         told = (line.partition("DevTools listening on ")[2].strip() for line in process.stderr)
         own = browser.browser_type.connect_over_cdp(next(one for one in told if one))
         page = own.new_context(bypass_csp=True).new_page()
+        page.set_default_timeout(SLOW)
         page.goto(address)
         yield page, lambda: os.killpg(process.pid, signal.SIGKILL)
     finally:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
+
+
+def free_page(browser: Browser) -> Page:
+    """Return a page that may complain, as one does whose server is gone; the test closes it."""
+    page = browser.new_page(bypass_csp=True)
+    page.set_default_timeout(SLOW)
+    return page
 
 
 @contextmanager
@@ -55,6 +68,7 @@ def opened_page(
     With `bypass_csp`, the page's content security policy does not block scripts of the test.
     """
     page = browser.new_page(viewport={"width": width, "height": height}, bypass_csp=bypass_csp)
+    page.set_default_timeout(SLOW)
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)

@@ -126,11 +126,16 @@ class Attendance:
         with self._lock:
             return self.cockpit if str(self.step.number) == step else None
 
-    def close(self) -> None:
-        """End the current run, which is repeated when the participant continues, and close the journal."""
+    def stop(self) -> None:
+        """End the current run, which is repeated when the participant continues."""
         self._closing = True
-        if self._last is not None and self._last.is_alive():
+        if self._last is not None:
             self._last.stop()
+
+    def close(self) -> None:
+        """End the current run, wait for its files, and close the journal."""
+        self.stop()
+        if self._last is not None and self._last.is_alive():
             self._last.join(timeout=60.0)
         self.journal.close()
 

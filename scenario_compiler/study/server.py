@@ -99,6 +99,8 @@ class StudyServer:
     def close(self) -> None:
         """End all current runs, and close the journals."""
         for one in self.attendances.values():
+            one.stop()  # all of them first: a run that went on meanwhile would count as driven
+        for one in self.attendances.values():
             one.close()
 
     def _own(self, request: Request) -> Response:

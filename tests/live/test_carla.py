@@ -7,15 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from playwright.sync_api import expect
 
 from scenario_compiler.recording.store import read_recording
+from scenario_compiler.study.tables import tidy_rows
 from tests.browser import opened_browser, opened_page
 from tests.carla_server import conftest
 from tests.live.serving import served
 from tests.live.test_drive import SOON, begun, driven, ended, kinds
 from tests.study import made
-from tests.study.test_live import answered, consented, serving, started
-from tests.study.test_live import driven as participates
+from tests.study.test_live import answered, consented, left, ordered, probed, serving, started
+from tests.study.test_live import begun as begun_in_study
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
 """Run by `make test-carla`."""
@@ -65,18 +67,31 @@ def test_a_person_takes_over_and_brakes_in_carla(tmp_path: Path, carla: conftest
     assert np.hypot(np.diff(first.x[:, 0]), np.diff(first.y[:, 0])).sum() > 2.0
 
 
-def test_a_participant_of_a_study_drives_in_carla(tmp_path: Path, carla: conftest.Served) -> None:
+def test_a_participant_of_a_study_takes_over_in_carla(tmp_path: Path, carla: conftest.Served) -> None:
     study, data = made.study(tmp_path), tmp_path / "data"
     conflicts = tmp_path / "conflicts.xml"
-    conflicts.write_text(conflicts.read_text().replace('duration="8"', 'duration="2"'))
+    lasting = conflicts.read_text().replace('duration="8"', 'duration="600"').replace('after="60"', 'after="600"')
+    conflicts.write_text(lasting)
     words = (*serving(study), "--world", "carla", "--carla-port", carla.port)
     with served(*words) as server, opened_browser() as browser:
         started(browser, server, 1)
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             consented(page)
-            participates(page)
+            begun_in_study(page)
+            probed(page)
+            expect(page.locator("#held")).to_be_hidden()  # keys belong to its form until then
+            page.wait_for_function("page.latest?.state === 'request'")
+            page.keyboard.down("ArrowDown")
+            page.wait_for_function("page.latest.byHand && page.latest.speed < 1")
+            page.keyboard.up("ArrowDown")
+            with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
+                ordered(desk, 1, "Abort")
+            left(page)
             answered(page)
     (recording,) = (read_recording(one) for one in data.rglob("recording.parquet"))
     assert recording.header.world == "carla"
-    assert recording.stop_reason == "duration"
+    assert kinds(recording).index("request") < kinds(recording).index("response")
+    assert recording.person_brake.max() > 0.5
+    (row,) = tidy_rows(data)
+    assert (row["driven_by"], row["marks"], row["effort.effort"]) == ("person", "aborted", "1.5")
     assert not carla.client().get_world().get_settings().synchronous_mode

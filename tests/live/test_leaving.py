@@ -15,7 +15,7 @@ from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.store import read_recording
 from tests.browser import killable_page, opened_page
 from tests.live.serving import served, waited_for
-from tests.live.test_drive import SLOW, begun, kinds, seconds_since_leaving
+from tests.live.test_drive import begun, kinds, seconds_since_leaving
 from tests.study import made
 from tests.study.test_live import journal, serving, started
 
@@ -104,11 +104,11 @@ def test_a_questionnaire_outlives_the_browser(tmp_path: Path, browser: Browser) 
         started(browser, server, 1)
         address = f"{server.address}participant/1"
         with killable_page(browser, address, tmp_path / "profile") as (page, kill):
-            page.get_by_role("button", name="I agree").click(timeout=SLOW)
-            page.get_by_role("group", name="I stayed calm.").get_by_label("7").check(timeout=SLOW)
+            page.get_by_role("button", name="I agree").click()
+            page.get_by_role("group", name="I stayed calm.").get_by_label("7").check()
             kill()
         with opened_page(browser, address) as page:
-            expect(page.get_by_role("heading", name="This trial")).to_be_visible(timeout=SLOW)
+            expect(page.get_by_role("heading", name="This trial")).to_be_visible()
     assert [one["kind"] for one in journal(study, 1)] == ["started", "done"]
 
 

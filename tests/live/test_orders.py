@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
-from tests.browser import opened_page
+from tests.browser import free_page, opened_page
 from tests.live.serving import served
-from tests.live.test_drive import OPEN, SLOW, TOLD, begun, driven, ended
+from tests.live.test_drive import OPEN, TOLD, begun, driven, ended
 
 pytestmark = pytest.mark.slow
 
@@ -41,7 +41,6 @@ def test_a_page_that_is_hidden_while_it_waits_for_the_screen_goes_on(open_road: 
         opened_page(browser, server.address, bypass_csp=True) as page,
     ):
         page.evaluate("waiting = 0; globalThis.requestAnimationFrame = () => (waiting += 1)")
-        page.set_default_timeout(SLOW)
         page.get_by_role("button", name="Start").dispatch_event("click")
         page.wait_for_function("waiting >= 2", polling=50)  # as many as the server has on their way
         page.evaluate(
@@ -57,8 +56,7 @@ def test_a_page_that_is_hidden_while_it_waits_for_the_screen_goes_on(open_road: 
 
 def test_a_run_is_started_when_its_sounds_can_be_played(told: Path, browser: Browser) -> None:
     with served("drive", told, "--perception", "ideal") as server:
-        page = browser.new_page(bypass_csp=True)
-        page.set_default_timeout(SLOW)
+        page = free_page(browser)
         held: list[Route] = []
         let = threading.Event()
         page.route("**/sounds/**", lambda one: one.continue_() if let.is_set() else held.append(one))
@@ -69,14 +67,14 @@ def test_a_run_is_started_when_its_sounds_can_be_played(told: Path, browser: Bro
         let.set()
         for one in held:
             one.continue_()
-        expect(page.locator("#go")).to_be_enabled(timeout=SLOW)
+        expect(page.locator("#go")).to_be_enabled()
         page.close()
 
 
 def test_a_page_whose_data_have_gone_is_loaded_again(open_road: Path, browser: Browser) -> None:
     """A study's page is loaded at the very moment at which its run ends."""
     with served("drive", open_road, "--perception", "ideal") as server:
-        page = browser.new_page(bypass_csp=True)
+        page = free_page(browser)
         page.route("**/about", lambda one: one.fulfill(status=404), times=1)
         page.goto(server.address)
         begun(page)
@@ -101,7 +99,6 @@ def test_speech_that_begins_late_is_not_counted_for_the_next_run(told: Path, tmp
         opened_page(browser, server.address, bypass_csp=True) as page,
     ):
         spoken_later(page)
-        page.set_default_timeout(SLOW)
         page.get_by_role("button", name="Aloita").click()
         page.wait_for_function("globalThis.utterance !== undefined")
         ended(page)
@@ -123,21 +120,21 @@ def test_speech_that_begins_late_is_not_counted_for_the_next_run(told: Path, tmp
 def test_a_page_that_watches_sees_each_run_alone_and_drives_when_nobody_does(open_road: Path, browser: Browser) -> None:
     with served("drive", open_road, "--perception", "ideal") as server:
         with opened_page(browser, server.address, bypass_csp=True) as page:
-            page.wait_for_function("globalThis.page?.role === 'driver'", timeout=SLOW)
-            other = browser.new_page(bypass_csp=True)
+            page.wait_for_function("globalThis.page?.role === 'driver'")
+            other = free_page(browser)
             other.goto(server.address)
-            other.wait_for_function("globalThis.page?.role === 'viewer'", timeout=SLOW)
+            other.wait_for_function("globalThis.page?.role === 'viewer'")
             expect(other.locator("#go")).to_be_hidden()
             begun(page)
-            other.wait_for_function("page.latest?.t > 1", timeout=SLOW)
+            other.wait_for_function("page.latest?.t > 1")
             ended(page)
             page.get_by_role("button", name="Again").click()
-            other.wait_for_function("page.latest.run === 2 && page.run.t.length > 3", timeout=SLOW)
+            other.wait_for_function("page.latest.run === 2 && page.run.t.length > 3")
             times = other.evaluate("page.run.t")
             assert times == sorted(times)
             ended(page)
-        other.wait_for_function("page.role === 'driver'", timeout=SLOW)
-        other.locator("#go").click(timeout=SLOW)
-        other.wait_for_function("page.latest.run === 3", timeout=SLOW)
+        other.wait_for_function("page.role === 'driver'")
+        other.locator("#go").click()
+        other.wait_for_function("page.latest.run === 3")
         assert other.evaluate("page.run.t[0]") == 0.0
         other.close()

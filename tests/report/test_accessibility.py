@@ -71,5 +71,5 @@ def test_the_page_of_a_run_under_way_is_accessible(browser: Browser) -> None:
         page.wait_for_function("globalThis.page?.role === 'driver'")
         assert faults(page) == []
         page.get_by_role("button", name="Start").click()
-        page.wait_for_function("page.latest !== undefined", timeout=120_000)
+        page.wait_for_function("page.latest !== undefined")
         assert faults(page) == []

@@ -15,7 +15,7 @@ from scenario_compiler.report.html import write_report
 from scenario_compiler.report.replay import pictures_of
 from scenario_compiler.report.run import Run
 from scenario_compiler.roads.network import Network
-from tests.browser import opened_page
+from tests.browser import free_page, opened_page
 from tests.report import made
 
 STEP = made.STEP
@@ -96,7 +96,7 @@ def test_the_last_moment_asked_for_is_shown_however_long_a_run_is_unpacked(
     browser: Browser, network: Network, tmp_path: Path
 ) -> None:
     report = write_report(made.runs(network), tmp_path).as_uri()
-    page = browser.new_page()
+    page = free_page(browser)
     page.add_init_script(
         """
         const read = Response.prototype.text;
@@ -250,7 +250,7 @@ def test_two_runs_have_one_clock(browser: Browser, network: Network, tmp_path: P
         expect(page.locator(".u-legend").first).to_contain_text("left (2)")
 
 
-@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])
 def test_nothing_reaches_beyond_the_window(browser: Browser, report: str, width: int) -> None:
     with opened_page(browser, report, width) as page:
         page.locator(".player.ready").wait_for()

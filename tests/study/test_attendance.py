@@ -12,10 +12,12 @@ import pytest
 from scenario_compiler.compiler import Overrides, StudyCompilation, compile_study, read_source
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.live.session import Picture, Session
+from scenario_compiler.live.web import Door
 from scenario_compiler.live.wheel import Told
 from scenario_compiler.report.run import Run
 from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.study.attendance import Attendance, OutOfPlaceError, Rules
+from scenario_compiler.study.server import StudyServer
 from scenario_compiler.study.tables import read_table
 from tests.live.serving import waited_for
 from tests.study import made
@@ -123,6 +125,44 @@ def test_a_run_that_the_program_ends_is_begun_again(rules: Rules) -> None:
     assert run_of(again).number == 2
     again.close()
     assert [row["attempt"] for row in read_table(again.seat.table("short", "beh"))] == ["2"]
+
+
+def test_who_has_declined_takes_no_part_when_the_program_starts_again(rules: Rules) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.go_on(0, {"agree": "no"})
+    one.close()
+    again = Attendance(rules, 1)
+    assert again.presence == "declined"
+    again.start()
+    assert again.presence == "declined"
+    again.close()
+
+
+def test_a_server_that_ends_stops_all_runs_before_it_waits_for_one(rules: Rules) -> None:
+    """A run that went on meanwhile, without its page, would count as driven."""
+    study = StudyServer(rules, Door("127.0.0.1", 0), Door("127.0.0.1", 0))
+    sessions: list[Session] = []
+    stopped: list[bool] = []
+
+    def show(picture: Picture) -> bool:
+        if "end" in picture.about:
+            stopped.append(all(one._stopping.wait(60.0) for one in sessions))
+        return True
+
+    for one in study.attendances.values():
+        one.start()
+        one.go_on(0, {"agree": "yes"})
+        one.go_on(1, {})
+        session = one._begin(2, show)
+        assert session is not None
+        sessions.append(session)
+    for session in sessions:
+        session.start()
+    waited_for(lambda: all(one.held == "probe" for one in sessions))
+    study.close()
+    assert stopped == [True, True]
+    assert [kinds(one)[-1] for one in study.attendances.values()] == ["begun", "begun"]
 
 
 def test_a_page_of_an_earlier_step_begins_no_run(tmp_path: Path) -> None:

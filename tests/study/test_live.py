@@ -12,12 +12,9 @@ from playwright.sync_api import Browser, Locator, Page, expect
 from scenario_compiler.recording.store import read_recording
 from scenario_compiler.study.journal import read_journal
 from scenario_compiler.study.tables import read_table, tidy_rows
-from tests.browser import opened_page
+from tests.browser import free_page, opened_page
 from tests.live.serving import Served, served, waited_for
 from tests.study import made
-
-SLOW = 120_000
-"""How long a test waits at most, ms."""
 
 LONG = """\
 <scenarios version="1">
@@ -61,7 +58,7 @@ def started(browser: Browser, server: Served, *participants: int) -> None:
     with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
         for one in participants:
             ordered(desk, one, "Start")
-            expect(row_of(desk, one)).to_contain_text("started", timeout=SLOW)
+            expect(row_of(desk, one)).to_contain_text("started")
 
 
 def row_of(desk: Page, participant: int) -> Locator:
@@ -69,22 +66,22 @@ def row_of(desk: Page, participant: int) -> Locator:
 
 
 def ordered(desk: Page, participant: int, what: str) -> None:
-    desk.get_by_role("button", name=f"{what}, participant {participant}").click(timeout=SLOW)
+    desk.get_by_role("button", name=f"{what}, participant {participant}").click()
 
 
 def begun(page: Page) -> None:
-    page.get_by_role("button", name="Start").click(timeout=SLOW)
+    page.get_by_role("button", name="Start").click()
 
 
 def consented(page: Page) -> None:
-    page.get_by_role("button", name="I agree").click(timeout=SLOW)
-    expect(page.get_by_role("heading", name="Welcome")).to_be_visible(timeout=SLOW)
+    page.get_by_role("button", name="I agree").click()
+    expect(page.get_by_role("heading", name="Welcome")).to_be_visible()
     page.get_by_role("button", name="Continue").click()
 
 
 def probed(page: Page) -> None:
     """Answer the probe, which comes in each run."""
-    page.get_by_label("How fast were you, in km/h?").fill("36", timeout=SLOW)
+    page.get_by_label("How fast were you, in km/h?").fill("36")
     assert page.evaluate(DRAWN) == 0
     page.get_by_label("the automation").check()
     page.locator("#held button").click()
@@ -107,12 +104,12 @@ def driven(page: Page) -> None:
 
 def left(page: Page) -> None:
     """Go on from a run that has ended."""
-    expect(page.locator("#go")).to_have_text("Continue", timeout=SLOW)
+    expect(page.locator("#go")).to_have_text("Continue")
     page.locator("#go").click()
 
 
 def answered(page: Page) -> None:
-    page.get_by_role("group", name="Taking over was hard.").get_by_label("2").check(timeout=SLOW)
+    page.get_by_role("group", name="Taking over was hard.").get_by_label("2").check()
     page.get_by_role("group", name="I stayed calm.").get_by_label("7").check()
     page.get_by_label("A sound").check()
     page.get_by_label("What else do you want to say?").fill("Nothing, thanks = fine\tor not")
@@ -129,7 +126,7 @@ def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: 
             driven(page)
             answered(page)
             begun(page)
-            expect(page.get_by_label("How fast were you, in km/h?")).to_be_visible(timeout=SLOW)
+            expect(page.get_by_label("How fast were you, in km/h?")).to_be_visible()
             server.process.kill()
             server.process.wait()
             page.goto("about:blank")
@@ -142,7 +139,7 @@ def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: 
             for _ in range(3):
                 driven(page)
                 answered(page)
-            expect(page.get_by_role("heading", name="The session is over")).to_be_visible(timeout=SLOW)
+            expect(page.get_by_role("heading", name="The session is over")).to_be_visible()
         with opened_page(browser, server.address, bypass_csp=True) as page:
             page.get_by_label("Your participant number").fill("2")
             page.get_by_role("button", name="Continue").click()
@@ -150,7 +147,7 @@ def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: 
             for _ in range(4):
                 driven(page)
                 answered(page)
-            expect(page.get_by_role("heading", name="The session is over")).to_be_visible(timeout=SLOW)
+            expect(page.get_by_role("heading", name="The session is over")).to_be_visible()
     rows = tidy_rows(data)
     assert [(row["participant_id"], row["run"]) for row in rows] == [
         (person, run) for person in ("sub-01", "sub-02") for run in "1234"
@@ -175,14 +172,14 @@ def test_a_page_that_is_gone_in_a_takeover_stops_the_vehicle_and_marks_the_trial
         started(browser, server, 1)
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             begun(page)
-            page.wait_for_function("globalThis.page?.latest !== undefined", timeout=SLOW)
+            page.wait_for_function("globalThis.page?.latest !== undefined")
             page.keyboard.press("Enter")
-            page.wait_for_function("page.latest.byHand", timeout=SLOW)
+            page.wait_for_function("page.latest.byHand")
         with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
-            expect(row_of(desk, 1)).to_contain_text("standstill, page gone", timeout=SLOW)
+            expect(row_of(desk, 1)).to_contain_text("standstill, page gone")
             ordered(desk, 1, "Abort")
             waited_for(lambda: journal(endless, 1)[-1]["kind"] == "done")
-            expect(row_of(desk, 1)).to_contain_text("ask", timeout=SLOW)
+            expect(row_of(desk, 1)).to_contain_text("ask")
     ended = next(one for one in journal(endless, 1) if one["kind"] == "driven")
     assert ended["marks"] == ["aborted", "person_left"]
     (table,) = (endless.parent / "data").glob("sub-01/ses-01/beh/*_run-01_events.tsv")
@@ -200,16 +197,16 @@ def test_the_experimenter_pauses_requests_aborts_and_notes(endless: Path, browse
         expect(page.get_by_role("heading", name="Please wait for the experimenter.")).to_be_visible()
         ordered(desk, 1, "Start")
         begun(page)
-        page.wait_for_function("globalThis.page?.latest !== undefined", timeout=SLOW)
+        page.wait_for_function("globalThis.page?.latest !== undefined")
         ordered(desk, 1, "Pause")
-        expect(page.get_by_role("heading", name="A short pause.")).to_be_visible(timeout=SLOW)
-        expect(row_of(desk, 1)).to_contain_text("paused", timeout=SLOW)
+        expect(page.get_by_role("heading", name="A short pause.")).to_be_visible()
+        expect(row_of(desk, 1)).to_contain_text("paused")
         stood = page.evaluate("page.latest.t")
         ordered(desk, 1, "Start")
-        page.wait_for_function(f"page.latest.t > {stood}", timeout=SLOW)
+        page.wait_for_function(f"page.latest.t > {stood}")
         expect(page.locator("#held")).to_be_hidden()
         ordered(desk, 1, "Request")
-        page.wait_for_function("page.latest.state === 'request'", timeout=SLOW)
+        page.wait_for_function("page.latest.state === 'request'")
         expect(page.locator("#state")).to_have_text("automated")
         expect(page.locator("#left")).to_be_hidden()
         expect(page.locator("#told")).to_be_hidden()
@@ -222,7 +219,7 @@ def test_the_experimenter_pauses_requests_aborts_and_notes(endless: Path, browse
         waited_for(lambda: any(one["kind"] == "search" for one in journal(endless, 1)))
         ordered(desk, 1, "Abort")
         left(page)
-        expect(page.get_by_role("heading", name="This trial")).to_be_visible(timeout=SLOW)
+        expect(page.get_by_role("heading", name="This trial")).to_be_visible()
     records = journal(endless, 1)
     kinds = [one["kind"] for one in records]
     assert kinds[:3] == ["started", "begun", "paused"]
@@ -245,8 +242,7 @@ PRESS_LARGEST = """
 
 @pytest.mark.slow
 def test_an_open_page_goes_on_by_itself_when_the_server_is_there_again(endless: Path, browser: Browser) -> None:
-    page = browser.new_page(bypass_csp=True)  # one that complains of the missing server
-    page.set_default_timeout(SLOW)
+    page = free_page(browser)  # one that complains of the missing server
     with served(*serving(endless)) as server:
         started(browser, server, 1)
         page.goto(f"{server.address}participant/1")
@@ -254,10 +250,10 @@ def test_an_open_page_goes_on_by_itself_when_the_server_is_there_again(endless: 
         page.wait_for_function("page.latest !== undefined")
         server.process.kill()
         server.process.wait()
-        expect(page.locator("#ended")).to_have_text("The server has gone.", timeout=SLOW)
+        expect(page.locator("#ended")).to_have_text("The server has gone.")
         expect(page.locator("#go")).to_be_disabled()
     with served(*serving(endless), port=int(server.host.rpartition(":")[2])) as again:
-        expect(page.get_by_role("heading", name="Please wait")).to_be_visible(timeout=SLOW)
+        expect(page.get_by_role("heading", name="Please wait")).to_be_visible()
         started(browser, again, 1)
         begun(page)
         page.wait_for_function("page.latest !== undefined")
@@ -274,20 +270,20 @@ def test_answers_given_before_a_pause_stand_in_the_form_again(tmp_path: Path, br
         opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page,
     ):
         ordered(desk, 1, "Start")
-        page.get_by_role("button", name="I agree").click(timeout=SLOW)
-        page.get_by_role("group", name="Taking over was hard.").get_by_label("2").check(timeout=SLOW)
+        page.get_by_role("button", name="I agree").click()
+        page.get_by_role("group", name="Taking over was hard.").get_by_label("2").check()
         page.get_by_label("A sound").check()
         page.get_by_label("What else do you want to say?").fill("Half a sen")
         page.get_by_label("A sound").focus()
         ordered(desk, 1, "Pause")
-        expect(page.get_by_role("heading", name="Please wait")).to_be_visible(timeout=SLOW)
+        expect(page.get_by_role("heading", name="Please wait")).to_be_visible()
         ordered(desk, 1, "Start")
-        expect(page.get_by_label("What else do you want to say?")).to_have_value("Half a sen", timeout=SLOW)
+        expect(page.get_by_label("What else do you want to say?")).to_have_value("Half a sen")
         expect(page.get_by_role("group", name="Taking over was hard.").get_by_label("2")).to_be_checked()
         expect(page.get_by_role("group", name="I stayed calm.").get_by_label("7")).not_to_be_checked()
         answered(page)
-        expect(page.locator("#go")).to_be_visible(timeout=SLOW)
-        assert page.evaluate("sessionStorage.length") == 0
+        expect(page.locator("#go")).to_be_visible()
+        page.wait_for_function("sessionStorage.length === 0")
     given = journal(study, 1)[-1]["answers"]
     assert given == {"hard": 2, "calm": 7, "first": "sound", "more": "Nothing, thanks = fine\tor not"}
 
@@ -302,13 +298,13 @@ def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser)
             opened_page(browser, address, bypass_csp=True) as other,
         ):
             for one in (page, other):
-                one.wait_for_function("globalThis.page?.role !== undefined", timeout=SLOW)
+                one.wait_for_function("globalThis.page?.role !== undefined")
             begun(page)
-            other.wait_for_function("page.latest?.t > 1.5", timeout=SLOW)  # pages that watch stay connected
+            other.wait_for_function("page.latest?.t > 1.5")  # pages that watch stay connected
             assert (page.evaluate("page.role"), other.evaluate("page.role")) == ("driver", "viewer")
             other.keyboard.press("Enter")
             page.keyboard.press("Enter")
-            other.wait_for_function("page.latest.byHand", timeout=SLOW)
+            other.wait_for_function("page.latest.byHand")
             assert page.locator("#search circle").count() == 6
             assert other.locator("#search circle").count() == 0
 
@@ -317,13 +313,10 @@ def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> No
     with served(*serving(short)) as server:
         started(browser, server, 2)
         with opened_page(browser, f"{server.address}participant/2", bypass_csp=True) as page:
-            page.get_by_role("button", name="I do not agree").click(timeout=SLOW)
-            expect(page.get_by_role("heading", name="You do not take part")).to_be_visible(timeout=SLOW)
-    with (
-        served(*serving(short)) as server,
-        opened_page(browser, f"{server.address}participant/2", bypass_csp=True) as page,
-    ):
-        expect(page.get_by_role("heading", name="You do not take part")).to_be_visible()
+            page.get_by_role("button", name="I do not agree").click()
+            expect(page.get_by_role("heading", name="You do not take part")).to_be_visible()
+            page.reload()
+            expect(page.get_by_role("heading", name="You do not take part")).to_be_visible()
     assert [one["kind"] for one in journal(short, 2)] == ["started", "declined"]
 
 
@@ -346,13 +339,13 @@ def test_pages_are_accessible_and_stay_in_the_window(short: Path, browser: Brows
         page.goto(f"{server.address}participant/1")
         checked(page)
         ordered(desk, 1, "Start")
-        expect(page.get_by_role("button", name="I agree")).to_be_visible(timeout=SLOW)
+        expect(page.get_by_role("button", name="I agree")).to_be_visible()
         checked(page)
         consented(page)
         begun(page)
-        expect(page.get_by_label("How fast were you, in km/h?")).to_be_visible(timeout=SLOW)
+        expect(page.get_by_label("How fast were you, in km/h?")).to_be_visible()
         checked(page)
         probed(page)
         left(page)
-        expect(page.get_by_role("heading", name="This trial")).to_be_visible(timeout=SLOW)
+        expect(page.get_by_role("heading", name="This trial")).to_be_visible()
         checked(page)

@@ -11,10 +11,10 @@ from websockets.sync.client import connect
 from websockets.typing import Origin
 
 from scenario_compiler.study.tables import read_table
-from tests.browser import opened_page
+from tests.browser import free_page, opened_page
 from tests.live.serving import served
 from tests.study import made
-from tests.study.test_live import LONG, SLOW, begun, journal, left, ordered, probed, row_of, serving, started
+from tests.study.test_live import LONG, begun, journal, left, ordered, probed, row_of, serving, started
 from tests.study.test_server import origin
 
 pytestmark = pytest.mark.slow
@@ -36,16 +36,16 @@ def test_a_run_that_is_started_while_the_session_is_paused_waits(driving: Path, 
         opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk,
     ):
         ordered(desk, 1, "Start")
-        expect(row_of(desk, 1)).to_contain_text("started", timeout=SLOW)
+        expect(row_of(desk, 1)).to_contain_text("started")
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
-            expect(page.locator("#go")).to_be_enabled(timeout=SLOW)
+            expect(page.locator("#go")).to_be_enabled()
             ordered(desk, 1, "Pause")
-            expect(row_of(desk, 1)).to_contain_text("paused", timeout=SLOW)
+            expect(row_of(desk, 1)).to_contain_text("paused")
             begun(page)
-            expect(page.get_by_role("heading", name="Please wait")).to_be_visible(timeout=SLOW)
+            expect(page.get_by_role("heading", name="Please wait")).to_be_visible()
             ordered(desk, 1, "Start")
             begun(page)
-            page.wait_for_function("globalThis.page?.latest !== undefined", timeout=SLOW)
+            page.wait_for_function("globalThis.page?.latest !== undefined")
 
 
 def test_what_is_pressed_and_passes_in_a_probe_is_neither_a_takeover_nor_latency(
@@ -57,11 +57,11 @@ def test_what_is_pressed_and_passes_in_a_probe_is_neither_a_takeover_nor_latency
             opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page,
             opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk,
         ):
-            expect(page.locator("#go")).to_be_enabled(timeout=SLOW)
+            expect(page.locator("#go")).to_be_enabled()
             page.evaluate(MEASURE)
             begun(page)
             speed = page.get_by_label("How fast were you, in km/h?")
-            speed.fill("36", timeout=SLOW)
+            speed.fill("36")
             page.evaluate("lasted = 1e7")  # the probe takes long
             page.get_by_label("the automation").focus()
             page.keyboard.press("h")
@@ -70,12 +70,12 @@ def test_what_is_pressed_and_passes_in_a_probe_is_neither_a_takeover_nor_latency
             expect(page.get_by_label("I", exact=True)).to_be_checked()
             page.evaluate("dispatchEvent(new KeyboardEvent('keydown', { code: 'Enter' }))")  # beside the form
             probed(page)
-            page.wait_for_function("page.latest.t > 2 && measured.length > 0", timeout=SLOW)
+            page.wait_for_function("page.latest.t > 2 && measured.length > 0")
             assert page.evaluate("Math.max(...measured)") < 1e6
             assert not page.evaluate("page.latest.byHand")
             ordered(desk, 1, "Abort")
             left(page)
-            expect(page.get_by_role("heading", name="This trial")).to_be_visible(timeout=SLOW)
+            expect(page.get_by_role("heading", name="This trial")).to_be_visible()
     (table,) = (driving.parent / "data").glob("sub-01/ses-01/beh/*_run-01_events.tsv")
     assert "override" not in [one["trial_type"] for one in read_table(table)]
 
@@ -99,7 +99,7 @@ def test_a_press_on_a_picture_that_is_answered_is_not_sent(driving: Path, browse
         started(browser, server, 1)
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             begun(page)
-            page.wait_for_function("document.querySelectorAll('#search circle').length === 6", timeout=SLOW)
+            page.wait_for_function("document.querySelectorAll('#search circle').length === 6")
             sent = page.evaluate(
                 """() => {
                   const sent = [];
@@ -110,7 +110,7 @@ def test_a_press_on_a_picture_that_is_answered_is_not_sent(driving: Path, browse
                   return sent;
                 }"""
             )
-            page.wait_for_function("page.search.number === 1", timeout=SLOW)
+            page.wait_for_function("page.search.number === 1")
     assert sent == [0]
     assert [one["kind"] for one in journal(driving, 1)].count("search") == 1
 
@@ -120,9 +120,9 @@ def test_answers_whose_page_was_not_received_stand_in_the_form_again(tmp_path: P
     study.write_text(study.read_text().replace("<before>", '<before><ask file="effort.xml"/>'))
     with served(*serving(study)) as server:
         started(browser, server, 1)
-        page = browser.new_page(bypass_csp=True)
+        page = free_page(browser)
         page.goto(f"{server.address}participant/1")
-        page.get_by_role("group", name="Taking over was hard.").get_by_label("2").check(timeout=SLOW)
+        page.get_by_role("group", name="Taking over was hard.").get_by_label("2").check()
         page.get_by_role("group", name="I stayed calm.").get_by_label("7").check()
         page.get_by_label("A sound").check()
         page.route("**/participant/1", lambda one: one.abort())  # as when the network is gone
@@ -130,10 +130,10 @@ def test_answers_whose_page_was_not_received_stand_in_the_form_again(tmp_path: P
         page.wait_for_url("chrome-error://**")
         page.unroute_all()
         page.goto(f"{server.address}participant/1")
-        expect(page.get_by_role("group", name="Taking over was hard.").get_by_label("2")).to_be_checked(timeout=SLOW)
+        expect(page.get_by_role("group", name="Taking over was hard.").get_by_label("2")).to_be_checked()
         page.get_by_role("button", name="Continue").click()
-        page.get_by_role("button", name="I agree").click(timeout=SLOW)
-        assert page.evaluate("sessionStorage.length") == 0
+        page.get_by_role("button", name="I agree").click()
+        page.wait_for_function("sessionStorage.length === 0")
         page.close()
 
 
@@ -142,7 +142,7 @@ def test_rows_that_were_asked_for_before_an_order_do_not_replace_its_answer(driv
         served(*serving(driving)) as server,
         opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk,
     ):
-        expect(row_of(desk, 1)).to_contain_text("waiting", timeout=SLOW)
+        expect(row_of(desk, 1)).to_contain_text("waiting")
         desk.evaluate(
             """() => {
               const ask = fetch;
@@ -157,11 +157,11 @@ def test_rows_that_were_asked_for_before_an_order_do_not_replace_its_answer(driv
               new MutationObserver(look).observe(rows, { subtree: true, childList: true });
             }"""
         )
-        desk.wait_for_function("globalThis.held !== undefined", timeout=SLOW)
+        desk.wait_for_function("globalThis.held !== undefined")
         ordered(desk, 1, "Start")
-        expect(row_of(desk, 1)).to_contain_text("started", timeout=SLOW)
+        expect(row_of(desk, 1)).to_contain_text("started")
         desk.evaluate("seen.length = 0; held()")
-        desk.wait_for_function("seen.length > 0", timeout=SLOW)  # the rows that are asked for next
+        desk.wait_for_function("seen.length > 0")  # the rows that are asked for next
         assert set(desk.evaluate("seen")) == {"started"}
 
 

@@ -318,11 +318,11 @@ class State(Columns):
     conf_right: list[float] = column(RUN, 1.0)
     health: list[float] = column(RUN, 1.0)
     view: list[float] = column(VIEW)
-    """What surrogate perception goes by: features of the left side, of the right side, of both (`columns.view`)."""
+    """The features of surrogate perception: of the left side, of the right side, of both (`columns.view`)."""
     taken_up: list[float] = column(VIEW)
     """The features that `unit` was worked out for."""
     unit: list[float] = column(UNIT)
-    """What the features give to the hidden units and the outputs of the left side, then of the right, without bias."""
+    """The features' contributions to the hidden units and outputs of the left side, then of the right, without bias."""
     changed: list[int] = column(VIEW)
     """Features that are being taken up, and their changes."""
     change: list[float] = column(VIEW)
