@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from pyarrow import compute
 
 from scenario_compiler.batch.codebook import (
     CODEBOOK,
@@ -55,6 +56,10 @@ def schema_of(columns: Sequence[Column]) -> pa.Schema:
     return pa.schema({one.column: _TYPES[one.kind] for one in columns})
 
 
+_TAKEOVER = list(schema_of(takeover_columns()))[1:]
+"""The fields of a takeover in the parts, where they belong to the row of their variant."""
+
+
 def tally_of(table: Path) -> Tally:
     """Return the counts of results in a sweep's table or in a part of it."""
     found = _read(table, list(TALLIED))
@@ -77,7 +82,7 @@ class ResultStore:
         self._parts = folder / PARTS
         self._columns = result_columns(parameters)
         self._schema = schema_of(self._columns)
-        self._part_schema = self._schema.append(pa.field(TAKEOVERS, pa.string()))
+        self._part_schema = self._schema.append(pa.field(TAKEOVERS, pa.list_(pa.struct(_TAKEOVER))))
         self._manifest = {"format": FORMAT, **manifest}
 
     def open(self, *, resume: bool) -> None:
@@ -169,8 +174,7 @@ class ResultStore:
 
     def write_part(self, number: int, columns: Columns) -> None:
         """Write the rows of a part; OSError if there is no room, and then no file is left."""
-        written = {**columns, TAKEOVERS: [json.dumps(some) for some in columns[TAKEOVERS]]}
-        table = table_of(written, self._part_schema)
+        table = table_of(columns, self._part_schema)
         sink = pa.BufferOutputStream()
         with _writer(sink, self._part_schema) as file:
             file.write_table(table)
@@ -179,7 +183,7 @@ class ResultStore:
     def part_columns(self, number: int) -> Columns:
         """Return the rows of a part."""
         columns: Columns = _read(self._part(number)).to_pydict()
-        return {**columns, TAKEOVERS: [json.loads(text) for text in columns[TAKEOVERS]]}
+        return columns
 
     def tally(self, number: int) -> Tally:
         """Return the counts of results in a part."""
@@ -237,13 +241,19 @@ def table_of(columns: Columns, schema: pa.Schema) -> pa.Table:
 
 def _takeovers_in(rows: pa.Table, schema: pa.Schema) -> pa.Table:
     """Return the takeovers of runs, one row each, in the order of the runs."""
-    each = zip(rows["variant"].to_pylist(), rows[TAKEOVERS].to_pylist(), strict=True)
-    found = [{"variant": variant, **one} for variant, text in each for one in json.loads(text)]
-    return table_of({name: [one[name] for one in found] for name in schema.names}, schema)
+    takeovers = rows[TAKEOVERS].combine_chunks()
+    variants = rows["variant"].combine_chunks().take(compute.list_parent_indices(takeovers))
+    return pa.table([variants, *takeovers.flatten().flatten()], schema=schema)
 
 
 def arrow_array(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
     """Return values, with None for missing ones, as a column of a type of the table."""
+    if pa.types.is_list(kind):
+        fields = list(kind.value_type)
+        rows = [one for some in values for one in some]
+        found = [arrow_array([one[field.name] for one in rows], field.type) for field in fields]
+        ends = arrow_numbers(np.cumsum([0, *map(len, values)], dtype=np.int32))
+        return pa.ListArray.from_arrays(ends, pa.StructArray.from_arrays(found, fields=fields))
     absent = np.array([value is None for value in values], dtype=bool)
     if pa.types.is_string(kind):
         return arrow_texts(["" if value is None else value for value in values], absent)

@@ -250,7 +250,7 @@ class Expressions:
         real = REAL in (a.kind, b.kind)
         if isinstance(operator, ast.Div):
             a, b = as_real(a), as_real(b)
-            if self._is_number_but_zero(divisor):
+            if self._never_zero(divisor):
                 return CText(f"{a.inner} / {b.inner}", REAL, atomic=False)
             return CText(f"DIVIDE({a.text}, {b.text})", REAL)
         if isinstance(operator, ast.FloorDiv) and not real:
@@ -265,10 +265,23 @@ class Expressions:
         shifted = "(int64_t)" if isinstance(operator, ast.LShift) else ""
         return CText(f"{shifted}{a.inner} {symbol} {b.inner}", REAL if real else INT, atomic=False)
 
-    def _is_number_but_zero(self, node: ast.expr) -> bool:
+    def _never_zero(self, node: ast.expr) -> bool:
+        """Return whether a divisor cannot be zero: a number, `max` with a positive number, or such a number plus `abs`.
+
+        A NaN among the arguments of `max` does not make the result zero.
+        """
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "max":
+            return any(self._number_in(one) > 0 for one in node.args)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add) and isinstance(node.right, ast.Call):
+            return self._number_in(node.left) > 0 and ast.unparse(node.right.func) == "abs"
+        return self._number_in(node) != 0
+
+    def _number_in(self, node: ast.expr) -> float:
+        """Return the number that a literal or a constant's name stands for; 0 for all else."""
+        if isinstance(node, ast.Name) and node.id in self.variables:
+            return 0
         number = node.value if isinstance(node, ast.Constant) else number_named(self.source, node)
-        local = isinstance(node, ast.Name) and node.id in self.variables
-        return isinstance(number, int | float) and number != 0 and not local
+        return number if isinstance(number, int | float) else 0
 
     def _compare(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.Compare)

@@ -377,7 +377,9 @@ class Binder:
 
     def travel_heading(self, lane: FoundLane) -> float:
         """Return the heading of a lane's driving direction at a position, rad."""
-        pose = self.network.lane_pose(lane.road, lane.lane, lane.s, lane.offset)
+        return self._travel_heading(lane, self.network.lane_pose(lane.road, lane.lane, lane.s, lane.offset))
+
+    def _travel_heading(self, lane: FoundLane, pose: Pose) -> float:
         direction = travel_direction(self.network, lane.road, lane.lane)
         return pose.heading if direction > 0 else pose.heading + math.pi
 
@@ -401,7 +403,7 @@ class Binder:
         if lane is None:
             return None
         pose = self.network.lane_pose(lane.road, lane.lane, lane.s, lane.offset)
-        heading = self.travel_heading(lane) + self.value(position.turn, position)
+        heading = self._travel_heading(lane, pose) + self.value(position.turn, position)
         if isinstance(position, LanePositionWord) and position.heading is not None:
             heading = self.value(position.heading, position)
         return lane, _start_pose(pose, heading)

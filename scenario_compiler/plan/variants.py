@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.expressions import Value, format_value
 from scenario_compiler.plan.binding import Binder
-from scenario_compiler.plan.checks.overlap import check_overlap
+from scenario_compiler.plan.checks.overlap import Overlaps
 from scenario_compiler.plan.checks.paths import check_paths
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.standing import after_init, standings_of
@@ -35,6 +35,7 @@ class VariantChecks:
         self._positions = tuple(_open_positions(plan))
         self._starts = {one.id: one.start for one in plan.entities if one.start is not None}
         self._moved = _moved(self._starts)
+        self._overlaps = Overlaps(plan)
         fixed = {name: start for name, start in self._starts.items() if name not in self._moved}
         self._fixed, _ = standings_of(self._binder(self._usual, Diagnostics()), fixed)
         self._timed_paths = any(limit.holder == "time" for limit in plan.limits)
@@ -66,8 +67,7 @@ class VariantChecks:
     def _check_starts(self, binder: Binder) -> None:
         moved, _ = standings_of(binder, {name: self._starts[name] for name in self._moved}, self._fixed)
         standings = after_init(binder, self._plan.storyboard, {**self._fixed, **moved})
-        poses = {name: standing.pose for name, standing in standings.items()}
-        check_overlap(self._plan.model_copy(update={"derived": poses}), self._network, binder.sink)
+        self._overlaps.report({name: standing.pose for name, standing in standings.items()}, binder.sink)
 
     def _binder(self, values: Mapping[str, Value], sink: Diagnostics) -> Binder:
         return Binder(self._network, values, sink, forgiving=self._forgiving)

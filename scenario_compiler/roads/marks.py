@@ -147,6 +147,19 @@ def painted_share(n: RoadTables, mark: int, begin: float, end: float) -> float:
 
 
 @compiled
+def evenly_painted(n: RoadTables, mark: int) -> int:
+    """Return 1 if `painted_share` of a mark's row is the same for every stretch: no mark, or one without dashes."""
+    if mark < 0:
+        return 1
+    for k in range(n.mark_line[mark], n.mark_line[mark + 1]):
+        if n.line_once[k] == 1 or (n.line_length[k] > 0.0 and n.line_space[k] > 0.0):
+            return 0
+    if n.mark_line[mark + 1] > n.mark_line[mark]:
+        return 1
+    return 0 if n.mark_type[mark] in (MARK_BROKEN, MARK_BROKEN_BROKEN, MARK_BOTTS_DOTS) else 1
+
+
+@compiled
 def painted_width(n: RoadTables, mark: int) -> float:
     """Return the width of a mark's first line, m; 0 without a mark."""
     if mark < 0 or n.mark_type[mark] == MARK_NONE:

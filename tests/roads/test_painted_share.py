@@ -7,7 +7,7 @@ import pytest
 
 from scenario_compiler import load_network
 from scenario_compiler.resources import find_map
-from scenario_compiler.roads.marks import dashes_between, dashes_up_to, mark_row, painted_share
+from scenario_compiler.roads.marks import dashes_between, dashes_up_to, evenly_painted, mark_row, painted_share
 from scenario_compiler.roads.mesh import road_marks
 
 
@@ -38,3 +38,15 @@ def test_the_share_is_that_of_the_pieces_that_are_drawn(name: str) -> None:
         assert painted_share(n, mark, begin, end) == pytest.approx(covered / (end - begin), abs=0.01)
         compared += 1
     assert compared > 50
+
+
+@pytest.mark.parametrize("name", ["highway_loop", "town_grid"])
+def test_a_mark_is_evenly_painted_if_every_stretch_of_it_has_the_same_share(name: str) -> None:
+    network = load_network(find_map(name))
+    n, found = network.tables, set()
+    for mark in range(-1, len(n.mark_s)):
+        begin = n.mark_s[max(mark, 0)]
+        shares = {painted_share(n, mark, begin + 0.5 * k, begin + 0.5 * k + 2.0) for k in range(40)}
+        assert (len(shares) == 1) == (evenly_painted(n, mark) == 1)
+        found.add(len(shares) == 1)
+    assert found == {True, False}

@@ -23,7 +23,7 @@ from scenario_compiler.engine.columns.program import (
     VERTEX,
     Program,
 )
-from scenario_compiler.engine.columns.view import SAMPLES, UNITS, VIEW_SIZE
+from scenario_compiler.engine.columns.view import HIDDEN, SAMPLES, UNITS, VIEW_SIZE
 from scenario_compiler.forms.declaration import RUN, Columns, Of, at_start, column, container, fixed
 from scenario_compiler.randomness import hash_bits, normal
 
@@ -36,6 +36,7 @@ FAILURE_KIND = fixed("kind of failure", op.FAILURES)
 WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 SIDE = fixed("side of the lane", 2)
 UNIT = fixed("unit of a network, for each side", 2 * UNITS)
+HIDDEN_UNIT = fixed("hidden unit of a network", HIDDEN)
 VIEW = fixed("feature of a view", VIEW_SIZE)
 LOOKED = fixed("piece of the way in which paint is looked at", SAMPLES)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
@@ -322,6 +323,11 @@ class State(Columns):
     """The features that `unit` was worked out for."""
     unit: list[float] = column(UNIT)
     """The features' contributions to the hidden units and outputs of the left side, then of the right, without bias."""
+    changed: list[int] = column(VIEW)
+    """Features that are being taken up, and their changes."""
+    change: list[float] = column(VIEW)
+    answer: list[float] = column(HIDDEN_UNIT)
+    """Answers of one side's hidden units while its outputs are computed."""
     view_row: list[int] = column(RUN, op.NONE)
     """Row and piece of the path for which the view is kept while nothing changes; NONE if it must not be kept."""
     view_piece: list[int] = column(RUN)
@@ -508,7 +514,11 @@ class State(Columns):
     seen: list[int] = column(ENTITY)
     """1 if the entity is ahead on the way and the forward sensor (or the driver) sees it."""
     on_way: list[int] = column(ENTITY)
-    """1 if the entity is on the way; only then the following columns hold."""
+    """1 if the entity is on the way; only then the columns from `near` to `border_right` hold."""
+    way_angle: list[float] = column(ENTITY)
+    """Angle between the entity and the road of the way when it was last measured, rad, with its cosine and sine."""
+    way_cos: list[float] = column(ENTITY, 1.0)
+    way_sin: list[float] = column(ENTITY)
     near: list[float] = column(ENTITY)
     """Distance along the way from the ego's reference point to the near end of the entity's box, m."""
     far: list[float] = column(ENTITY)

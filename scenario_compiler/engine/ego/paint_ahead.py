@@ -17,7 +17,7 @@ from scenario_compiler.engine.ego.lane_confidence import mark_visibility
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction, lane_inside, lane_row_in, row_width
-from scenario_compiler.roads.marks import MARK_COLOUR_CODES, mark_row, painted_share, row_mark
+from scenario_compiler.roads.marks import MARK_COLOUR_CODES, evenly_painted, mark_row, painted_share, row_mark
 from scenario_compiler.roads.tables import RoadTables
 
 CAMERA_AT = 1.9
@@ -155,8 +155,8 @@ def see_piece(st: State, base: int, k: int, bright: float, quality: float, paint
     if k < NEAR_PIECES:
         st.view[base + at.S_SEEN] += seen / NEAR_PIECES
         st.view[base + at.S_STRONG] += min(strength, STRONGEST) / NEAR_PIECES
-        st.view[base + at.S_HIDDEN] += hidden / NEAR_PIECES
-        st.view[base + at.S_IN_VIEW] += in_view / NEAR_PIECES
+        st.view[base + at.S_HIDDEN] += 1.0 / NEAR_PIECES if hidden == 1.0 else 0.0
+        st.view[base + at.S_IN_VIEW] += 1.0 / NEAR_PIECES if in_view == 1.0 else 0.0
         if k > 0:
             st.view[base + at.S_QUALITY] += quality / (NEAR_PIECES - 1.0)
     return in_view
@@ -262,6 +262,10 @@ def see_even_lines(n: RoadTables, st: State, left_colour: int, right_colour: int
         left_mark = outer
         right_mark = inner
     st.view_dashed[0] = 0
+    left_even = evenly_painted(n, left_mark)
+    right_even = evenly_painted(n, right_mark)
+    left_share = 0.0
+    right_share = 0.0
     first_left = 0.0
     first_right = 0.0
     left_in_view = 0.0
@@ -269,8 +273,10 @@ def see_even_lines(n: RoadTables, st: State, left_colour: int, right_colour: int
     for k in range(at.SAMPLES):
         s = here + st.path_sense[0] * (CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k)
         st.way_half[k] = 0.5 * row_width(n, row, s)
-        left_share = painted_share(n, left_mark, s - HALF_PIECE, s + HALF_PIECE)
-        right_share = painted_share(n, right_mark, s - HALF_PIECE, s + HALF_PIECE)
+        if k == 0 or left_even == 0:
+            left_share = painted_share(n, left_mark, s - HALF_PIECE, s + HALF_PIECE)
+        if k == 0 or right_even == 0:
+            right_share = painted_share(n, right_mark, s - HALF_PIECE, s + HALF_PIECE)
         if k == 0:
             first_left = left_share
             first_right = right_share

@@ -119,6 +119,7 @@ def take_up(p: Program, st: State) -> int:
     """
     low = p.surrogate_const[0]
     outside = 0
+    count = 0
     for k in range(VIEW_SIZE):
         value = st.view[k]
         if value == st.taken_up[k]:
@@ -131,17 +132,67 @@ def take_up(p: Program, st: State) -> int:
         change = value - st.taken_up[k]
         if abs(change) > TOO_SMALL * (most - least):
             st.taken_up[k] = value
-            mirrored = k
-            if k < SIDE_SIZE:
-                mirrored = k + SIDE_SIZE
-            elif k < V_BOTH:
-                mirrored = k - SIDE_SIZE
-            left = low + FIRST_AT + UNITS * k
-            right = low + FIRST_AT + UNITS * mirrored
-            for unit in range(UNITS):
-                st.unit[unit] += p.const[left + unit] * change
-                st.unit[UNITS + unit] += p.const[right + unit] * change
+            st.changed[count] = k
+            st.change[count] = change
+            count += 1
+    first = 0
+    while first + 4 <= count:
+        add_four(p, st, first)
+        first = first + 4
+    while first < count:
+        add_one(p, st, first)
+        first = first + 1
     return outside
+
+
+@compiled
+def mirrored(feature: int) -> int:
+    """Return the feature that the network takes on the right side in the place of a feature of the left side."""
+    if feature < SIDE_SIZE:
+        return feature + SIDE_SIZE
+    return feature - SIDE_SIZE if feature < V_BOTH else feature
+
+
+@compiled
+def add_one(p: Program, st: State, at: int) -> None:
+    """Add a changed feature to all units."""
+    weights = p.surrogate_const[0] + FIRST_AT
+    left = weights + UNITS * st.changed[at]
+    right = weights + UNITS * mirrored(st.changed[at])
+    change = st.change[at]
+    for unit in range(UNITS):
+        st.unit[unit] += p.const[left + unit] * change
+        st.unit[UNITS + unit] += p.const[right + unit] * change
+
+
+@compiled
+def add_four(p: Program, st: State, at: int) -> None:
+    """Add four changed features to all units, one after the other: a unit is read and written once."""
+    weights = p.surrogate_const[0] + FIRST_AT
+    a = st.change[at]
+    b = st.change[at + 1]
+    c = st.change[at + 2]
+    d = st.change[at + 3]
+    for side in range(2):
+        first = st.changed[at]
+        second = st.changed[at + 1]
+        third = st.changed[at + 2]
+        fourth = st.changed[at + 3]
+        if side == 1:
+            first = mirrored(first)
+            second = mirrored(second)
+            third = mirrored(third)
+            fourth = mirrored(fourth)
+        of_a = weights + UNITS * first
+        of_b = weights + UNITS * second
+        of_c = weights + UNITS * third
+        of_d = weights + UNITS * fourth
+        base = UNITS * side
+        for unit in range(UNITS):
+            value = st.unit[base + unit] + p.const[of_a + unit] * a
+            value = value + p.const[of_b + unit] * b
+            value = value + p.const[of_c + unit] * c
+            st.unit[base + unit] = value + p.const[of_d + unit] * d
 
 
 @compiled
@@ -153,9 +204,10 @@ def outputs_of(p: Program, st: State, side: int) -> tuple[float, float]:
     drawn = st.unit[UNITS * side + HIDDEN + 1] + p.const[bias + HIDDEN + 1]
     for unit in range(HIDDEN):
         value = st.unit[UNITS * side + unit] + p.const[bias + unit]
-        value = value / (1.0 + abs(value))
-        logit += p.const[second + OUTPUTS * unit] * value
-        drawn += p.const[second + OUTPUTS * unit + 1] * value
+        st.answer[unit] = value / (1.0 + abs(value))
+    for unit in range(HIDDEN):
+        logit += p.const[second + OUTPUTS * unit] * st.answer[unit]
+        drawn += p.const[second + OUTPUTS * unit + 1] * st.answer[unit]
     return logit, drawn
 
 

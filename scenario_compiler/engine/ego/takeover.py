@@ -37,13 +37,12 @@ def remember(st: State, cause: int, raw: int, count: float, of: float) -> None:
     """Record whether a cause has a reason at this control step; it asks if it had one in `count` of the last `of`."""
     bits = (st.history[cause] * 2 + raw) & 0xFFFFFFFF
     st.history[cause] = bits
-    st.asking[cause] = 0
-    if bits != 0:
-        found = 0
-        for k in range(HISTORY_SIZE):
-            if k < of:
-                found += (bits >> k) & 1
-        st.asking[cause] = 1 if found > 0 and found >= count else 0
+    found = 0
+    k = 0
+    while bits >> k != 0 and k < of:
+        found += (bits >> k) & 1
+        k += 1
+    st.asking[cause] = 1 if found > 0 and found >= count else 0
 
 
 @compiled

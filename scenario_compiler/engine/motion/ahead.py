@@ -126,7 +126,10 @@ def row_on_way(n: RoadTables, st: State, w: int, s: float, ahead: float) -> tupl
 
 @compiled
 def measure_on_way(n: RoadTables, p: Program, st: State, j: int) -> int:
-    """Measure an entity's box along and across the way; return 1 if the entity is on it."""
+    """Measure an entity's box along and across the way; return 1 if the entity is on it.
+
+    Most entities keep their angle to the road, and so its cosine and sine.
+    """
     st.on_way[j] = 0
     if st.present[j] == 0:
         return 0
@@ -147,8 +150,12 @@ def measure_on_way(n: RoadTables, p: Program, st: State, j: int) -> int:
         lane_t = lane_offset(n, road, s)
         half = 0.0
     relative = st.h[j] - road_heading(n, road, s)
-    c = sign * cos(relative)
-    w_side = sign * sin(relative)
+    if relative != st.way_angle[j]:
+        st.way_angle[j] = relative
+        st.way_cos[j] = cos(relative)
+        st.way_sin[j] = sin(relative)
+    c = sign * st.way_cos[j]
+    w_side = sign * st.way_sin[j]
     base = p.entity_const[j]
     lengthwise = abs(c)
     crosswise = abs(w_side)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import pairwise
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Related, Severity
@@ -27,25 +28,43 @@ NEAR = (-1, 0, 1)
 
 
 def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report every entity whose box overlaps an earlier one's at the start. Trailers of actions are not checked."""
+    """Report every entity whose box overlaps an earlier one's at the start."""
     del network
-    severity = None if any(entity.kind == "ego" for entity in plan.entities) else Severity.WARNING
-    actions = [initial.action for initial in plan.storyboard.init]
-    trailers = {action.trailer for action in actions if isinstance(action, ConnectTrailerAction)}
-    standing = [one for one in plan.entities if one.id in plan.derived and one.id not in trailers]
-    size = 2.0 * max(map(reach, standing), default=1.0)
-    cells: dict[tuple[int, int], list[Entity]] = {}
-    for other in standing:
-        there = plan.derived[other.id]
-        column, row = math.floor(there.x / size), math.floor(there.y / size)
-        near = [one for c in NEAR for r in NEAR for one in cells.get((column + c, row + r), ())]
-        hit = next((one for one in near if overlap_at_start(one, plan.derived[one.id], other, there)), None)
-        if hit is not None:
-            message = f"'{hit.id}' and '{other.id}' overlap at the start"
-            place, there_too = (place_of(plan, f"entities/{one.id}") for one in (other, hit))
-            related = (Related(f"'{hit.id}' is placed here", there_too),)
-            sink.add(OVERLAP, message, place, severity=severity, related=related)
-        cells.setdefault((column, row), []).append(other)
+    Overlaps(plan).report(plan.derived, sink)
+
+
+class Overlaps:
+    """The check of a plan's entities for overlaps, at any start poses. Trailers of actions are not checked."""
+
+    def __init__(self, plan: Plan) -> None:
+        """Prepare what does not depend on the poses."""
+        self._plan = plan
+        self._severity = None if any(entity.kind == "ego" for entity in plan.entities) else Severity.WARNING
+        actions = [initial.action for initial in plan.storyboard.init]
+        trailers = {action.trailer for action in actions if isinstance(action, ConnectTrailerAction)}
+        self._entities = [(one, reach(one)) for one in plan.entities if one.id not in trailers]
+
+    def report(self, poses: Mapping[str, StartPose], sink: Diagnostics) -> None:
+        """Report every entity with a pose whose box overlaps an earlier one's."""
+        standing = [(one, far, poses[one.id]) for one, far in self._entities if one.id in poses]
+        size = 2.0 * max((far for _, far, _ in standing), default=1.0)
+        cells: dict[tuple[int, int], list[tuple[Entity, float, StartPose]]] = {}
+        for other, far, there in standing:
+            column, row = math.floor(there.x / size), math.floor(there.y / size)
+            for one, its_far, at in (one for c in NEAR for r in NEAR for one in cells.get((column + c, row + r), ())):
+                # Boxes whose reference points are further apart than both reach cannot overlap.
+                if math.hypot(at.x - there.x, at.y - there.y) > far + its_far:
+                    continue
+                if overlap_at_start(one, at, other, there):
+                    self._add(one, other, sink)
+                    break
+            cells.setdefault((column, row), []).append((other, far, there))
+
+    def _add(self, hit: Entity, other: Entity, sink: Diagnostics) -> None:
+        message = f"'{hit.id}' and '{other.id}' overlap at the start"
+        place, there_too = (place_of(self._plan, f"entities/{one.id}") for one in (other, hit))
+        related = (Related(f"'{hit.id}' is placed here", there_too),)
+        sink.add(OVERLAP, message, place, severity=self._severity, related=related)
 
 
 def overlap_at_start(one: Entity, at: StartPose, other: Entity, there: StartPose) -> bool:
