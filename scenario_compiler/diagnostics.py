@@ -387,7 +387,7 @@ def _source(place: Place) -> Iterator[str]:
 
 
 def _excerpt(place: Place) -> tuple[str, int]:
-    """Return what is shown of a place's line, and the number of characters before the place in it."""
+    """Return the shown part of a place's line, and the number of characters before the place in it."""
     text, before = place.source_line, max(0, place.column - 1)
     if len(text) <= WIDEST_LINE:
         return text, before

@@ -334,7 +334,7 @@ def _apply(function: str, arguments: list[Value]) -> Value:
 
 
 def _checked_text(function: str, text: str) -> str:
-    """Return a text as a function's argument; its length is limited, so that nobody can double it without end."""
+    """Return a text that a function has as its result; only some functions return texts, of a limited length."""
     if function not in ("+", "min", "max"):
         raise TypeError(function)
     if len(text) > MAX_LENGTH:

@@ -112,7 +112,7 @@ def _openscenario(path: Path, name: str, source: OpenScenario) -> Listed:
 
 
 def _varied(vary: Vary, sets: Mapping[str, Sequence[Mapping[str, str]]]) -> Iterator[tuple[str, str]]:
-    """Yield each varied parameter with its values; of sets of values, the parameter that chooses the set."""
+    """Yield each varied parameter with its values; for sets of values, each set with the number that chooses it."""
     for axis in vary.axes:
         if axis.parameter in sets:
             for number, values in enumerate(sets[axis.parameter]):

@@ -1,4 +1,4 @@
-"""Random numbers that depend only on names: those of streams before a run, and on counters during a run.
+"""Random numbers without a generator's state: hashes of names before a run, hashes of counters during a run.
 
 Before a run, `uniform` and `normal` return a number that is a hash of (seed, variant, stream), so that a variant's
 draws depend neither on the other variants nor on their order. A step uses no generator: `random_hash` is a function of

@@ -103,7 +103,7 @@ def test_the_parked_car_cuts_the_corridor_of_a_car_in_mid_lane(file: Path, maps:
 @pytest.mark.parametrize("perception", ["camera", "ideal"])
 def test_rain_hides_the_lanes_only_when_it_rains(file: Path, maps: Path, perception: Perception) -> None:
     dry, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 2.0)
-    wet, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 2.0, WeatherId="10")
+    wet, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 1.5, WeatherId="10")
     assert _first(dry, "request") is None
     assert _first(wet, "warning") is not None
     assert _first(wet, "request") is not None
@@ -155,8 +155,8 @@ def test_with_the_camera_no_request_comes_where_the_route_follows_the_paint(file
 
 
 def test_little_noise_does_no_harm_and_much_does(file: Path, maps: Path) -> None:
-    little, _ = _played(f"{file}#sensornoise", maps, "camera", 3.0)
-    much, _ = _played(f"{file}#sensornoise", maps, "camera", 3.0, sensor_noise="60")
+    little, _ = _played(f"{file}#sensornoise", maps, "camera", 2.0)
+    much, _ = _played(f"{file}#sensornoise", maps, "camera", 1.5, sensor_noise="60")
     assert _first(little, "request") is None
     assert _first(much, "request") is not None
 
@@ -246,7 +246,9 @@ def test_converted_file_follows_the_schema(converted: Path) -> None:
     schema.assertValid(etree.parse(converted))
 
 
-def test_a_scenario_without_a_start_is_converted_to_one_that_must_be_given_it(converted: Path, maps: Path) -> None:
+def test_a_scenario_without_a_start_is_converted_to_a_conflict_with_parameters_for_it(
+    converted: Path, maps: Path
+) -> None:
     compilation, sink = _compiled(f"{converted}#lanesdefault", maps)
     assert compilation is None
     assert _codes(sink) == {"SC214"}
@@ -265,7 +267,7 @@ def test_gaps_in_a_conversion_are_reported(file: Path) -> None:
     assert not sink.has_errors
 
 
-def test_converted_file_says_what_could_not_be_converted(converted: Path) -> None:
+def test_a_converted_file_lists_what_could_not_be_converted(converted: Path) -> None:
     text = converted.read_text(encoding="utf-8")
     assert "lanesdefault: the scenario 'lanesdefault' has no waypoint named 'start'" in text
     assert text.count("lanesdefault: not executed: object name=") == 4

@@ -49,7 +49,7 @@ def test_the_same_finding_again_counts_once() -> None:
     assert list(sink)[-1].message.startswith("6 more findings")
 
 
-def test_sinks_that_are_put_together_add_what_they_counted() -> None:
+def test_combined_sinks_add_their_counts() -> None:
     sink = reported(MOST_OF_A_KIND + 7)
     sink.absorb(reported(MOST_OF_A_KIND + 5))
     assert list(sink)[-1].message.startswith("12 more")

@@ -114,7 +114,7 @@ def test_values_beyond_the_limits_are_refused(
     distribution: str, value: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert sweep("--vary", f"speed={distribution}", "--where", "number < 3") == 2
-    assert f"by {distribution}, speed may become {value}, but must be at most 30" in capsys.readouterr().err
+    assert f"with {distribution}, speed may become {value}, but must be at most 30" in capsys.readouterr().err
     assert not Path("out").exists()
 
 

@@ -56,9 +56,9 @@ def front(plan: Plan, recording: Recording) -> np.ndarray:
 
 @pytest.mark.parametrize("perception", ["camera", "ideal"])
 def test_fading_paint_causes_a_request_neither_early_nor_late(perception: Perception) -> None:
-    begin, over = 170.0, 100.0
+    begin, over = 100.0, 60.0
     plan, recording, outcome = played(
-        compiled("markings_missing", perception, duration=14.0, **{"from": begin, "over": over})
+        compiled("markings_missing", perception, duration=9.0, **{"from": begin, "over": over})
     )
     at = first(recording, "request")
     assert outcome.cause == "lane_confidence"

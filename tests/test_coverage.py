@@ -27,7 +27,7 @@ from scenario_compiler.vocabulary.word import Word
 WORDS = conflict_words()
 
 
-def test_every_word_says_what_executes_it() -> None:
+def test_every_word_names_the_code_that_executes_it() -> None:
     assert set(WORDS) <= set(EXECUTION)
 
 

@@ -52,7 +52,7 @@ def test_every_form_is_an_element_of_the_standard() -> None:
     assert {form.tag for form in FORMS} <= set(elements())
 
 
-def test_elements_are_read_where_the_table_says(front_end: Path) -> None:
+def test_elements_are_read_in_the_module_of_the_table(front_end: Path) -> None:
     for home in HOMES:
         module = front_end.joinpath(*home.reader.split("."))
         file = module / "__init__.py" if module.is_dir() else module.with_suffix(".py")

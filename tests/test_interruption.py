@@ -75,8 +75,8 @@ COMMANDS = {
     "report": "report made",
     "compare": "compare made made",
     "sweep": "sweep mine.xml --perception ideal --vary speed=values(10,20,30) -o swept",
-    "sweep in processes": "sweep mine.xml --duration 0.3 --vary speed=values(10,20,30) --workers 2 --no-report "
-    "-o swept",
+    "sweep in processes": "sweep mine.xml --perception ideal --time-limit 60 --vary speed=values(10,20,30) --workers 2 "
+    "--no-report -o swept",
     "search": "sweep mine.xml --perception ideal --vary speed=uniform(9,20) --minimise final_speed --evaluations 5 "
     "-o found",
     "list": "list mine.xml",
@@ -94,6 +94,9 @@ COMMANDS = {
 }
 
 ALIKE = {
+    "run with a camera",
+    "convert",
+    "map export",
     "report",
     "compare",
     "search",
@@ -105,7 +108,7 @@ ALIKE = {
     "explain",
     "coverage",
 }
-"""Commands that end as others do: they write a file or nothing, and start no process."""
+"""Commands that end as others do: they write as `run` does, or a file or nothing, and start no process."""
 
 WHOLE = {
     "out": {"events.csv", "map.xodr", "outcome.json", "plan.json", "recording.parquet", "report.html"},
@@ -181,7 +184,7 @@ def assert_clean(place: Path, before: set[Path], command: str, code: int, told: 
 
 
 @pytest.mark.parametrize("name", [name for name in COMMANDS if name not in {*ALIKE, "sweep in processes"}])
-def test_ctrl_c_is_one_line(place: Path, name: str) -> None:
+def test_ctrl_c_prints_one_line(place: Path, name: str) -> None:
     """The signal comes with the first file that is written, or early in a command that writes none."""
     before = {path.relative_to(place) for path in place.rglob("*")}
     writes = not name.startswith(("validate", "list"))
@@ -193,7 +196,7 @@ def test_ctrl_c_is_one_line(place: Path, name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 @pytest.mark.parametrize("share", [0.02, 0.2, 0.5, 0.8, 0.99])
-def test_ctrl_c_is_one_line_at_any_moment(place: Path, name: str, share: float) -> None:
+def test_ctrl_c_prints_one_line_at_any_moment(place: Path, name: str, share: float) -> None:
     command = COMMANDS[name]
     before = {path.relative_to(place) for path in place.rglob("*")}
     code, told = interrupted(place, command, max(1, int(share * events_of(place, name))))

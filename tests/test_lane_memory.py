@@ -225,9 +225,9 @@ def test_the_outcome_says_where_a_car_stands_that_has_lost_its_lane(bias: float,
     raise AssertionError(f"no seed led to {stands}")
 
 
-RAIN = """<scenarios version="1"><scenario name="rain" map="highway_loop" weather="HardRainSunset" duration="8"
+RAIN = """<scenarios version="1"><scenario name="rain" map="highway_loop" weather="HardRainSunset" duration="6"
 control_every="2"><ego speed="22"><start><spawn_point name="{place}"/></start></ego>
-<takeover budget="7"><cause kind="lane_confidence"/><driver takeover_time="5.5"/></takeover></scenario></scenarios>"""
+<takeover budget="7"><cause kind="lane_confidence"/><driver takeover_time="3.5"/></takeover></scenario></scenarios>"""
 
 
 @pytest.mark.parametrize("place", [pytest.param("straight", marks=pytest.mark.slow), "winding"])

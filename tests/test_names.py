@@ -118,7 +118,7 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize("name", FAULTY)
-def test_a_mistake_is_one_line_and_the_same_in_every_command(
+def test_a_mistake_gives_the_same_line_in_every_command(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -112,7 +112,7 @@ def test_the_action_passes_good_files(folder: Path) -> None:
     assert json.loads(Path(outputs["sarif"]).read_text(encoding="utf-8"))["runs"][0]["results"] == []
 
 
-def test_the_action_annotates_what_is_wrong_and_leaves_sarif(folder: Path) -> None:
+def test_the_action_annotates_faults_and_writes_sarif(folder: Path) -> None:
     break_one(folder)
     done, outputs = step("Validate", folder, inputs(paths="conflicts/ramp_blocked.xml\n\nconflicts/obstacle_ahead.xml"))
     assert done.returncode == 1
@@ -150,7 +150,7 @@ def test_the_action_gates_the_pass_rate(folder: Path) -> None:
     file.write_text(text.replace("<no_collision/>", '<minimum_time_to_collision at_least="30"/>'), encoding="utf-8")
     done, _ = step("Sweep", folder, given)
     assert done.returncode == 3, done.stdout + done.stderr
-    assert "less than the share of 0.9" in done.stderr
+    assert "less than the required share of 0.9" in done.stderr
 
 
 def test_the_workflow_gives_the_action_inputs_that_it_has() -> None:

@@ -74,7 +74,7 @@ def test_a_link_that_leads_nowhere_is_found(tmp_path: Path) -> None:
     test_every_link_leads_somewhere(page)
 
 
-def test_the_workflow_makes_what_the_makefile_has_on_every_supported_python() -> None:
+def test_the_workflow_runs_the_makefiles_targets_on_every_supported_python() -> None:
     jobs = read(".github/workflows/check.yml")["jobs"]
     steps = [step.get("run", "") for job in jobs.values() for step in job["steps"]]
     made = [word for step in steps for word in re.findall(r"make (\S+)", step)]

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from _pytest.mark.structures import ParameterSet
 
 from scenario_compiler.legible import legible, legible_json, legible_line
 
@@ -30,16 +31,31 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize(("file", "code"), [("good.xml", 0), ("bad.xml", 1)])
-@pytest.mark.parametrize("streams", [">&-", "2>&-", ">&- 2>&-", "<&-", ">&- 2>&- <&-", "> /dev/null 2>&1"])
+ALIKE = {("good.xml", "2>&-"), ("good.xml", ">&- 2>&-"), ("bad.xml", "<&-"), ("bad.xml", "> /dev/null 2>&1")}
+ALIKE |= {("good.xml", "json"), ("good.xml", "sarif"), ("good.xml", "github")}
+"""Files with nothing to write, and streams that nothing is written to: others show the same, and these are slow."""
+
+
+def files_with(*others: str) -> list[ParameterSet]:
+    """Return (file, exit code, other) for a good and a bad file and each of some others."""
+    return [
+        pytest.param(file, code, other, marks=[pytest.mark.slow] if (file, other) in ALIKE else [])
+        for file, code in (("good.xml", 0), ("bad.xml", 1))
+        for other in others
+    ]
+
+
+@pytest.mark.parametrize(
+    ("file", "code", "streams"),
+    files_with(">&-", "2>&-", ">&- 2>&-", "<&-", ">&- 2>&- <&-", "> /dev/null 2>&1"),
+)
 def test_closed_streams_are_not_an_error(folder: Path, file: str, code: int, streams: str) -> None:
     done = shell(f"{PROGRAM} validate {file} {streams}", folder)
     assert done.returncode == code
     assert b"Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize(("file", "code"), [("good.xml", 0), ("bad.xml", 1)])
-@pytest.mark.parametrize("form", ["text", "json", "sarif", "github"])
+@pytest.mark.parametrize(("file", "code", "form"), files_with("text", "json", "sarif", "github"))
 def test_a_reader_that_closes_the_pipe_is_not_an_error(folder: Path, file: str, code: int, form: str) -> None:
     both = f"{PROGRAM} validate {file} --format {form} 2>&1 | true; echo ${{PIPESTATUS[0]}}"
     done = shell(both, folder)

@@ -322,7 +322,7 @@ def test_a_sweep_runs_trusted_code_in_its_processes(tmp_path: Path, monkeypatch:
         file.read_text().replace("    <ego", '    <parameter name="v" type="speed" default="5"/>\n    <ego')
     )
     monkeypatch.chdir("/")
-    command = ("sweep", file, "--vary", "v=values(5,6)", "--no-report")
+    command = ("sweep", file, "--vary", "v=values(5,6)", "--no-report", "--workers", "1", "--duration", "0.2")
     assert call(*command, "-o", tmp_path / "refused") == 1
     assert call(*command, "-o", tmp_path / "done", "--trust", tmp_path / "stranger.py") == 0
 

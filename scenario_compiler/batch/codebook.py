@@ -24,7 +24,7 @@ from scenario_compiler.vocabulary.word import QUANTITIES
 CODEBOOK = "codebook.csv"
 
 PARAMETER = "parameter."
-"""What the columns of parameters begin with."""
+"""Prefix of the columns of parameters."""
 
 ColumnKind = Literal["integer", "number", "boolean", "text"]
 

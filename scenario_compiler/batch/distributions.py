@@ -78,13 +78,13 @@ def parse_distribution(text: str) -> Distribution:
 
 
 def misfit(axis: Distribution, kind: ParameterKind) -> str:
-    """Return what a parameter of a kind must vary by, if a distribution does not fit; otherwise empty."""
+    """Return the distributions that fit a parameter of a kind, if the given one does not; otherwise empty."""
     if kind in ("text", "boolean"):
         fits = axis.kind == "boolean" if kind == "boolean" else bool(axis.points)
         values = "true, false" if kind == "boolean" else "value, value, ..."
         return "" if fits else f"choice({values}) or values({values})"
     if axis.kind != "number":
-        return "numbers alone"
+        return "numbers only"
     counts = axis.text.startswith("poisson") or (
         axis.points and all(float(value) % 1.0 == 0.0 for value in axis.points)
     )

@@ -220,10 +220,10 @@ def check_axes(
         kind = declared[name].kind
         wanted = misfit(axis, kind)
         if wanted:
-            raise SweepError(f"'{name}' is of the type {kind}, which {axis.text} does not fit: give it {wanted}")
+            raise SweepError(f"'{name}' is of the type {kind}, which {axis.text} does not fit: use {wanted}")
         too_far = "" if name in constrained else beyond(axis, declared[name].limits)
         if too_far:
-            raise SweepError(f"by {axis.text}, {name} may become {too_far}")
+            raise SweepError(f"with {axis.text}, {name} may become {too_far}")
 
 
 def form_of(spec: SweepSpec, base: Family) -> Form:

@@ -82,7 +82,7 @@ class Sampler:
             values = self._point(number, attempt)
             if self._holds(values):
                 return values
-        raise SweepError(f"no sample fulfils {self._shown}: {ATTEMPTS} draws for one variant did not")
+        raise SweepError(f"no sample meets {self._shown} in {ATTEMPTS} draws for one variant")
 
     def choose(self) -> None:
         """Keep the points that fulfil the constraints, where points are not drawn again.
@@ -95,7 +95,7 @@ class Sampler:
         good = (number for number in range(self.points) if self._holds(self._point(number, 0)))
         self.chosen = array("q", good)
         if not len(self.chosen):
-            raise SweepError(f"no sample fulfils {self._shown}")
+            raise SweepError(f"no sample meets {self._shown}")
 
     @property
     def _shown(self) -> str:
@@ -145,7 +145,7 @@ def make_sampler(spec: SweepSpec, fixed: Sample | None = None) -> Sampler:
 
 
 def constraints_of(spec: SweepSpec) -> tuple[Expression, ...]:
-    """Return what every variant of a sweep fulfils; SweepError where it cannot be read."""
+    """Return the constraints that every variant of a sweep meets; SweepError if one cannot be read."""
     try:
         return tuple(parse_expression(text) for text in spec.where)
     except ExpressionError as fault:

@@ -92,14 +92,14 @@ class Actor:
 
 @dataclass(eq=False)
 class Body(Actor):
-    """What has a box and a place in the engine.
+    """An actor that has a box and an index in the engine: a vehicle, a walker or a prop.
 
     Attributes:
-        place: Its number in the engine.
+        place: Its index in the engine.
         shape: Its box and axles.
         simulates: Whether physics moves it.
-        collides: Whether others touch it.
-        weighs: Whether gravity pulls it: without, tires carry nothing.
+        collides: Whether it can collide with others.
+        weighs: Whether gravity pulls it; without gravity, its tires transmit no force.
         mass: kg.
         spawned: Where it was spawned, CARLA's axes.
     """
@@ -134,18 +134,18 @@ class Car(Body):
 
     Attributes:
         control: Throttle, steer, brake, hand brake, reverse, manual gear shift, gear: as a client gave them last.
-        ackermann: Target of the Ackermann controller, or None: steer, steering speed, speed, acceleration, jerk.
+        ackermann: Target of the Ackermann controller, or None: steering angle and speed, speed, acceleration, jerk.
         tuning: Settings of that controller.
         physics: The physics control that a client gave, or None.
         lights: Bits of its lights, as CARLA counts them.
         doors: Doors that are open.
         turned: Angles to which a client has turned wheels, degrees, by the number of the wheel.
         constant: Speed that it keeps, m/s, or None.
-        pushed: Change of speed that waits for the next step, m/s.
+        pushed: Change of speed by impulses, which the next step applies, m/s.
         gear: The gear it is in.
-        light: The traffic light that it is at.
+        light: The traffic light that it stands before, or None.
         friction: Friction that a trigger gives its tires while it is in it, or None.
-        slowing: What slows it down while it rolls.
+        slowing: The resistances that slow it down while it rolls.
     """
 
     control: list[Any] = field(default_factory=lambda: [0.0, 0.0, 0.0, False, False, False, 0])
@@ -166,7 +166,7 @@ class Car(Body):
         self.weigh_up()
 
     def weigh_up(self) -> None:
-        """Compute what slows it down, from its physics control; there, radii are in cm."""
+        """Compute its resistances from its physics control, which has radii in cm."""
         control = self.physics_control()
         wheels = [(wheel[1], wheel[3] / 100.0) for wheel in control[15]]
         self.slowing = resistance(wheels, control[12], self.shape.width * self.shape.height, self.mass)
@@ -190,7 +190,7 @@ class Car(Body):
 
     @property
     def grip(self) -> float:
-        """Share of its forces that its tires bring to the road: all, unless their friction is below 1."""
+        """The share of the wheels' forces that the tires transmit to the road: 1 unless their friction is below 1."""
         if not self.weighs:
             return 0.0
         if self.friction is not None:

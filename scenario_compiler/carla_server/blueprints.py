@@ -36,7 +36,7 @@ WALKERS = {"0.9.15": 51, "0.9.16": 52}
 class Attribute:
     """An attribute of a blueprint: name, type of `KINDS`, default, recommended values, and whether it can be changed.
 
-    Without recommended values its default is the one: clients read the first.
+    If no values are recommended, clients get the default as the only one, because they read the first.
     """
 
     name: str
@@ -54,8 +54,8 @@ class Blueprint:
         name: Its id.
         tags: Its tags.
         attributes: Its attributes.
-        vehicle: Its box, of what stands on the ground.
-        since: The version of CARLA from which on there is one.
+        vehicle: Box and axles of a vehicle, walker or prop; None for other blueprints.
+        since: The first version of CARLA that has it.
     """
 
     name: str

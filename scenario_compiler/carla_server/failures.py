@@ -4,4 +4,4 @@ from __future__ import annotations
 
 
 class CallError(Exception):
-    """A call has no answer; its text is sent to the client."""
+    """A call cannot be answered; the text of the exception is sent to the client."""

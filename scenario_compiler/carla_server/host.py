@@ -137,7 +137,7 @@ class Work:
 
 @dataclass(eq=False)
 class Host:
-    """The options of the server.
+    """The state of the server.
 
     Attributes:
         version: Version of CARLA that is answered for.
@@ -145,7 +145,7 @@ class Host:
         files: Folder of recordings.
         port: Port of the streams.
         log: Called with each line of the server's log.
-        stage: The world on the present map.
+        stage: The actors on the present map.
         streams: Who listens.
         beginning: Waits until the episode begins that a client has loaded; None if none is about to begin.
         gate: Opens when Traffic Managers that are held may go on; None if none is held.

@@ -58,7 +58,7 @@ async def serve(service: Service, ready: Callable[[str], None], log: Callable[[s
     Args:
         service: What and where.
         ready: Called with the address and port when connections are accepted and the first camera need not wait.
-        log: Takes lines about what is wrong with clients.
+        log: Called with each line about a faulty client.
 
     Raises:
         CannotServeError: The map cannot be loaded, or a port is taken.

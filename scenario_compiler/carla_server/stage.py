@@ -107,10 +107,10 @@ class Stage:
     Attributes:
         town: The map.
         actors: All actors by their id.
-        collisions: What has touched in the last step: two bodies, and the impulse on the first, N s, CARLA's axes.
+        collisions: Pairs of bodies that touched in the last step, with the impulse on the first, N s, CARLA's axes.
         time: Time, s.
-        version: Version of CARLA that is answered for.
-        gravity: What inertial units feel, m/s2.
+        version: Version of CARLA whose protocol is spoken.
+        gravity: The gravity that inertial units measure, m/s2.
         shapes: What clients have drawn for debugging.
     """
 
@@ -393,7 +393,7 @@ class Stage:
             self.set_speed(walker, 0.0)
 
     def step(self, dt: float) -> None:
-        """Move time and all bodies on, and take down what touches."""
+        """Advance the time and all bodies by a step, and note which bodies touch."""
         self._gone = {number: one for number, one in self._gone.items() if one.until > self.time}
         self._drive(dt)
         self.simulation.set_step(dt)
@@ -426,7 +426,7 @@ class Stage:
                     st.v[body.place] = math.copysign(max(abs(speed) - lost, 0.0), speed)
 
     def _enter_triggers(self, car: Car) -> None:
-        """Let the tires of a vehicle have the friction of the trigger that it is in."""
+        """Give the tires of a vehicle the friction of the trigger that it is in."""
         friction = self.friction_at(self.transform_of(car))
         if friction != car.friction:
             car.friction = friction
@@ -449,7 +449,7 @@ class Stage:
         self.simulation.command(place, throttle, min(max(wanted / most, -1.0), 1.0), brake, reverse=speed < 0.0)
 
     def _collide(self) -> None:
-        """Find what touches; bodies that run into each other lose the speed at which they meet."""
+        """Find the bodies that touch; those that run into each other lose the speed at which they meet."""
         self.collisions = []
         st = self.simulation.state
         for i, j in self.simulation.contacts():
@@ -471,7 +471,7 @@ class Stage:
             self.collisions.append((one, other, (x, y, z)))
 
     def _arrange(self) -> None:
-        """Give every actor its row again."""
+        """Assign new rows of the snapshot to all actors."""
         before = self.rows
         rows = Rows(len(self.actors))
         for row, actor in enumerate(self.actors.values()):

@@ -88,7 +88,7 @@ class Calls(asyncio.Protocol):
         self._open.add(transport)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Forget what waits."""
+        """Drop the calls that still wait for an answer."""
         del exc
         if self._transport is not None:
             self._open.discard(self._transport)
@@ -96,7 +96,7 @@ class Calls(asyncio.Protocol):
         self._transport = None
 
     def data_received(self, data: bytes) -> None:
-        """Answer what has come in whole."""
+        """Answer the calls that have arrived completely."""
         try:
             self._unpacker.feed(data)
             for message in self._unpacker:
@@ -124,7 +124,7 @@ class Calls(asyncio.Protocol):
         self._transport.abort()
 
     def _go_on(self) -> None:
-        """Answer what waits, until an answer has to be waited for."""
+        """Answer the waiting calls in order, until one of them has to wait for its answer."""
         while self._waiting and self._transport is not None and self._task is None:
             self._take_up(self._waiting.popleft())
 
@@ -250,7 +250,7 @@ class Streams:
             transport.close()
 
     def send(self, number: int, message: bytes) -> None:
-        """Send a message to all who listen; one who is far behind does without it."""
+        """Send a message to all listeners; a listener that is far behind does not get it."""
         size = SIZE.pack(len(message))
         for transport in self._listeners.get(number, ()):
             if transport.get_write_buffer_size() < SLOW:

@@ -196,12 +196,11 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
 
 
 def _gate(tally: Tally, options: argparse.Namespace) -> int:
-    """Print how many variants passed, and return the exit code for the share that --pass-rate asks for."""
+    """Print how many variants passed, and return the exit code for the share that --pass-rate requires."""
     enough = tally.passed >= options.pass_rate * tally.runs
     comparison = "at least" if enough else "less than"
     sentence = (
-        f"{tally.passed} of {tally.runs} variants passed: {comparison} the share of {options.pass_rate:g} that is "
-        "asked for"
+        f"{tally.passed} of {tally.runs} variants passed: {comparison} the required share of {options.pass_rate:g}"
     )
     put(sentence, text_stream(options) if enough else sys.stderr)
     return FINE if enough else CRITERIA_FAILED

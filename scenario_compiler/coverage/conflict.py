@@ -52,7 +52,7 @@ MOST_PARENTS = 4
 
 @dataclass(frozen=True, slots=True)
 class Execution:
-    """What executes a word.
+    """The code that executes a word.
 
     Attributes:
         stage: When.
@@ -65,7 +65,7 @@ class Execution:
     opcodes: tuple[str, ...] = ()
 
     def text(self) -> str:
-        """Return what the table says."""
+        """Return the text of the table."""
         return f"{self.stage}: {' '.join((self.module, *self.opcodes))}"
 
 
@@ -214,7 +214,7 @@ OTHERS: dict[type[Word], Execution] = {
 
 
 def _declared() -> dict[type[Word], Execution]:
-    """Return what executes actions and conditions, by their entries in the engine."""
+    """Return the code that executes actions and conditions, by their entries in the engine."""
     found: dict[type[Word], Execution] = {}
     for word in (*get_args(actions.Action), Path):
         if word.tag() in ACTION_NUMBERS:
@@ -226,7 +226,7 @@ def _declared() -> dict[type[Word], Execution]:
 
 
 EXECUTION: dict[type[Word], Execution] = {**OTHERS, **_declared()}
-"""What executes each word."""
+"""The code that executes each word."""
 
 
 def conflict_table() -> Table:

@@ -83,7 +83,7 @@ ELEMENTS: dict[type[Word], str] = {
 
 
 def exported(word: type[Word], stage: str) -> str:
-    """Return what a word that takes effect in a stage is in an exported file."""
+    """Return the form in an exported file of a word that takes effect in a stage."""
     form = FORMS.get(word)
     said = f"<{form.tag}>" if form is not None else ELEMENTS.get(word, "")
     if not said and stage == "sweep":

@@ -231,7 +231,7 @@ def _read(element: Element) -> str:
 
 
 def _executed(element: Element) -> str:
-    """Return what executes an element: its words that have rows in the engine's tables, or that a plan binds."""
+    """Return the code that executes an element: its words in the engine's tables, or those that a plan binds."""
     words = words_of(element)
     if words:
         return "; ".join(dict.fromkeys(_executed_word(word) for word in words))

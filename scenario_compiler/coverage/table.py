@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """What of a language is covered.
+    """The covered parts of a language.
 
     Attributes:
         language: Short name, the key in `TABLES`.

@@ -1,4 +1,4 @@
-"""Which files use a word, or name an element, and what backs an element: found where the files are, in a checkout."""
+"""Finds the files that use a word or an element, and the evidence for an element, in a checkout that has them."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def files_naming(files: Iterable[Path]) -> Counter[str]:
 
 
 def backing_of(page: str) -> dict[str, str]:
-    """Return what backs each feature in the table of variants of docs/conformance.md.
+    """Return the evidence for each feature in the table of variants of docs/conformance.md.
 
     "yes" where every variant agrees with a recorded run or has its law stated in a test, else how many have.
     """

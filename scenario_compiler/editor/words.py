@@ -78,18 +78,18 @@ class Meaning:
 
     @property
     def text(self) -> str:
-        """What it is, for people to read."""
+        """Its kind, as a text for people."""
         return described(self.word) if self.word is not None else "" if self.rule is None else self.rule.description
 
 
 def described(word: type[Word]) -> str:
-    """Return what a word is: its declaration's text, one line a paragraph."""
+    """Return the text of a word's declaration, with one line for each paragraph."""
     paragraphs = (word.__doc__ or "").split("\n\n")
     return "\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs)
 
 
 def meaning_of(tag: Tag) -> Meaning | None:
-    """Return what an element is; None for one that has no place where it stands."""
+    """Return the meaning of an element; None if it is not allowed at its place."""
     path = [one.name for one in tag.ancestors()]
     root = ROOTS.get(path.pop()) if path else None
     meaning = None if root is None else Meaning(root)

@@ -77,7 +77,7 @@ class Workspace:
         return analysis if root is None or root.name in ROOTS or not analysis.draft.text.strip() else None
 
     def check(self, path: str) -> list[Finding]:
-        """Return what is wrong with an open text, and remember it; what was found before where it is being written."""
+        """Return the findings of an open text, and store them; an unfinished part keeps its earlier findings."""
         own = os.path.realpath(path)
         analysis = self.texts.get(own)
         if analysis is None:

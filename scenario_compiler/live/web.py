@@ -71,11 +71,11 @@ class Door:
             return "the address lacks the token that was printed when the server started"
         origin = connection.headers.get("origin")
         if origin is None and connection.scope["type"] == "websocket":
-            return "a socket is opened by a page alone"
+            return "only a page may open a socket"
         if origin is None and connection.scope["method"] not in ("GET", "HEAD"):
-            return "a form is sent by a page alone"
+            return "only a page may send a form"
         if origin is not None and urlsplit(origin).netloc != name:
-            return "a page of another site asks"
+            return "a page of another site sent this request"
         return ""
 
     def answer(self, request: Request, make: Callable[[], Response]) -> Response:

@@ -18,7 +18,7 @@ WORDS: dict[Language, dict[str, str]] = {
         # what the page consists of
         "ahead": "The view ahead",
         "mirror": "The inside mirror",
-        "map": "The map, the vehicle looks up",
+        "map": "The map, with the vehicle pointing up",
         "confidence": "Lane confidence",
         "left": "left",
         "right": "right",
@@ -46,7 +46,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "how": "Choose an input's row, move it fully, then let go. The profile is kept in this browser by the device's "
         "name.",
         "done": "Done",
-        "usual": "Usual profile",
+        "usual": "Default profile",
         # what the page says of itself
         "watched": "Nobody drives: the run is shown as it happens.",
         "gone": "The server has gone.",

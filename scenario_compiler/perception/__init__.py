@@ -1,4 +1,4 @@
-"""What a camera on the car sees of the road, and what a lane detector finds in its images.
+"""Images of a camera on the car, and the lanes that detectors find in them.
 
 In: a `roads.network.Network` (as the quads of `roads.mesh`), the pose of the vehicle, boxes for all others, weather,
 and sigma of the sensor noise. Out: BGR images (`road_camera.RoadCamera`), lane boundaries, each with a probability

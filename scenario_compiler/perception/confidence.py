@@ -125,7 +125,7 @@ def confidence_text(confidence: Confidence, names: tuple[str, ...]) -> str:
 
 @dataclass(frozen=True)
 class Circumstances:
-    """What is known in addition to an image's ridges and arcs.
+    """Information in addition to an image's ridges and arcs.
 
     Attributes:
         width: Expected width of the lane, m.
@@ -148,7 +148,7 @@ class Circumstances:
 
 @dataclass(frozen=True)
 class Before:
-    """What the image before said of one side.
+    """Results of the previous image for one side.
 
     Attributes:
         trusted: y at `MIDDLE` if the boundary was trusted, m; None otherwise.
@@ -200,7 +200,7 @@ def in_order(names: tuple[str, ...], numbers: Mapping[str, float]) -> Floats:
 
 
 def evidence(row: Floats) -> tuple[float, ...]:
-    """Return what of a side's features is remembered for the next image: the running means at their end."""
+    """Return the features of a side that are kept for the next image: the running means at their end."""
     return tuple(row[-len(LASTING) :].tolist())
 
 

@@ -23,7 +23,7 @@ Span = tuple[float, float]
 Colour = tuple[int, int, int]
 
 Kind = Literal["car", "van", "truck", "bus", "motorbike", "bicycle", "pedestrian", "cone", "barrier", "sign", "prop"]
-"""What a box is drawn as: one of the categories of entities."""
+"""Model that a box is drawn as: one of the categories of entities."""
 
 
 class Lamp(IntFlag):

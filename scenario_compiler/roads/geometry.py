@@ -99,7 +99,7 @@ def piece_point(n: RoadTables, piece: int, s: float) -> tuple[float, float, floa
 
 @compiled
 def polynomial_point(n: RoadTables, piece: int, d: float) -> tuple[float, float, float, float, float]:
-    """Return what `piece_point` does, for a parametric polynomial at the distance d from the piece's start."""
+    """Return the same as `piece_point`, for a parametric polynomial at the distance d from the piece's start."""
     q = n.piece_poly[piece]
     scale = n.poly_scale[q]
     p = d * scale

@@ -226,7 +226,7 @@ def turned_of(program: Program, state: State) -> tuple[float, float, float]:
 
 
 def source_of(st: State, program: Program) -> int:
-    """Return who controls the ego, as a code of `SOURCES`."""
+    """Return the source of the ego's commands, as a code of `SOURCES`."""
     if st.takeover_state[0] in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK):
         return SOURCE_CODES["person" if program.person[0] == 1 else "driver model"]
     stopping = st.takeover_state[0] in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL)

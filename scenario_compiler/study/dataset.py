@@ -41,44 +41,44 @@ Row = dict[str, Any]
 
 EVENT_COLUMNS = (
     Column("onset", "number", "s", "Time from the start of the run."),
-    Column("duration", "number", "s", "Duration; missing where something happens at one instant."),
+    Column("duration", "number", "s", "Duration; missing if the event is instantaneous."),
     Column("trial_type", "text", "", "What happened: an event of the run, probe (an answer to a query) or search (an "
            "answer in the secondary task)."),
-    Column("cause", "text", "", "Why; of a probe the query, of a search `right` or `wrong`.", "without a cause"),
-    Column("entity", "text", "", "Id of the entity concerned.", "without one"),
-    Column("message", "text", "", "A message; of a probe the answer given and the true one.", "without one"),
-    Column("value", "number", "", "A number that belongs to it, SI unit; of a search the time from its picture to its "
-           "answer, s.", "without one"),
+    Column("cause", "text", "", "Cause; of a probe the query, of a search `right` or `wrong`.", "if there is no cause"),
+    Column("entity", "text", "", "Id of the entity concerned.", "if there is none"),
+    Column("message", "text", "", "Message; of a probe the given and the true answer.", "if there is none"),
+    Column("value", "number", "", "Number of the event, SI unit; of a search the time until its answer, s.",
+           "if there is none"),
 )  # fmt: skip
 
 TRIAL_COLUMNS = (
     Column("participant_id", "text", "", "Participant."),
     Column("session_id", "text", "", "Session."),
-    Column("run", "integer", "", "Number of the run in the session, in the order driven."),
+    Column("run", "integer", "", "Number of the run in the session, in the order of driving."),
     Column("role", "text", "", "trial, practice or foil."),
-    Column("condition", "text", "", "Condition; of a practice or foil its scenario."),
-    Column("scenario", "text", "", "Level of the factor scenario.", "in practice and foils"),
-    Column("hmi", "text", "", "Level of the factor hmi.", "where the study has none; in practice and foils"),
-    Column("setting", "text", "", "Level of the factor setting.", "where the study has none; in practice and foils"),
-    Column("attempt", "integer", "", "How often the run was begun: above 1 after a crash."),
-    Column("marks", "text", "", "What was not as planned: aborted (by the experimenter), person_left (the page was "
-           "gone), requested (the experimenter asked), broken_off.", "when all was"),
+    Column("condition", "text", "", "Condition; of a practice or foil trial its scenario."),
+    Column("scenario", "text", "", "Level of the factor scenario.", "in practice and foil trials"),
+    Column("hmi", "text", "", "Level of the factor hmi.", "without this factor; in practice and foil trials"),
+    Column("setting", "text", "", "Level of the factor setting.", "without this factor; in practice and foil trials"),
+    Column("attempt", "integer", "", "Number of starts of the run: above 1 if the program ended during it."),
+    Column("marks", "text", "", "Deviations from the plan: aborted (by the experimenter), person_left (the page was "
+           "closed), requested (by the experimenter), broken_off.", "if there is none"),
     Column("driven_by", "text", "", "person, or model in a pilot."),
     Column("seed", "integer", "", "Seed of the run."),
     Column("plan_digest", "text", "", "Digest of the plan that was run."),
-    Column("result", "text", "", "pass, fail (a criterion of the scenario does not hold) or error."),
+    Column("result", "text", "", "pass, fail (a criterion of the scenario is not met) or error."),
     Column("resolution", "text", "", "How the first request ended."),
-    Column("cause", "text", "", "Cause of the first request.", "without a request"),
+    Column("cause", "text", "", "Cause of the first request.", "if there is no request"),
     Column("override_time", "number", "s", "Time of the first takeover without a request, at a warning for example, "
            "from the start of the run. If no request came afterwards, resolution is no_request, and the times from a "
-           "request are missing.", "when nobody took over without a request"),
-    Column("recording", "text", "", "Folder of the run, from the folder of the study."),
+           "request are missing.", "if nobody took over without a request"),
+    Column("recording", "text", "", "Folder of the run, relative to the folder of the study."),
     *(Column(one.name, "number", one.unit, one.definition, one.undefined, one.source) for one in MEASURES),
-    Column("probe_right", "integer", "", "Number of right answers to the queries of the freeze probe.", "without one"),
-    Column("probe_asked", "integer", "", "Number of its queries.", "without one"),
-    Column("search_right", "integer", "", "Right answers in the secondary task.", "without the task, and in pilots"),
-    Column("search_wrong", "integer", "", "Number of wrong ones.", "without the task, and in pilots"),
-    Column("search_time", "number", "s", "Mean time of its answers.", "without an answer"),
+    Column("probe_right", "integer", "", "Number of right answers in the freeze probe.", "without a probe"),
+    Column("probe_asked", "integer", "", "Number of queries of the freeze probe.", "without a probe"),
+    Column("search_right", "integer", "", "Right answers in the secondary task.", "without the task; in pilots"),
+    Column("search_wrong", "integer", "", "Wrong answers in the secondary task.", "without the task; in pilots"),
+    Column("search_time", "number", "s", "Mean time of the answers in the secondary task.", "without an answer"),
 )  # fmt: skip
 
 
@@ -136,9 +136,9 @@ def questionnaire_columns(asked: QuestionnaireElement) -> tuple[Column, ...]:
     """Return the columns of a questionnaire's table."""
     found = [*TRIAL_COLUMNS[:2]]
     found.append(
-        Column("run", "integer", "", "Number of the run that it was asked after.", "asked before or after all")
+        Column("run", "integer", "", "Number of the run after which it was asked.", "asked before or after all trials")
     )
-    found.append(Column("when", "text", "", "When it was asked: before the trials, after a trial, or after them all."))
+    found.append(Column("when", "text", "", "Time of asking: before the trials, after a trial, or after all trials."))
     for item in asked.items:
         if isinstance(item, ScaleItem):
             scale = asked.scale_of(item)
@@ -370,12 +370,12 @@ def _answered(seat: Seat, steps: Sequence[Step], records: Iterable[Record]) -> I
 
 BOOK_COLUMNS = (
     Column("table", "text", "", "The table that has the column."),
-    Column("column", "text", "", "Its name."),
-    Column("kind", "text", "", "What its values are."),
-    Column("unit", "text", "", "Their unit.", "without one"),
-    Column("definition", "text", "", "What they mean."),
-    Column("missing", "text", "", "When there is none.", "always there"),
-    Column("source", "text", "", "Where the definition comes from.", "our own"),
+    Column("column", "text", "", "Name of the column."),
+    Column("kind", "text", "", "Kind of its values."),
+    Column("unit", "text", "", "Unit of its values.", "if they have none"),
+    Column("definition", "text", "", "Definition."),
+    Column("missing", "text", "", "When a value is missing.", "if there is always a value"),
+    Column("source", "text", "", "Source of the definition.", "if it is our own"),
 )
 
 

@@ -85,7 +85,7 @@ def survey(
     maps: Sequence[Path] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Survey:
-    """Return what the library in a folder, or a file, covers; report files that cannot be read.
+    """Return the coverage of the library in a folder, or of a file; files that cannot be read are reported.
 
     Args:
         folder: The library.
@@ -192,7 +192,7 @@ def _alike(studied: Iterable[Studied]) -> Iterator[Alike]:
 
 
 def missing(found: Survey) -> Iterator[str]:
-    """Yield what a library lacks, one sentence each."""
+    """Yield a sentence for each gap of a library."""
     for taxonomy in found.taxonomies:
         absent = [f"{one.place} ({one.meaning})" for one in taxonomy.situations if not one.scenarios]
         if len(absent) == len(taxonomy.situations):

@@ -153,7 +153,7 @@ def _attribute(rule: AttributeRule) -> str:
 
 
 def holds(rule: AttributeRule) -> str:
-    """Return what an attribute holds, with its unit and limits."""
+    """Return the kind of an attribute's values, with unit and limits."""
     spelling = rule.spelling
     kinds = {"number": "number", "fixed_number": "number", "integer": "whole number", "boolean": "`true` or `false`"}
     what = kinds.get(rule.kind, "text")

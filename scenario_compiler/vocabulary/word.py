@@ -58,7 +58,7 @@ def _plain(value: float | Expression) -> float | dict[str, str]:
 
 
 class _NumberSchema:
-    """What pydantic does with a number. Hundreds of fields share it, because building it is half of their cost."""
+    """Pydantic's schema of a number. Hundreds of fields share it, because building it is half of their cost."""
 
     validation = core_schema.no_info_before_validator_function(
         _number,

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 
+@pytest.mark.slow
 def test_the_language_servers_table_has_a_line_for_each_answer() -> None:
     script = Path(__file__).parent / "editor_figures.py"
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=300, check=True)

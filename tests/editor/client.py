@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ class Client(LanguageClient):
         self.shown: list[str] = []
         self.messages: list[str] = []
         self.news = asyncio.Event()
+        self.written: list[lsp.TextDocumentIdentifier] = []
 
         @self.feature(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)  # type: ignore[untyped-decorator]  # pygls has no types there
         def keep(params: lsp.PublishDiagnosticsParams) -> None:
@@ -45,13 +46,31 @@ class Client(LanguageClient):
         """Open a text as that of a file."""
         document = lsp.TextDocumentItem(path.as_uri(), "xml", 1, text)
         self.text_document_did_open(lsp.DidOpenTextDocumentParams(document))
-        return lsp.TextDocumentIdentifier(path.as_uri())
+        self.written.append(lsp.TextDocumentIdentifier(path.as_uri()))
+        return self.written[-1]
 
     def change(self, path: Path, version: int, text: str) -> None:
         """Put another text in an open one's place."""
         document = lsp.VersionedTextDocumentIdentifier(version, path.as_uri())
         whole = lsp.TextDocumentContentChangeWholeDocument(text)
         self.text_document_did_change(lsp.DidChangeTextDocumentParams(document, [whole]))
+
+    @contextmanager
+    def opened(self, folder: Path) -> Iterator[None]:
+        """Have a folder open; texts opened meanwhile are closed with it, and the answers are forgotten."""
+        here = [lsp.WorkspaceFolder(folder.as_uri(), folder.name)]
+        self._changed_folders(lsp.WorkspaceFoldersChangeEvent(added=here, removed=[]))
+        try:
+            yield
+        finally:
+            for document in self.written:
+                self.text_document_did_close(lsp.DidCloseTextDocumentParams(document))
+            self._changed_folders(lsp.WorkspaceFoldersChangeEvent(added=[], removed=here))
+            for told in (self.written, self.published, self.shown, self.messages):
+                told.clear()
+
+    def _changed_folders(self, event: lsp.WorkspaceFoldersChangeEvent) -> None:
+        self.workspace_did_change_workspace_folders(lsp.DidChangeWorkspaceFoldersParams(event))
 
     async def found(self, path: Path, wanted: Callable[[list[lsp.Diagnostic]], bool]) -> list[lsp.Diagnostic]:
         """Wait until what is wrong with a text is as wanted, and return it."""

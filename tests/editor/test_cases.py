@@ -31,7 +31,7 @@ def test_answers_are_those_recorded(path: Path, request: pytest.FixtureRequest) 
     new = "\n--- ".join([written, *answers]).rstrip("\n") + "\n"
     if request.config.getoption("--update"):
         path.write_text(new, encoding="utf-8")
-    assert new == recorded, "pytest --update records the answers anew; look at what has changed"
+    assert new == recorded, "pytest --update records the answers again; look at what has changed"
 
 
 def test_every_request_has_cases() -> None:

@@ -34,6 +34,8 @@ WORDS = HERE.parent / "source"
 LIBRARY = sorted(library_folder().glob("*/*.xml"))
 SOME = [one for one in LIBRARY if one.stem in ("obstacle_variants", "cut_out", "work_zone_taper", "drivers")]
 EVERY = [WORDS / "every_word.xml", WORDS / "every_entry.xml", *SOME]
+MANY = {"obstacle_variants": pytest.mark.slow}
+"""Files with many elements, all of whose words are in every_word.xml too."""
 
 
 def everything_asked(text: str, offset: int) -> int:
@@ -104,7 +106,9 @@ def test_a_damaged_text_has_findings(data: st.DataObject) -> None:
         assert one.code != "SC117", one.message
 
 
-@pytest.mark.parametrize("path", EVERY, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", [pytest.param(one, marks=MANY.get(one.stem, ())) for one in EVERY], ids=lambda path: path.stem
+)
 def test_completion_offers_what_the_author_wrote(path: Path) -> None:
     analysis = Analysis(str(path), path.read_text(encoding="utf-8"))
     text, root = analysis.draft.text, analysis.draft.root

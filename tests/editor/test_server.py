@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -30,14 +30,38 @@ TEXT = """<scenarios version="1">
 """
 
 
-def session(folder: Path, talk: Callable[[Client], Awaitable[None]], **options: Any) -> None:
-    """Talk to a server that has a folder open."""
+Talk = Callable[[Client], Awaitable[None]]
+Session = Callable[[Path, Talk], None]
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Session]:
+    """A function that talks to a server that has a folder open; it is one server for all tests."""
+    loop = asyncio.new_event_loop()
+    serving = served(tmp_path_factory.mktemp("none"))
+    with ThreadPoolExecutor(1) as thread:  # a browser's tests leave an event loop running in this one
+        client = thread.submit(loop.run_until_complete, serving.__aenter__()).result()
+
+        async def conversation(folder: Path, talk: Talk) -> None:
+            with client.opened(folder):
+                await talk(client)
+
+        def talk_in(folder: Path, talk: Talk) -> None:
+            thread.submit(loop.run_until_complete, conversation(folder, talk)).result()
+
+        yield talk_in
+        thread.submit(loop.run_until_complete, serving.__aexit__(None, None, None)).result()
+        loop.close()
+
+
+def session_of_its_own(folder: Path, talk: Talk, **options: Any) -> None:
+    """Talk to a server that is started for it with options, and has a folder open."""
 
     async def run() -> None:
         async with served(folder, **options) as client:
             await talk(client)
 
-    with ThreadPoolExecutor(1) as thread:  # a browser's tests leave an event loop running in this one
+    with ThreadPoolExecutor(1) as thread:
         thread.submit(asyncio.run, run()).result()
 
 
@@ -52,7 +76,7 @@ def at(path: Path, position: lsp.Position) -> dict[str, Any]:
     return {"text_document": lsp.TextDocumentIdentifier(path.as_uri()), "position": position}
 
 
-def test_findings_come_while_the_text_is_written(tmp_path: Path) -> None:
+def test_findings_come_while_the_text_is_written(session: Session, tmp_path: Path) -> None:
     path = tmp_path / "ours.xml"
 
     async def talk(client: Client) -> None:
@@ -72,7 +96,7 @@ def test_findings_come_while_the_text_is_written(tmp_path: Path) -> None:
     session(tmp_path, talk)
 
 
-def test_completion_with_and_without_places_to_fill_in(tmp_path: Path) -> None:
+def test_completion_with_and_without_places_to_fill_in(session: Session, tmp_path: Path) -> None:
     path = tmp_path / "ours.xml"
     text = TEXT.replace("    <takeover", "    <sto\n    <takeover")
     inserted = []
@@ -87,11 +111,11 @@ def test_completion_with_and_without_places_to_fill_in(tmp_path: Path) -> None:
         inserted.append(static.text_edit.new_text)
 
     session(tmp_path, talk)
-    session(tmp_path, talk, snippets=False)
+    session_of_its_own(tmp_path, talk, snippets=False)
     assert inserted == ['static id="$1"><at>$2</at></static>', 'static id=""><at></at></static>']
 
 
-def test_names_across_the_files_of_a_folder(tmp_path: Path) -> None:
+def test_names_across_the_files_of_a_folder(session: Session, tmp_path: Path) -> None:
     templates, path = tmp_path / "templates.xml", tmp_path / "ours.xml"
     head, _, rest = TEXT.partition("  <scenario ")
     templates.write_text(f"{head}</scenarios>\n", encoding="utf-8")
@@ -127,7 +151,7 @@ def test_names_across_the_files_of_a_folder(tmp_path: Path) -> None:
     session(tmp_path, talk)
 
 
-def test_an_included_file_is_read_as_it_is_in_the_editor(tmp_path: Path) -> None:
+def test_an_included_file_is_read_as_it_is_in_the_editor(session: Session, tmp_path: Path) -> None:
     templates, path = tmp_path / "templates.xml", tmp_path / "ours.xml"
     head, _, rest = TEXT.partition("  <scenario ")
     templates.write_text('<scenarios version="1"/>\n', encoding="utf-8")
@@ -165,10 +189,10 @@ def test_positions_are_counted_in_the_negotiated_encoding(tmp_path: Path, encodi
         assert hover.range is not None
         assert hover.range.start == place_of(text, "ü --><", units)
 
-    session(tmp_path, talk, encodings=[encoding])
+    session_of_its_own(tmp_path, talk, encodings=[encoding])
 
 
-def test_the_lens_over_a_scenario_draws_its_plan(tmp_path: Path) -> None:
+def test_the_lens_over_a_scenario_draws_its_plan(session: Session, tmp_path: Path) -> None:
     path = tmp_path / "ours.xml"
 
     async def talk(client: Client) -> None:
@@ -189,7 +213,7 @@ def test_the_lens_over_a_scenario_draws_its_plan(tmp_path: Path) -> None:
     session(tmp_path, talk)
 
 
-def test_symbols_layout_and_highlights(tmp_path: Path) -> None:
+def test_symbols_layout_and_highlights(session: Session, tmp_path: Path) -> None:
     path = tmp_path / "ours.xml"
     text = TEXT.replace("    <static", "  <static")
 
@@ -209,7 +233,7 @@ def test_symbols_layout_and_highlights(tmp_path: Path) -> None:
     session(tmp_path, talk)
 
 
-def test_other_languages_get_findings_only(tmp_path: Path, repository: Path) -> None:
+def test_other_languages_get_findings_only(session: Session, tmp_path: Path, repository: Path) -> None:
     scenario = (repository / "tests" / "benchmarks" / "scripted.xosc").read_text(encoding="utf-8")
     road = (repository / "tests" / "benchmarks" / "bends.xodr").read_text(encoding="utf-8")
     ours, roads = tmp_path / "one.xosc", tmp_path / "bends.xodr"
@@ -245,7 +269,7 @@ def test_other_xml_files_get_no_findings(tmp_path: Path, text: str, codes: list[
     assert sorted({one.code for one in workspace.check(str(tmp_path / "any.xml"))}) == codes
 
 
-def test_every_file_of_the_library_is_without_findings(tmp_path: Path) -> None:
+def test_every_file_of_the_library_is_without_findings(session: Session, tmp_path: Path) -> None:
     async def talk(client: Client) -> None:
         for path in sorted(library_folder().glob("*/*.xml"))[:6]:
             client.write(path, path.read_text(encoding="utf-8"))

@@ -105,7 +105,7 @@ def test_kept_marks_are_those_of_a_look_at_each_place(draft: Draft) -> None:
     assert kept > PLACES * STEPS / 3
 
 
-def test_a_lane_that_has_been_seen_to_go_on_does(draft: Draft) -> None:
+def test_the_remembered_end_of_the_lane_agrees_with_a_new_search(draft: Draft) -> None:
     n, p = draft.network.tables, draft.program
     st = new_state(p)
     st.path_road[0], st.clear_row[0] = op.NONE, op.NONE

@@ -113,7 +113,7 @@ def test_a_crossing_vehicle_blocks_unless_it_is_gone_a_second_before(speed: floa
     assert (look(draft).st.blocked_distance[0] < FAR) == blocked
 
 
-def test_the_end_of_the_lane_and_the_lane_that_goes_on() -> None:
+def test_the_end_of_the_lane_and_the_lane_that_continues() -> None:
     draft = Draft(ramp(300.0))
     draft.ego(lane=-2, s=100.0)
     st = look(draft).st

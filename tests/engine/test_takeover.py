@@ -206,7 +206,7 @@ def lead_of_warning(run: Run) -> float:
 
 
 @pytest.mark.parametrize("speed", [8.0, 14.0, 17.0])
-def test_a_blocked_path_is_warned_of_a_second_before_the_request(speed: float) -> None:
+def test_a_blocked_path_causes_a_warning_a_second_before_the_request(speed: float) -> None:
     draft = Draft(highway())
     draft.ego(speed=speed)
     draft.parked(270.0)
@@ -236,7 +236,7 @@ def test_an_object_seen_too_late_for_a_warning_is_requested_at_its_budget(seen_b
 
 
 @pytest.mark.parametrize("speed", [8.0, 14.0, 17.0])
-def test_a_lane_that_ends_beside_a_full_one_is_warned_of_a_second_before_the_request(speed: float) -> None:
+def test_a_lane_end_beside_a_full_lane_causes_a_warning_a_second_before_the_request(speed: float) -> None:
     draft = Draft(ramp(290.0))
     draft.ego(speed=speed, lane=-2)
     for s in range(20, 200, 8):
@@ -244,7 +244,7 @@ def test_a_lane_that_ends_beside_a_full_one_is_warned_of_a_second_before_the_req
     assert 1.0 - 1e-6 <= lead_of_warning(draft.start().go(40.0)) <= 1.8
 
 
-def test_lanes_that_are_lost_are_warned_of_a_second_before_the_request_and_a_dead_camera_is_not() -> None:
+def test_lost_lanes_cause_a_warning_a_second_before_the_request_and_a_dead_camera_does_not() -> None:
     draft = Draft(highway())
     draft.program.perception[0] = op.PERCEPTION_CAMERA
     draft.ego()

@@ -158,7 +158,7 @@ def test_both_forms_leave_the_same_bytes(name: str) -> None:
     k = next(k for k, kind in enumerate(program.action_op) if kind == ACTION["traffic_swarm"])
     broken[program.action_const[k] + 1] = float("nan")
     rows, draws = [list(program.const), list(program.const), broken], [make_draws(7, k) for k in range(3)]
-    limit = 801
+    limit = 401
     both = run_both(network.tables, program, rows, draws, limit - 1)
     assert both.interpreted == both.compiled
     assert both.interpreted[0] != both.interpreted[1]

@@ -25,7 +25,7 @@ from tests.engine.make import Draft, bend, highway, lane, network_of, ramp, road
 
 PROGRAMS = 40
 VARIANTS = 3
-STEPS = 400
+STEPS = 350
 
 WORLD_ACTIONS = tuple(
     ACTION[word]

@@ -48,7 +48,7 @@ def test_with_the_wheels_turned_it_is_left_on_a_circle() -> None:
     assert time_to_leave(run.n, run.p, run.st, 0) == pytest.approx(way / run.st.v[0], rel=0.02)
 
 
-def test_the_lanes_end_is_a_way_to_leave_it() -> None:
+def test_the_lanes_end_counts_as_leaving_it() -> None:
     run = driving(Draft(highway(120.0)))
     run.st.steer[0] = 0.0
     assert time_to_leave(run.n, run.p, run.st, 0) == pytest.approx((120.0 - run.st.s[0]) / run.st.v[0], abs=0.1)

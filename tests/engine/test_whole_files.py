@@ -20,13 +20,13 @@ from tests.conformance.esmini import recorded_runs
 from tests.engine.both import Both, run_both
 
 STEP = 0.1
-LONGEST = 20.0
+LONGEST = 12.0
 """Length of a step and of the longest run, s."""
 
 BROKEN = ("#obstacle_ahead", "#customramp", "#cutting_in", "#jaywalker")
 """Library scenarios that are run with broken numbers."""
 
-BROKEN_ROWS, BROKEN_LONGEST = 20, 10.0
+BROKEN_ROWS, BROKEN_LONGEST = 50, 4.0
 """Number of broken runs of each, and the length of the longest, s: those that break off do so in their first rows."""
 
 

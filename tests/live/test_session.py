@@ -20,7 +20,7 @@ from tests.live.test_drive import OPEN
 def compiled(tmp_path_factory: pytest.TempPathFactory) -> Compilation:
     file = tmp_path_factory.mktemp("session") / "open.xml"
     file.write_text(OPEN)
-    overrides = Overrides(perception="ideal", step=0.02, duration=2.0)
+    overrides = Overrides(perception="ideal", step=0.02, duration=1.0)
     done = compile_target(file, {}, Diagnostics(), overrides=overrides)
     assert done is not None
     return done
@@ -44,7 +44,7 @@ def test_a_run_that_is_behind_leaves_out_pictures_but_not_all(compiled: Compilat
     figures = session.figures()
     assert figures["pictures_lost"] > 0
     assert figures["pictures_shown"] == len(times)
-    assert figures["pictures_shown"] + figures["pictures_lost"] == 51  # one each 0.04 s of 2 s, and the first
+    assert figures["pictures_shown"] + figures["pictures_lost"] == 26  # one each 0.04 s of 1 s, and the first
     gaps = [later - earlier for earlier, later in pairwise(times)]
     assert max(gaps) <= SLOWEST + 1e-6
 
@@ -67,7 +67,7 @@ def test_a_run_stands_still_for_its_probe_and_shows_nothing_meanwhile(compiled: 
     before, after = shown[held[0] - 1][0], shown[held[-1] + 1][0]
     assert (before, after) == (pytest.approx(0.48), pytest.approx(0.52))
     assert all(size == 0 for what, size in shown if what == "probe")
-    assert [run.recording.t[-1] for run in runs] == [pytest.approx(2.0)]
+    assert [run.recording.t[-1] for run in runs] == [pytest.approx(1.0)]
 
 
 def test_what_happens_while_the_files_are_written_does_not_belong_to_the_run(compiled: Compilation) -> None:

@@ -83,7 +83,7 @@ def test_a_row_tells_the_likeliest_of_two_lines() -> None:
     assert (rows.spread > 15.0).all()
 
 
-def test_another_camera_is_turned_to_the_one_that_it_learned_with() -> None:
+def test_images_of_another_camera_are_warped_to_the_trained_one() -> None:
     camera = Camera(width=800, height=500, fov=math.radians(60.0), yaw=0.1, pitch=-0.15, roll=0.05)
     homography = learned_detector._homography(camera)
     x, y = np.array([8.0, 15.0]), np.array([1.0, -2.0])
@@ -93,7 +93,7 @@ def test_another_camera_is_turned_to_the_one_that_it_learned_with() -> None:
     assert turned[:2] / turned[2] == pytest.approx(np.stack(wanted), abs=1e-6)
 
 
-def test_the_network_is_the_one_that_the_page_is_about() -> None:
+def test_the_network_is_that_of_the_page() -> None:
     data = resources.files("scenario_compiler.perception").joinpath(NETWORK_FILE).read_bytes()
     assert len(data) < 1_000_000
     assert hashlib.sha256(data).hexdigest() == "fd5d0c4e14c9a175aa9e0d36a6286957ba89efa0042ee3b16b61a613cdd698b1"

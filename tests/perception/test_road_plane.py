@@ -95,7 +95,7 @@ def fits_of(width: float, apart: float) -> tuple[Fit, Fit]:
     return replace(sides[LEFT], curve=left), replace(sides[RIGHT], curve=right)
 
 
-def test_two_sides_are_one_lanes_the_less_the_wider_and_the_less_alike_they_are() -> None:
+def test_two_sides_are_less_likely_one_lane_if_they_are_far_apart_or_differ() -> None:
     chances = [alike(*fits_of(3.5 + off, 0.0), 3.5, 0.25, 0.5) for off in (0.0, 0.4, 0.8, 1.6)]
     assert chances == sorted(chances, reverse=True)
     assert chances[0] > 0.9

@@ -138,7 +138,7 @@ def test_a_tree_has_a_trunk_and_a_crown_of_crossing_faces_that_are_seen_from_bot
     assert set(made.tag.tolist()) == {Tag.VEGETATION}
 
 
-def test_a_crosswalk_has_stripes_across_the_way_of_those_who_walk(tmp_path: Path) -> None:
+def test_a_crosswalk_has_stripes_across_the_walking_direction(tmp_path: Path) -> None:
     marks = beside(tmp_path, thing("crosswalk", length=4, width=7, t=0)).marks
     sizes = {tuple(round(size, 1) for size in extent(quad)[:2]) for quad in marks.quads}
     assert len(marks.quads) == 7

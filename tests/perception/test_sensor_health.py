@@ -79,7 +79,7 @@ def test_noise_neither_hides_blur_nor_is_taken_for_it(weather: str, sigma: float
     assert watched(weather, Degradation(sigma=sigma, blur=9.0)).blur > 6.0
 
 
-def test_each_fault_is_measured_as_what_it_is() -> None:
+def test_each_fault_is_measured_as_its_own_kind() -> None:
     assert watched("ClearNoon", Degradation(sigma=20.0)).noise == pytest.approx(20.0, abs=1.5)
     assert watched("ClearNoon", Degradation(blur=5.0)).blur == pytest.approx(6.0, abs=1.5)
     assert watched("ClearNoon", Degradation(dirt=0.5)).dirt == pytest.approx(0.42, abs=0.08)

@@ -109,7 +109,7 @@ def test_headlights_light_the_road(camera: RoadCamera) -> None:
     assert lit > dark + 15.0
 
 
-def test_lamps_that_come_towards_us_dazzle(camera: RoadCamera) -> None:
+def test_oncoming_lamps_dazzle(camera: RoadCamera) -> None:
     """By day only the lamps themselves are brighter; in the dark what is about them too."""
     oncoming = CAR._replace(x=40.0, y=3.5, heading=math.pi)
     changed = {}

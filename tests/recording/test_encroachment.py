@@ -73,7 +73,7 @@ def test_a_standing_vehicle_has_no_post_encroachment_time() -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_looking_back_by_leaps_finds_what_comparing_all_rows_finds(seed: int) -> None:
+def test_the_fast_search_finds_the_same_as_comparing_all_rows(seed: int) -> None:
     runs = random_runs(seed, rows=150)
     found = least_encroachment(runs)
     assert np.array_equal(least_encroachment_total(added_up(runs)), found, equal_nan=True)

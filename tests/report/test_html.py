@@ -103,7 +103,7 @@ def test_elements_close_and_ids_are_unique_and_found(name: str, request: pytest.
         *("scenario-compiler run plan.json --seed 1 -o again", "town_grid", "2.4.6", "How it ended"),
     ],
 )
-def test_the_page_says(page: Page, words: str) -> None:
+def test_the_page_has_the_expected_texts(page: Page, words: str) -> None:
     assert words in re.sub(r"\s+", " ", page.text)
 
 
@@ -158,6 +158,7 @@ write_run_folder(made.run(made.town(Path(sys.argv[1])), pictures=False), Path(sy
 """
 
 
+@pytest.mark.slow
 def test_another_process_with_another_hash_seed_writes_the_same_bytes(
     repository: Path, tmp_path: Path, network: Network
 ) -> None:

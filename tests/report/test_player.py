@@ -250,7 +250,7 @@ def test_two_runs_have_one_clock(browser: Browser, network: Network, tmp_path: P
         expect(page.locator(".u-legend").first).to_contain_text("left (2)")
 
 
-@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])
 def test_nothing_reaches_beyond_the_window(browser: Browser, report: str, width: int) -> None:
     with opened_page(browser, report, width) as page:
         page.locator(".player.ready").wait_for()

@@ -64,7 +64,7 @@ def test_equal_runs_are_packed_equally(finished: Run, network: Network) -> None:
     assert packed(replay_of(finished, "it", pictured=True)) == packed(replay_of(again, "it", pictured=True))
 
 
-def test_what_blocks_the_path_is_found_where_it_stands(finished: Run) -> None:
+def test_the_blocking_object_is_found_at_its_place(finished: Run) -> None:
     blocks, recording = blocks_of(finished), finished.recording
     marked = np.isfinite(blocks.x)
     assert np.array_equal(marked, np.isfinite(recording.blocked_distance))

@@ -29,7 +29,7 @@ def branching(corpus: Path) -> Network:
     return made
 
 
-def test_the_main_road_goes_on(branching: Network) -> None:
+def test_the_main_road_continues(branching: Network) -> None:
     start = LanePosition("1", -1, 90.0)
     assert branching.next(start, 50.0) == LanePosition("1", -1, 140.0)
     assert branching.next(LanePosition("1", 1, 120.0), 50.0) == LanePosition("1", 1, 70.0)
@@ -89,7 +89,7 @@ def attached(direction: str, end: str, main: str = "") -> tuple[str, str]:
         ("-", "successor", LanePosition("2", -1, 25.0), LanePosition("1", 1, 30.0)),
     ],
 )
-def test_ends_join_the_part_that_their_direction_says(
+def test_ends_join_the_part_in_their_direction(
     tmp_path: Path, direction: str, end: str, start: LanePosition, goal: LanePosition
 ) -> None:
     made = network(tmp_path, *attached(direction, end))

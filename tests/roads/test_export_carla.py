@@ -207,7 +207,7 @@ def loop(stated: str) -> bytes:
 
 
 @pytest.mark.parametrize("stated", ["", "<link/>", '<link><successor id="-1"/></link>'])
-def test_a_road_that_comes_back_to_its_junction_goes_on(tmp_path: Path, stated: str) -> None:
+def test_a_road_that_comes_back_to_its_junction_continues(tmp_path: Path, stated: str) -> None:
     path = tmp_path / "loop.xodr"
     path.write_bytes(loop(stated))
     assert ask_carla(tmp_path, path.read_bytes())["ends"] != []
@@ -339,7 +339,7 @@ SHAPED = """<OpenDRIVE><header revMajor="1" revMinor="6"/><road id="1" junction=
 
 @pytest.mark.parametrize("shape", SHAPES)
 @given(at_start=st.floats(0.0, 5.0), at_end=st.floats(0.0, 5.0))
-def test_what_is_left_of_a_shortened_road_lies_where_it_was(shape: str, at_start: float, at_end: float) -> None:
+def test_the_rest_of_a_shortened_road_lies_where_it_was(shape: str, at_start: float, at_end: float) -> None:
     text = SHAPED.format(shape=SHAPES[shape])
     document, before = read(text)
     edits = TextEdits(document)

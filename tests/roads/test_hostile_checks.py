@@ -25,8 +25,8 @@ PLAN = '<planView><geometry s="0" x="0" y="0" hdg="0" length="{0}"><line/></geom
 MEMORY = 3 * 1024**3
 """Address space of the checking process, bytes; libraries take some of it."""
 
-MOST_LINES, MOST_LINES_A_BYTE = 400_000, 50
-"""Lines of Python that may be run for a file: at most 22 a byte are needed for large ones."""
+MOST_LINES, MOST_LINES_A_BYTE = 240_000, 30
+"""Lines of Python that may be run for a file: at most 20 a byte are needed for large ones."""
 
 DEADLINE = 600.0
 """Time after which the checking process counts as hung, s: what C does inside is not counted in lines."""
@@ -77,28 +77,28 @@ def files() -> Iterator[tuple[str, str, set[str]]]:
     yield "itself", whole(road(0, 100, links(0, 1))), {"SC344"}
     yield "no_length", whole(road(1, 0), road(2)), {"SC303", "SC323"}
     station = '<laneSection s="{}e4"><center><lane id="0" type="none"/></center></laneSection>'
-    yield "sections", whole(road(lanes=f"<lanes>{times(4_000, station)}</lanes>")), {"SC349"}
+    yield "sections", whole(road(lanes=f"<lanes>{times(2_400, station)}</lanes>")), {"SC349"}
     piece = '<geometry s="{}" x="0" y="0" hdg="0" length="1"><line/></geometry>'
-    yield "geometries", whole(road(1, 10_000).replace("<planView>", f"<planView>{times(10_000, piece)}")), {"SC344"}
-    yield "unknown_elements", whole(road(more=times(8_000, "<made_up_{}/>"))), {"SC307", "SC320"}
+    yield "geometries", whole(road(1, 6_000).replace("<planView>", f"<planView>{times(6_000, piece)}")), {"SC344"}
+    yield "unknown_elements", whole(road(more=times(4_800, "<made_up_{}/>"))), {"SC307", "SC320"}
     made_up = times(900, 'made{}="1" ')
-    yield "unknown_attributes", whole(f"<road {made_up}/>" * 50), {"SC307", "SC321"}
-    yield "misplaced", whole(road(more="<objects/><signals/>" + "<objects/>" * 8_000)), {"SC307", "SC324"}
+    yield "unknown_attributes", whole(f"<road {made_up}/>" * 30), {"SC307", "SC321"}
+    yield "misplaced", whole(road(more="<objects/><signals/>" + "<objects/>" * 4_800)), {"SC307", "SC324"}
     words = '<type s="0" type="unheard of {}"/>'
-    yield "words", whole(road().replace("<planView>", times(8_000, words) + "<planView>", 1)), {"SC307", "SC323"}
-    access = times(8_000, '<access sOffset="{}" rule="allow" restriction="none"/>')
+    yield "words", whole(road().replace("<planView>", times(4_800, words) + "<planView>", 1)), {"SC307", "SC323"}
+    access = times(4_800, '<access sOffset="{}" rule="allow" restriction="none"/>')
     yield "records", whole(road(inside=access)), {"SC307", "SC351"}
-    linked = "<link>" + '<predecessor id="-1"/><successor id="-1"/>' * 8_000 + "</link>"
+    linked = "<link>" + '<predecessor id="-1"/><successor id="-1"/>' * 4_800 + "</link>"
     twice = LANES.format(linked).replace("</lanes>", "").replace("<lanes>", "")
     behind = twice.replace('s="0"', 's="50"')
     yield "lane_links", whole(road(lanes=f"<lanes>{twice}{behind}</lanes>")), {"SC335"}
     connection = '<connection id="{0}" incomingRoad="{0}" connectingRoad="0" contactPoint="start"/>'
     into = '<successor elementType="junction" elementId="1"/>'
-    many = (road(i, 100, into) for i in range(500))
-    yield "junction", whole(*many, f'<junction id="1" name="">{times(3_000, connection)}</junction>'), {"SC328"}
-    objects = times(4_000, '<object id="{0}" s="{0}" t="0" zOffset="0"><markings/></object>')
+    many = (road(i, 100, into) for i in range(300))
+    yield "junction", whole(*many, f'<junction id="1" name="">{times(1_800, connection)}</junction>'), {"SC328"}
+    objects = times(2_400, '<object id="{0}" s="{0}" t="0" zOffset="0"><markings/></object>')
     yield "objects", whole(road(more=f"<objects>{objects}</objects>")), {"SC355"}
-    yield "same_ids", whole(road() * 1000), {"SC302", "SC327"}
+    yield "same_ids", whole(road() * 600), {"SC302", "SC327"}
     yield "nothing", "", {"SC102"}
     yield "text", whole("x" * 1_000_000), {"SC326"}
 

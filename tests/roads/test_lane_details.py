@@ -34,7 +34,7 @@ def test_records_are_kept(tmp_path: Path) -> None:
     assert made.model().lanes == (details,)
 
 
-def test_access_at_a_place_is_all_that_its_last_station_says(tmp_path: Path) -> None:
+def test_access_at_a_place_is_that_of_the_last_station_before_it(tmp_path: Path) -> None:
     details = network(tmp_path, road(lanes=section(lane(1), lane(-1, FULL)))).lane_details("1", -1, 5.0)
     assert details is not None
     assert details.access_at(39.9) == (LaneAccess(0.0, "deny", ("bus",)), LaneAccess(0.0, "deny", ("taxi",)))
@@ -61,6 +61,6 @@ def test_the_state_of_a_lane_of_1_8_is_kept(tmp_path: Path) -> None:
     assert details.road_works
 
 
-def test_only_places_on_the_road_are_asked_for(tmp_path: Path) -> None:
+def test_only_places_on_the_road_are_allowed(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="outside road 1"):
         network(tmp_path, road()).lane_details("1", -1, 500.0)

@@ -14,13 +14,13 @@ SECTIONS = road(1, 200.0, lane(-1), lane(-2), left=lane(1)).replace(
 )
 
 
-def test_the_lane_beside_goes_on() -> None:
+def test_the_adjacent_lane_continues() -> None:
     n = network_of(SECTIONS).tables
     beside, s = lane_after_end(n, 0, -2, 100.0, 0.0, 1)
     assert (beside, round(s, 4)) == (-1, 100.0)
 
 
-def test_only_lanes_of_the_same_direction_go_on() -> None:
+def test_only_lanes_of_the_same_direction_continue() -> None:
     n = network_of(road(1, 200.0, lane(-1), left=lane(1))).tables
     assert lane_after_end(n, 0, -1, 200.0, 0.0, 1)[0] == 0
 

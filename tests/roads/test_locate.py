@@ -49,7 +49,7 @@ def bend(tmp_path: Path) -> Network:
     return network(tmp_path, road(plan=plan, lanes=section(lane(1), lane(-1) + lane(-2, kind="shoulder"))))
 
 
-def test_off_the_road_nothing_is_found_unless_the_nearest_is_asked_for(bend: Network) -> None:
+def test_off_the_road_nothing_is_found_unless_the_nearest_is_requested(bend: Network) -> None:
     assert bend.locate(20.0, 10.0) == []
     (beside,) = bend.locate(20.0, 10.0, nearest=True)
     assert beside[:3] == ("1", 1, 20.0)

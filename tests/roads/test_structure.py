@@ -151,23 +151,27 @@ DIFFERENT = {
 """Files whose verdict differs from the corpus's list, and why."""
 
 
-def test_the_verdict_agrees_with_the_corpus(corpus: Path) -> None:
+@pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.slow)])
+def test_the_verdict_agrees_with_the_corpus(corpus: Path, every: int) -> None:
     """On every file, but for the differences that are explained."""
-    different, compared = [], 0
+    different, compared = [], set()
     with (corpus / "MANIFEST.csv").open(encoding="utf-8", newline="") as rows:
-        for row in csv.DictReader(rows):
-            if row["subtype"] != "road" or row["validation"] not in {"valid", "invalid"} or row["version"] < "1.1":
-                continue
+        judged = [
+            row
+            for row in csv.DictReader(rows)
+            if row["subtype"] == "road" and row["validation"] in {"valid", "invalid"} and row["version"] >= "1.1"
+        ]
+        for row in judged[::every]:
             sink = Diagnostics()
             document = read_document(corpus / row["file"], sink)
             assert document is not None
-            compared += 1
+            compared.add(row["file"])
             valid = check_structure(document, sink)
             assert valid != sink.has_errors
             if valid != (row["validation"] == "valid"):
                 different.append(row["file"])
-    assert compared > 190
-    assert sorted(different) == sorted(DIFFERENT)
+    assert len(compared) > 190 // every
+    assert sorted(different) == sorted(compared & set(DIFFERENT))
 
 
 ASAM = "http://code.asam.net/simulation/standard/opendrive_schema"

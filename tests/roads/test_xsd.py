@@ -92,18 +92,19 @@ def test_the_latest_revision_is_taken(tmp_path: Path) -> None:
     assert find_schema(tmp_path, "OpenDRIVE", 8) == path
 
 
-def test_the_verdict_agrees_with_the_corpus(schemas: Path, corpus: Path) -> None:
-    different = []
+@pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.slow)])
+def test_the_verdict_agrees_with_the_corpus(schemas: Path, corpus: Path, every: int) -> None:
+    different, compared = [], set()
     with (corpus / "MANIFEST.csv").open(encoding="utf-8", newline="") as rows:
-        for row in csv.DictReader(rows):
-            if row["subtype"] != "road":
-                continue
+        for row in [row for row in csv.DictReader(rows) if row["subtype"] == "road"][::every]:
+            compared.add(row["file"])
             document = read_document(corpus / row["file"], Diagnostics())
             assert document is not None
             valid = validate_with_xsd(document, schemas, Diagnostics())
             if {None: "no-xsd", True: "valid", False: "invalid"}[valid] != row["validation"]:
                 different.append(row["file"])
-    assert sorted(different) == sorted(DIFFERENT)
+    assert len(compared) > 270 // every
+    assert sorted(different) == sorted(compared & set(DIFFERENT))
 
 
 def test_validate_lets_the_schema_judge(schemas: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -255,7 +255,7 @@ def test_an_expression_is_not_empty(text: str) -> None:
     assert faults(root)
 
 
-def test_second_judge_reports_what_the_reader_let_pass() -> None:
+def test_the_schema_reports_faults_that_the_reader_accepts() -> None:
     sink = Diagnostics()
     text = '<scenarios version="1">\n  <scenario name="a"/>\n</scenarios>'
     judge_form(Document("a.xml", text, etree.fromstring(text.encode())), sink)

@@ -24,7 +24,7 @@ from scenario_compiler.vocabulary.schema import words_below
 from scenario_compiler.vocabulary.word import Word
 from tests.source.test_form import VALUES, disagreement, faults
 
-FILES, FAULTS = 12, 12
+FILES, FAULTS = 20, 8
 """Files that are made up, and faults that are tried in each."""
 
 DEEPEST = 7

@@ -30,7 +30,7 @@ def _distances(text: str, **arguments: str) -> list[object]:
     return found
 
 
-def test_the_test_decides_which_branch_comes_about() -> None:
+def test_the_test_decides_which_branch_is_inserted() -> None:
     branches = f'<if test="${{$lanes >= 2}}">{_static("wide")}<else>{_static("narrow")}</else></if>'
     text = library_text(branches, parameters=LANES)
     assert _ids(text) == ["wide"]

@@ -115,7 +115,7 @@ def test_every_word_and_attribute_is_shown_by_an_example() -> None:
     assert {tag: names for tag, names in missing.items() if names} == {}
 
 
-def test_the_schema_takes_what_the_reader_takes() -> None:
+def test_the_schema_accepts_what_the_reader_accepts() -> None:
     schema = etree.XMLSchema(etree.fromstring(study_xsd().encode()))
     for name in ("every_word.xml", "questionnaire.xml"):
         schema.assertValid(etree.parse(FILES / name))

@@ -127,6 +127,18 @@ def test_a_run_that_the_program_ends_is_begun_again(rules: Rules) -> None:
     assert [row["attempt"] for row in read_table(again.seat.table("short", "beh"))] == ["2"]
 
 
+def test_who_has_declined_takes_no_part_when_the_program_starts_again(rules: Rules) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.go_on(0, {"agree": "no"})
+    one.close()
+    again = Attendance(rules, 1)
+    assert again.presence == "declined"
+    again.start()
+    assert again.presence == "declined"
+    again.close()
+
+
 def test_a_server_that_ends_stops_all_runs_before_it_waits_for_one(rules: Rules) -> None:
     """A run that went on meanwhile, without its page, would count as driven."""
     study = StudyServer(rules, Door("127.0.0.1", 0), Door("127.0.0.1", 0))

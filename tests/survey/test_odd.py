@@ -81,7 +81,7 @@ def test_weather_and_light_are_those_of_the_preset(
     assert not absent & found
 
 
-def test_others_and_what_they_do(tmp_path: Path) -> None:
+def test_others_and_their_actions(tmp_path: Path) -> None:
     body = """
       <static id="cone" model="static.prop.constructioncone"><at><lane road="1" lane="-1" s="200"/></at></static>
       <dynamic id="bus" model="vehicle.mitsubishi.fusorosa" speed="6">
@@ -113,7 +113,7 @@ def test_tags_come_in_the_trees_order_and_none_twice() -> None:
     assert len(names) == len(set(names))
 
 
-def test_openlabel_has_tags_with_what_belongs_to_them(tmp_path: Path) -> None:
+def test_openlabel_has_tags_with_their_data(tmp_path: Path) -> None:
     done = compiled(tmp_path, weather="HardRainNoon")
     found = tags_of(done.plan, done.network) | {"LaneSpecificationDimensions": (("width, m", 3.5), ("width, m", 3.0))}
     document = json.loads(openlabel_of("a/odd.xml", "odd", done.plan.digest, found))["openlabel"]

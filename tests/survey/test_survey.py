@@ -103,7 +103,7 @@ def test_without_runs_the_page_says_nothing_about_runs(folder: Path) -> None:
     assert "Never ask" not in page_of(found)
 
 
-def test_many_processes_find_what_one_finds(folder: Path) -> None:
+def test_many_processes_have_the_findings_of_one(folder: Path) -> None:
     done: list[tuple[int, int]] = []
     alone = survey(folder, Diagnostics(), runs=1)
     many = survey(folder, Diagnostics(), runs=1, processes=2, progress=lambda *now: done.append(now))

@@ -36,7 +36,7 @@ def test_anything_else_is_not_a_number(given: object) -> None:
         SpeedAction.model_validate_json(json.dumps({"to": given}))
 
 
-def test_the_json_schema_says_what_a_number_is() -> None:
+def test_the_json_schema_describes_numbers() -> None:
     properties = LaneOffsetAction.model_json_schema()["properties"]
     assert properties["to"]["anyOf"] == [
         {"type": "number"},

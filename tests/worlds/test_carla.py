@@ -62,7 +62,7 @@ def course(recording: Recording) -> list[tuple[str, str]]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FLAGSHIPS)
-def test_a_flagship_comes_to_the_same_in_carla(server: Served, name: str) -> None:
+def test_a_flagship_has_the_same_result_in_carla(server: Served, name: str) -> None:
     plan = ideal(name)
     ours, theirs = built_in(plan), recorded(plan, server)
     assert theirs.header.world == "carla"
@@ -80,7 +80,7 @@ def test_a_flagship_comes_to_the_same_in_carla(server: Served, name: str) -> Non
         assert apart.max(initial=0.0) < NEAR
 
 
-def test_obstacle_ahead_comes_to_the_same_in_carla(server: Served) -> None:
+def test_obstacle_ahead_has_the_same_result_in_carla(server: Served) -> None:
     plan = ideal("obstacle_ahead", distance=90)
     ours, theirs = built_in(plan), recorded(plan, server)
     assert course(theirs) == course(ours)
@@ -199,7 +199,7 @@ def test_it_leaves_the_server_as_it_found_it(server: Served) -> None:
 def test_a_server_that_ends_loses_the_world_and_keeps_the_recording(tmp_path: Path, client_version: str) -> None:
     plan = ideal("obstacle_ahead").model_copy(update={"duration": 20.0})
     with served(tmp_path, "--carla-version", client_version) as dying:
-        with open_world("carla", plan, load_network(plan.map.file), port=dying.port, timeout=1.0) as world:
+        with open_world("carla", plan, load_network(plan.map.file), port=dying.port) as world:
             killed = run(plan, world, progress=lambda t: dying.process.send_signal(signal.SIGINT) if t > 1.0 else None)
         assert killed.stop_reason == "world_lost"
         assert 1.0 < killed.t[-1] < 5.0

@@ -85,7 +85,7 @@ def remove(host: Host, number: int) -> bool:
 
 
 def ignore_vehicles(host: Host, number: int, unseen: list[int]) -> None:
-    """Let a lidar not see some actors.
+    """Hide some actors from a lidar.
 
     Raises:
         CallError: It is not a sensor.
@@ -97,7 +97,7 @@ def ignore_vehicles(host: Host, number: int, unseen: list[int]) -> None:
 
 
 def actors_by_id(host: Host, numbers: list[int]) -> list[Any]:
-    """Answer with those of some actors that there are."""
+    """Answer with the actors that have the given ids; unknown ids are left out."""
     return [host.wire(host.stage.actors[number]) for number in numbers if number in host.stage.actors]
 
 
@@ -112,7 +112,7 @@ def bounding_box(host: Host, number: int) -> list[Any]:
 
 
 def set_location(host: Host, number: int, location: list[float]) -> None:
-    """Move an actor, as it is turned."""
+    """Move an actor and keep its rotation."""
     actor = host.stage.get(number)
     now = actor.relative if actor.relative is not None else host.stage.transform_of(actor)
     x, y, z = location
@@ -125,14 +125,14 @@ def set_transform(host: Host, number: int, transform: list[Any]) -> None:
 
 
 def set_velocity(host: Host, number: int, velocity: list[float]) -> None:
-    """Give a body a velocity: what of it goes along its heading, since wheels do not slip here."""
+    """Give a body the component of a velocity along its heading, since wheels do not slip here."""
     body = body_of(host, number)
     ahead = host.stage.ahead_of(body)
     host.stage.set_speed(body, _bounded(sum(a * b for a, b in zip(ahead, velocity, strict=True))))
 
 
 def keep_velocity(host: Host, number: int, velocity: list[float]) -> None:
-    """Let a vehicle keep a velocity in its own axes: what of it goes ahead."""
+    """Let a vehicle keep the forward component of a velocity in its own axes."""
     body = body_of(host, number)
     if isinstance(body, Car):
         body.constant = _bounded(velocity[0])
@@ -147,7 +147,7 @@ def let_velocity(host: Host, number: int) -> None:
 
 
 def add_impulse(host: Host, number: int, impulse: list[float], at: list[float] | None = None) -> None:
-    """Push a body, N s: what of it goes along its heading."""
+    """Push a vehicle by the component of an impulse (N s) along its heading."""
     del at
     body = body_of(host, number)
     if isinstance(body, Car) and body.simulates:
@@ -162,14 +162,14 @@ def add_force(host: Host, number: int, force: list[float], at: list[float] | Non
 
 
 def simulate_physics(host: Host, number: int, enabled: bool) -> None:
-    """Say whether physics moves a body."""
+    """Switch the physics of a body on or off."""
     actor = host.stage.get(number)
     if isinstance(actor, Body):
         host.stage.let_simulate(actor, enabled)
 
 
 def let_weigh(host: Host, number: int, enabled: bool) -> None:
-    """Say whether gravity pulls a body: where it does not, tires bring no force to the road."""
+    """Switch the gravity of a body on or off; without gravity, tires transmit no force to the road."""
     body = body_of(host, number)
     body.weighs = enabled
     if isinstance(body, Car):
@@ -177,7 +177,7 @@ def let_weigh(host: Host, number: int, enabled: bool) -> None:
 
 
 def collide(host: Host, number: int, enabled: bool) -> None:
-    """Say whether others touch a body."""
+    """Switch the collisions of a body on or off."""
     actor = host.stage.get(number)
     if isinstance(actor, Body):
         actor.collides = enabled

@@ -19,7 +19,7 @@ def light_of(host: Host, number: int) -> Light:
 
 
 def set_state(host: Host, number: int, state: int) -> None:
-    """Let a light show a state, until its group switches."""
+    """Let a light show a state until its group switches."""
     light = light_of(host, number)
     light.group.put(light, state)
 
@@ -35,28 +35,28 @@ def set_yellow(host: Host, number: int, seconds: float) -> None:
 
 
 def set_red(host: Host, number: int, seconds: float) -> None:
-    """Set how long all are red after a light."""
+    """Set for how long all lights of the group are red after a light's turn."""
     light_of(host, number).times[2] = max(seconds, 0.0)
 
 
 def freeze(host: Host, number: int, frozen: bool) -> None:
-    """Keep a light as it is, and with it its group, or let it go on."""
+    """Freeze a light, and with it its group, in its present state, or let it go on."""
     light_of(host, number).frozen = frozen
 
 
 def reset_group(host: Host, number: int) -> None:
-    """Let a light's group begin again."""
+    """Let the group of a light begin again with its first phase."""
     light_of(host, number).group.reset()
 
 
 def reset_all(host: Host) -> None:
-    """Let all groups begin again."""
+    """Let all groups begin again with their first phases."""
     for group in host.stage.groups:
         group.reset()
 
 
 def freeze_all(host: Host, frozen: bool) -> None:
-    """Keep all lights as they are, or let them go on."""
+    """Freeze all lights in their present state, or let them go on."""
     for group in host.stage.groups:
         for light in group.lights:
             light.frozen = frozen

@@ -25,7 +25,7 @@ ANY_TAG = 255
 def project_point(
     host: Host, start: list[float], direction: list[float], reach: float
 ) -> list[Any] | Awaitable[list[Any]]:
-    """Answer with what a ray meets first: whether, where, and its semantic tag."""
+    """Answer whether a ray meets anything, and with the place and the semantic tag of what it meets first."""
 
     def look() -> list[Any]:
         length = float(np.linalg.norm(direction))
@@ -38,7 +38,7 @@ def project_point(
 
 
 def cast_ray(host: Host, start: list[float], end: list[float]) -> list[Any] | Awaitable[list[Any]]:
-    """Answer with all that the line between two points enters, in its order: where, and its semantic tag."""
+    """Answer with the place and the semantic tag of all that the line between two points meets, in order."""
 
     def look() -> list[Any]:
         begin, way = np.array(start, np.float64), np.array(end, np.float64) - np.array(start, np.float64)
@@ -49,7 +49,7 @@ def cast_ray(host: Host, start: list[float], end: list[float]) -> list[Any] | Aw
 
 
 def _on_ground(host: Host, look: Callable[[], list[Any]]) -> list[Any] | Awaitable[list[Any]]:
-    """Look now, or when the ground of a map that has just been loaded is prepared, which others need not wait for."""
+    """Look now, or as soon as the ground of a map that has just been loaded is prepared; other calls do not wait."""
     return look() if host.stage.town.has_terrain else _later(host, look)
 
 
@@ -91,17 +91,17 @@ def level_boxes(host: Host, tag: int) -> list[Any]:
 
 
 def environment_objects(host: Host, tag: int) -> list[Any]:
-    """Answer with no thing: what stands beside the roads cannot be switched here."""
+    """Answer with an empty list: the server has no objects beside the roads that can be switched on and off."""
     del host, tag
     return []
 
 
 def lamps(host: Host, client: str) -> list[Any]:
-    """Answer with no street lamp: the map has none."""
+    """Answer with an empty list: the maps have no street lamps."""
     del host, client
     return []
 
 
 def names_of_objects(host: Host) -> list[str]:
-    """Answer with the names of all bodies: those are the objects here."""
+    """Answer with the names of all vehicles, walkers and props: the maps have no other objects."""
     return [f"{body.blueprint.name}_{body.id}" for body in host.stage.bodies()]

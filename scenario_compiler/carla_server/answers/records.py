@@ -62,7 +62,7 @@ async def replay(
 
 
 def stop_replay(host: Host, keep: bool) -> None:
-    """End the playing; its bodies go unless they are to be kept."""
+    """Stop playing a recording, and remove its bodies unless the client wants to keep them."""
     playing, host.replay = host.replay, None
     if playing is not None and not keep:
         for number in playing.ids.values():
@@ -71,7 +71,7 @@ def stop_replay(host: Host, keep: bool) -> None:
 
 
 def set_pace(host: Host, factor: float) -> None:
-    """Play faster or slower."""
+    """Set how fast recordings are played."""
     if not 0.0 <= factor <= FASTEST_PACE:
         raise CallError(f"a recording is played 0 to {FASTEST_PACE:g} times as fast as it was")
     if host.replay is not None:

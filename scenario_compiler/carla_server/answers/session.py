@@ -91,7 +91,7 @@ def copy_opendrive(host: Host, text: str, parameters: list[Any]) -> None:
 
 
 def required_files(host: Host, folder: str) -> list[str]:
-    """Answer with no file: the map has no navigation mesh."""
+    """Answer with an empty list: a map needs no files beside its OpenDRIVE, since there is no navigation mesh."""
     del host, folder
     return []
 
@@ -103,7 +103,7 @@ def request_file(host: Host, name: str) -> bytes:
 
 
 def navigation_mesh(host: Host) -> bytes:
-    """Answer with no mesh: there is none."""
+    """Answer with no bytes: no navigation mesh is made."""
     del host
     return b""
 
@@ -119,17 +119,17 @@ def weather(host: Host) -> list[float]:
 
 
 def set_weather(host: Host, numbers: list[float]) -> None:
-    """Let it be another weather."""
+    """Set the weather."""
     host.weather, host.sky = tuple(numbers), sky_of(numbers)
 
 
 def gravity(host: Host) -> float:
-    """Answer with the gravity that inertial units feel, m/s2."""
+    """Answer with the gravity that inertial units measure, m/s2."""
     return host.stage.gravity
 
 
 def set_gravity(host: Host, value: float) -> None:
-    """Let inertial units feel another gravity, m/s2."""
+    """Set the gravity that inertial units measure, m/s2."""
     host.stage.gravity = value
 
 
@@ -157,7 +157,7 @@ def remove_manager(host: Host, port: int) -> bool:
 
 
 def draw_shape(host: Host, shape: list[Any]) -> None:
-    """Let cameras for colours see a debug shape for its life time."""
+    """Show a debug shape to colour cameras for its life time."""
     host.stage.shapes.add(shape, host.stage.time)
 
 

@@ -36,17 +36,17 @@ def control(host: Host, number: int, wire: list[Any]) -> None:
 
 
 def ackermann(host: Host, number: int, wire: list[float]) -> None:
-    """Drive a vehicle by a target of angle and speed."""
+    """Give a vehicle's Ackermann controller its target: steering angle and speed."""
     car_of(host, number).ackermann = wire
 
 
 def ackermann_settings(host: Host, number: int) -> list[float]:
-    """Answer with the settings of the controller behind that."""
+    """Answer with the settings of a vehicle's Ackermann controller."""
     return car_of(host, number).tuning
 
 
 def set_ackermann_settings(host: Host, number: int, wire: list[float]) -> None:
-    """Keep settings of the controller behind that; what it does follows the target directly here."""
+    """Store the settings of a vehicle's Ackermann controller; the vehicle follows the target without them."""
     car_of(host, number).tuning = wire
 
 
@@ -58,7 +58,7 @@ def walk(host: Host, number: int, wire: list[Any]) -> None:
 
 
 def walk_state(host: Host, number: int, transform: list[Any], speed: float) -> None:
-    """Put a walker somewhere and let it walk on at a speed."""
+    """Move a walker to a place and let it walk on at a speed."""
     walker = walker_of(host, number)
     placed = transform_of(transform)
     host.stage.put(walker, placed)
@@ -98,7 +98,7 @@ def physics(host: Host, number: int) -> list[Any]:
 
 
 def set_physics(host: Host, number: int, wire: list[Any]) -> None:
-    """Take a vehicle's physics control over: greatest wheel angle and mass count, the rest is kept."""
+    """Set a vehicle's physics control; wheel angle, mass, friction, damping and drag have an effect."""
     car = car_of(host, number)
     mass, wheels = wire[11], wire[15]
     if not mass > 0.0 or any(not 0.0 <= wheel[2] <= STEEPEST for wheel in wheels):
@@ -109,7 +109,7 @@ def set_physics(host: Host, number: int, wire: list[Any]) -> None:
 
 
 def turn_wheel(host: Host, number: int, wheel: int, angle: float) -> None:
-    """Turn a wheel of a vehicle that physics does not move, degrees; that of another one follows its steering."""
+    """Turn a wheel of a vehicle without physics, degrees; with physics, the wheels follow the steering."""
     car = car_of(host, number)
     if not car.simulates:
         car.turned[wheel] = angle
@@ -153,7 +153,7 @@ def close_door(host: Host, number: int, door: int) -> None:
 
 
 def telemetry(host: Host, number: int) -> list[Any]:
-    """Answer with a vehicle's telemetry: speed, pedals, wheel, gear; what no bicycle has is 0."""
+    """Answer with a vehicle's telemetry: speed, pedals, steering wheel and gear; what the bicycle model lacks is 0."""
     car = car_of(host, number)
     st = host.stage.simulation.state
     throttle, steer, brake, *_ = car.control

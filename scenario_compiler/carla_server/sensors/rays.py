@@ -248,10 +248,10 @@ class Radar(RayCaster):
 
 
 class Obstacle(RayCaster):
-    """A detector of what is in the way: a sphere that is pushed ahead."""
+    """An obstacle sensor: it reports the nearest thing that a sphere moved forward would touch."""
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes | None:
-        """Return carrier, obstacle and distance; nothing where the way is free."""
+        """Return the carrier, the obstacle and its distance; None if the way is free."""
         del frame, dt, weather
         at = stage.transform_of(sensor)
         axes = np.array(carla_axes(*at[3:]))

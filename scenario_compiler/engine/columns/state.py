@@ -317,11 +317,11 @@ class State(Columns):
     conf_right: list[float] = column(RUN, 1.0)
     health: list[float] = column(RUN, 1.0)
     view: list[float] = column(VIEW)
-    """What surrogate perception goes by: features of the left side, of the right side, of both (`columns.view`)."""
+    """The features of surrogate perception: of the left side, of the right side, of both (`columns.view`)."""
     taken_up: list[float] = column(VIEW)
     """The features that `unit` was worked out for."""
     unit: list[float] = column(UNIT)
-    """What the features give to the hidden units and the outputs of the left side, then of the right, without bias."""
+    """The features' contributions to the hidden units and outputs of the left side, then of the right, without bias."""
     view_row: list[int] = column(RUN, op.NONE)
     """Row and piece of the path for which the view is kept while nothing changes; NONE if it must not be kept."""
     view_piece: list[int] = column(RUN)

@@ -96,4 +96,4 @@ VIEW_NAMES = (
     *("overexposure", "dead rows", "quantisation", "latency", "speed", "pitch", "leader", "obstacle"),
     "width of obstacle",
 )
-"""What each place holds."""
+"""The feature at each index."""

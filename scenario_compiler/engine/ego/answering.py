@@ -118,7 +118,7 @@ def drawn_time(p: Program, st: State, mean: float) -> float:
 
 @compiled
 def added_time(p: Program, st: State) -> float:
-    """Return what the effects add to the mean takeover time at the present request, s."""
+    """Return the sum of the effects on the mean takeover time at the present request, s."""
     added = p.const[slot.K_EFFECT_TASK] - p.const[slot.K_EFFECT_MEASURED_TASK]
     added += p.const[slot.K_EFFECT_EYES_CLOSED] + p.const[slot.K_EFFECT_REQUEST]
     density = p.const[slot.K_DENSITY] if p.const[slot.K_DENSITY] >= 0.0 else st.traffic_density[0]

@@ -64,6 +64,6 @@ def lane_ends(n: RoadTables, p: Program, st: State, within: float) -> int:
 
 @compiled
 def behaviour(p: Program, st: State) -> int:
-    """Return what the automation does now, BEHAVIOUR_..., which may differ before and after a request."""
+    """Return the automation's present behaviour, BEHAVIOUR_..., which may differ before and after a request."""
     asked = st.takeover_state[0] in (op.TAKEOVER_REQUEST, op.TAKEOVER_ESCALATION)
     return p.after_request[0] if asked else p.before_request[0]

@@ -43,15 +43,15 @@ from scenario_compiler.roads.marks import (
 from scenario_compiler.roads.tables import POLYNOMIAL, RoadTables
 
 SEEN_TO = CAMERA_AT + AHEAD_FROM + AHEAD_STEP * at.SAMPLES
-"""How far ahead of the reference point anything is looked at, m."""
+"""Distance ahead of the reference point up to which features are computed, m."""
 
 KIND_AT = 13.0
-"""Where the kind of both lines and what lies beside is looked at, m ahead."""
+"""Distance ahead at which the kinds of both lines and the surface beside them are read, m."""
 
 BEND_NEAR = 9.0
 BEND_FAR = 19.0
 BENDS_APART = 10.0
-"""Where the curvature is looked at, m ahead; the change of the grade lies between here and the further place."""
+"""Distances ahead at which the curvature is read, and their difference, m."""
 
 LEADER_REACH = 60.0
 LEADER_SCALE = 12.0
@@ -120,7 +120,7 @@ def note_mirrored(st: State, feature: int, value: float) -> None:
 
 @compiled
 def note_line(n: RoadTables, st: State, base: int, road: int, lane: int, s: float) -> int:
-    """Note what kind of line bounds one side; return its colour's code."""
+    """Write the kind of the line that bounds one side; return its colour's code."""
     mark = mark_row(n, road, lane, s)
     kind = n.mark_type[mark] if mark >= 0 else 0
     colour = painted_colour(n, mark)
@@ -179,7 +179,7 @@ def look_beside(n: RoadTables, p: Program, st: State, road: int, row: int, s: fl
 
 @compiled
 def look_at_lines(n: RoadTables, p: Program, st: State) -> None:
-    """Note what is seen of the lines of both sides, and their kinds."""
+    """Write the visible paint of the lines of both sides, and their kinds."""
     road, lane, row, s, rest = path_ahead(n, p, st, KIND_AT)
     if rest > 0.0 or row < 0:
         road = st.path_road[0]
@@ -231,7 +231,7 @@ def look_at_way(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def look_at_camera(st: State) -> None:
-    """Note what is wrong with the camera."""
+    """Write the failures of the camera."""
     note_common(st, at.V_NOISE, 0.025 * st.sigma[0])
     note_common(st, at.V_BLACKOUT, st.failure_now[op.FAILURE_BLACKOUT])
     note_common(st, at.V_BLUR, st.failure_now[op.FAILURE_BLUR])

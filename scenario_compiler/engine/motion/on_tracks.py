@@ -25,7 +25,7 @@ from scenario_compiler.roads.tables import RoadTables
 def place_on_track(
     n: RoadTables, p: Program, st: State, k: int, i: int
 ) -> tuple[int, int, int, float, float, float, float, float, float]:
-    """Return what `place_of` returns for a position along a trajectory; its offset is to the left of the trajectory."""
+    """Return the same as `place_of` for a position along a trajectory; its offset is to the left of the trajectory."""
     if position_is_number(p, k) == 0:
         return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     base = p.position_const[k]

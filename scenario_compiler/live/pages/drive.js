@@ -1,4 +1,4 @@
-// The page of a run under way: pictures as they come, what the driver is told, and what the person does, told back.
+// The page of a run in progress: it shows pictures and messages as they come, and sends the person's inputs.
 
 import { allow, hush, load, speak, tone, vibrate } from "live/sounds.js";
 import { SearchTask } from "live/search.js";
@@ -21,7 +21,7 @@ async function described() {
   }
 }
 
-/** Return a text of the page in its language, with what stands in its places. */
+/** Return a text of the page in its language, with its placeholders filled. */
 function words(key, ...values) {
   return values.reduce((text, value) => text.replace("{}", value), about.words[key]);
 }
@@ -30,7 +30,7 @@ function sentence(text) {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
-/** The rows that came so far, as the map wants them. */
+/** The rows received so far, in the form that the map needs. */
 class LiveRun {
   constructor(about) {
     Object.assign(this, { entities: about.entities, roadmap: about.roadmap, origin: about.origin, roads: [] });
@@ -183,7 +183,7 @@ class Page {
     one("#go").disabled = this.role !== "driver" || !this.loaded;
   }
 
-  /** Forget the run before: its rows, its messages, and when its inputs were sent. */
+  /** Forget the previous run: its rows, its messages, and the times of its inputs. */
   begin(run) {
     this.number = run;
     this.stretch += 1;
@@ -195,7 +195,7 @@ class Page {
     one("#told").hidden = true;
   }
 
-  /** Tell what the person does; every message has a number, which comes back with the picture that shows it. */
+  /** Send the person's inputs; every message has a number, which comes back with the picture that shows it. */
   tell() {
     if (this.role !== "driver" || !this.running) return;
     const told = this.wheel.read();
@@ -305,7 +305,7 @@ class Page {
     this.map.show(this.run.t.length - 1);
   }
 
-  /** Show, sound and speak what the driver is told; it ends with its reason. What is new is given once. */
+  /** Show, sound and speak the messages to the driver; a message ends with its reason. A new one is given once. */
   tellDriver({ told, left, state }) {
     one("#left").hidden = left === null;
     if (left !== null) one("#left span").textContent = left.toFixed(1);
@@ -318,7 +318,7 @@ class Page {
     for (const message of told.filter((one) => !before.has(JSON.stringify(one)))) this.give(message, state);
   }
 
-  /** Show the messages that are seen, and those that could not be spoken. */
+  /** Show the visible messages, and those that could not be spoken. */
   showTold(state) {
     const shown = this.told.filter(([modality, text]) => modality === "text" || (modality === "speech" && this.mute.includes(text)));
     const urgent = state !== "warning";
@@ -329,7 +329,7 @@ class Page {
     box.replaceChildren(...icons, [...new Set(shown.map(([, text]) => text))].join(". "));
   }
 
-  /** Give a message that is heard or felt, and tell the server by what. */
+  /** Give a message that is heard or felt, and report the channel to the server. */
   give([modality, text, language, files], state) {
     const run = this.number;
     const given = (by) => {
@@ -367,7 +367,7 @@ class Page {
     this.over = Boolean(this.about.study && about.kept);
     one("#told").hidden = one("#left").hidden = true;
     hush();
-    one("#ended").textContent = this.over ? this.about.study.words.over : sentence(about.end); // nobody in a trial is told how it went
+    one("#ended").textContent = this.over ? this.about.study.words.over : sentence(about.end); // participants do not see the result of a trial
     one("#go").textContent = this.over ? this.about.study.words.continue : words("again");
     const report = one("#report");
     report.hidden = !this.about.writes || Boolean(this.about.study);

@@ -1,9 +1,9 @@
-// The secondary task: one circle is larger than the others; a press on it, or on another, is told with its time.
+// The secondary task: one circle is larger than the others; each press on a circle is sent with its time.
 
 const SVG = "http://www.w3.org/2000/svg";
 
 export class SearchTask {
-  /** Show the task in a box; `tell` takes the answers. */
+  /** Show the task in a box; `tell` sends the answers. */
   constructor(box, { words }, tell) {
     this.box = box;
     this.tell = tell;
@@ -34,7 +34,7 @@ export class SearchTask {
     this.answered = false;
   }
 
-  /** Let the task be done, or not: who drives by hand has none. */
+  /** Enable or disable the task: it is disabled while the person drives by hand. */
   allow(allowed) {
     if (allowed === !this.box.hidden) return;
     this.box.hidden = !allowed;
@@ -46,8 +46,8 @@ export class SearchTask {
   }
 
   #answer(event, chosen) {
-    event.preventDefault(); // the keys stay with the wheel
-    if (this.answered) return; // the next picture is on its way
+    event.preventDefault(); // the keys still control the vehicle
+    if (this.answered) return; // the next picture has been requested
     this.answered = true;
     this.tell({ kind: "search", number: this.number, chosen, seconds: (performance.now() - this.shownAt) / 1000 });
   }

@@ -1,4 +1,4 @@
-// Tones, speech and vibration of messages. They are started and never waited for; each says by what it was given.
+// Tones, speech and vibration of messages. They are started and never waited for; each reports its channel.
 
 const APART = 0.12; // seconds between two texts of a message
 const SPOKEN_WITHIN = 1500; // milliseconds after which a browser that has not begun to speak is taken to be mute
@@ -7,7 +7,7 @@ let context = null;
 let playing = [];
 const files = new Map();
 
-/** Fetch and decode files, so that they are there when they are due. */
+/** Fetch and decode files, so that they are ready when they are needed. */
 export function load(names) {
   const decoder = new OfflineAudioContext(1, 1, 48000);
   return Promise.all(
@@ -18,13 +18,13 @@ export function load(names) {
   );
 }
 
-/** Allow sounds; browsers want a press of a key or a button first. */
+/** Allow sounds; browsers require the press of a key or a button first. */
 export function allow() {
   context ??= new AudioContext();
   context.resume();
 }
 
-/** Play files one after the other; false where one of them is missing or sounds are not allowed. */
+/** Play files one after the other; false if one of them is missing or sounds are not allowed. */
 function play(names) {
   const buffers = names.map((name) => files.get(name));
   if (!names.length || context?.state !== "running" || !buffers.every(Boolean)) return null;
@@ -44,7 +44,7 @@ export function tone(names, given) {
   given(play(names) ? "file" : "none");
 }
 
-/** Speak a text, in place of what is still spoken: from files, else by the browser; `given` may be called later. */
+/** Speak a text instead of the present one: from files, otherwise by the browser; `given` may be called later. */
 export function speak(text, language, names, given) {
   hush();
   playing = play(names) ?? [];
@@ -65,14 +65,14 @@ export function speak(text, language, names, given) {
   synthesis.speak(words);
 }
 
-/** Stop what is being spoken. */
+/** Stop speaking. */
 export function hush() {
   playing.forEach((source) => source.stop());
   playing = [];
   globalThis.speechSynthesis?.cancel();
 }
 
-/** Shake a gamepad that can, or else a phone. */
+/** Vibrate a gamepad that supports it, otherwise a phone. */
 export function vibrate(urgent, given) {
   const time = urgent ? 600 : 250;
   const pads = [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.vibrationActuator?.playEffect);

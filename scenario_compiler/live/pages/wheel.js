@@ -1,4 +1,4 @@
-// What the person does: keys, gamepad or steering wheel, touch; one steering angle, throttle and brake of them all.
+// The person's inputs: keys, gamepad or steering wheel, touch, combined to one steering angle, throttle and brake.
 
 const STEERS = 1.1; // share of the full lock a second, by keys at a standstill
 const RETURNS = 1.8;
@@ -54,7 +54,7 @@ export class Wheel {
     }
   }
 
-  /** Return what the person does now; a press counts once. */
+  /** Return the person's present inputs; a press counts once. */
   read() {
     const now = performance.now();
     const time = Math.min(0.1, (now - this.before) / 1000);
@@ -73,14 +73,14 @@ export class Wheel {
     return told;
   }
 
-  /** Let go of everything, as when a run begins. */
+  /** Reset all inputs, as at the start of a run. */
   release() {
     this.held.clear();
     this.steer = this.throttle = this.brake = 0;
     this.forget();
   }
 
-  /** Forget buttons pressed while nothing was driven. */
+  /** Forget buttons that were pressed while no run was in progress. */
   forget() {
     this.pressed = { take: false, back: false };
   }
@@ -99,7 +99,7 @@ export class Wheel {
     }
   }
 
-  /** Move what keys move: the faster the vehicle, the less and the slower they steer. */
+  /** Update the inputs from keys: the faster the vehicle, the less and the slower they steer. */
   #turn(time) {
     const most = Math.min(1, 9 / Math.max(this.speed, 1) ** 1.4);
     const wanted = (this.held.has("left") ? 1 : 0) - (this.held.has("right") ? 1 : 0);
@@ -181,7 +181,7 @@ export class Calibration {
     }
   }
 
-  /** Find what moves most since the input was chosen, and take its rest and its farthest place. */
+  /** Find the axis or button that has moved most since the input was chosen, and its rest and extreme positions. */
   #watch(pad, profile) {
     const now = [...pad.axes, ...pad.buttons.map((one) => one.value)];
     this.extremes ??= now.map((value) => ({ rest: value, far: value }));

@@ -144,7 +144,7 @@ _DRAWN: dict[type[Axis], Callable[[Any], etree._Element]] = {
     Choice: _weighted,
     Weighted: _weighted,
 }
-"""What is drawn, and its distribution."""
+"""Distributions of axes that are drawn."""
 
 _LISTED: dict[type[Axis], Callable[[Any], etree._Element]] = {Values: _values, Grid: _grid}
-"""What is tried value by value, and its list."""
+"""Lists of axes that are tried value by value."""

@@ -22,7 +22,7 @@ export function numbers(differences, step) {
   return out;
 }
 
-/** Return the points of a line from its steps, as a flat array x, y, x, y in metres. */
+/** Return the points of a line from their differences, as a flat array x, y, x, y in metres. */
 export function points(steps, step) {
   const out = new Float64Array(steps.length);
   let x = 0;
@@ -69,7 +69,7 @@ export class Run {
     return low;
   }
 
-  /** Return a column's value in a row, NaN where there is none. */
+  /** Return a column's value in a row; NaN if there is none. */
   value(name, row, entity = 0) {
     return this.columns[name].data[entity]?.[row] ?? NaN;
   }
@@ -87,7 +87,7 @@ export class Run {
   }
 }
 
-/** Return a number as readers write it: with decimals, a real minus, and its unit. */
+/** Return a number as a text for people: with decimals, a minus sign, and its unit. */
 export function shown(value, unit = "", decimals = 2) {
   if (!Number.isFinite(value)) return "–";
   const text = value.toFixed(decimals).replace(/^-(?=0*\.?0*$)/, "").replace("-", "−");

@@ -1,4 +1,4 @@
-// The gallery's search and filters: a card is shown when it holds every word and is of what is chosen.
+// The gallery's search and filters: a card is shown if it contains every word and matches the chosen filters.
 
 const search = document.querySelector("#search");
 const chosen = ["group", "map", "cause"].map((name) => [name, document.querySelector(`#${name}`)]);

@@ -44,7 +44,7 @@ export class MapView {
     this.canvas.dispatchEvent(new Event("viewchange"));
   }
 
-  /** Turn the view so that the first vehicle looks up, or north is up. */
+  /** Turn the view so that the first vehicle points up, or north is up. */
   turn(on) {
     this.turned = on;
     this.draw();
@@ -61,7 +61,7 @@ export class MapView {
     this.draw();
   }
 
-  /** Show the way of the first vehicle as a whole. */
+  /** Show the whole path of the first vehicle. */
   fit() {
     this.following = false;
     this.turned = false;
@@ -189,7 +189,7 @@ export class MapView {
     return -1;
   }
 
-  /** Where the view is centred while it follows: ahead of the vehicle, which stays within its rear part. */
+  /** Centre of the view while it follows: ahead of the vehicle, which stays within the rear part of the view. */
   #focus() {
     const i = this.run.entities.findIndex((_, k) => this.run.present(this.row, k));
     if (i < 0) return this.centre;
@@ -249,7 +249,7 @@ export class MapView {
     this.#drawScale(ink, colour);
   }
 
-  /** Let lengths be metres, x east and y north. */
+  /** Set the unit of lengths to metres, with x east and y north. */
   #inMetres(ink) {
     ink.setTransform(this.dots, 0, 0, this.dots, 0, 0);
     ink.translate(this.width / 2, this.height / 2);
@@ -357,7 +357,7 @@ export class MapView {
     return corners.map(([u, v]) => this.#pixel(x + u * c - v * s, y + u * s + v * c));
   }
 
-  /** Write who is who, the first vehicle first, then what blocks the path, then the nearest; no text covers another. */
+  /** Label the first vehicle, then the blocking object, then the nearest ones; no text covers another. */
   #writeLabels(ink, colour, boxes, blocker) {
     ink.font = "12px system-ui, sans-serif";
     ink.textAlign = "center";

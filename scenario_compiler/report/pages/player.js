@@ -49,7 +49,7 @@ export class Player {
     this.show(this.begin);
   }
 
-  /** Play on, from the start when the run is over. */
+  /** Continue, from the start if the run is over. */
   play() {
     if (this.t >= this.end - 1e-6) this.show(this.begin);
     this.playing = true;
@@ -66,7 +66,7 @@ export class Player {
     this.ticking = requestAnimationFrame(tick);
   }
 
-  /** Stop where the run is, and keep the moment in the page's address. */
+  /** Pause, and keep the moment in the page's address. */
   pause() {
     this.playing = false;
     this.#label();
@@ -79,7 +79,7 @@ export class Player {
     if (!this.playing) this.#keep();
   }
 
-  /** Go a number of recorded rows on, of the first run. */
+  /** Move by a number of recorded rows of the first run. */
   step(rows) {
     this.playing = false;
     this.#label();
@@ -312,12 +312,12 @@ export function start() {
     const place = places.find((one) => one.dataset.anchor === anchor) ?? (places.length === 1 ? places[0] : null);
     if (!place || !Number.isFinite(t)) return;
     const player = await once(place);
-    if (location.hash !== named) return; // another moment was asked for while this run was unpacked
+    if (location.hash !== named) return; // another moment was chosen while this run was unpacked
     player.show(t);
     place.scrollIntoView({ block: "start" });
   };
   addEventListener("hashchange", follow);
-  // A key that nothing else takes is for the only player of the page.
+  // A key that nothing else handles goes to the only player of the page.
   document.addEventListener("keydown", (event) => {
     const player = places.length === 1 ? places[0].player : null;
     if (player && (event.target === document.body || event.target === document.documentElement)) {

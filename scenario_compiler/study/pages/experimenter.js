@@ -1,4 +1,4 @@
-// The experimenter's page: who is where, and what can be done with them. Rows are changed in place, so that a note that
+// The experimenter's page: the participants and the possible actions. Rows are changed in place, so that a note that
 // is being written stays.
 
 const body = document.querySelector("#participants");

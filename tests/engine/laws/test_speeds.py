@@ -234,12 +234,12 @@ def test_it_brakes_hard_if_the_distance_to_stop_is_too_short(tmp_path: Path) -> 
     assert run.at("A", 3.0).v == 0.0
 
 
-def test_without_a_final_speed_twice_the_missing_speed_is_asked_for(tmp_path: Path) -> None:
+def test_without_a_final_speed_twice_the_missing_speed_is_commanded(tmp_path: Path) -> None:
     run = play(tmp_path, A_AND_B, [Event("A", synchronize("", 150.0))], seconds=10.0)
     assert run.at("A", 1.05).v == pytest.approx(10.0 + 0.05 * 2.0 * (12.0 - 10.0) / 12.5)
 
 
-def test_tolerances_shorten_the_ways(tmp_path: Path) -> None:
+def test_tolerances_shorten_the_distances(tmp_path: Path) -> None:
     tolerance = ' targetTolerance="25" targetToleranceMaster="20"'
     run = play(tmp_path, A_AND_B, [Event("A", synchronize("", 150.0, tolerance=tolerance))], seconds=10.0)
     assert run.at("A", 1.05).v == pytest.approx(10.0 + 0.05 * 2.0 * (12.5 - 10.0) / 10.0)
