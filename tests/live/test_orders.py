@@ -40,11 +40,12 @@ def test_a_page_that_is_hidden_while_it_waits_for_the_screen_goes_on(open_road: 
         served("drive", open_road, "--perception", "ideal") as server,
         opened_page(browser, server.address, bypass_csp=True) as page,
     ):
+        begun(page)
         page.evaluate("waiting = 0; globalThis.requestAnimationFrame = () => (waiting += 1)")
-        page.get_by_role("button", name="Start").dispatch_event("click")
-        page.wait_for_function("waiting >= 2", polling=50)  # as many as the server has on their way
+        page.wait_for_function("waiting >= 2", polling=50)  # pictures; the server sends no more while two are waiting
         page.evaluate(
             """() => {
+              page.run.clear();
               Object.defineProperty(document, "hidden", { value: true });
               document.dispatchEvent(new Event("visibilitychange"));
             }"""
