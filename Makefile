@@ -6,7 +6,8 @@ BIN := .venv/bin
 CODE := $(wildcard scenario_compiler tests maps examples tools)
 FRESH := $(wildcard tests/test_layers.py tests/forms/test_translation.py tests/test_schemas.py tests/test_public_names.py \
 	tests/roads/test_unread.py)
-PYTEST := $(BIN)/pytest -n 2 --dist worksteal
+# Three processes on two cores: tests of pages and servers wait for them a sixth of their time.
+PYTEST := $(BIN)/pytest -n 3 --dist worksteal
 
 # Byte code is kept, also where the environment says otherwise: the tests start hundreds of processes.
 export PYTHONDONTWRITEBYTECODE =
