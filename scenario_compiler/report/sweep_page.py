@@ -76,9 +76,9 @@ class Rate:
     high: float
 
     @property
-    def rate(self) -> float:
-        """The observed rate; 0 without a run."""
-        return self.hits / self.count if self.count else 0.0
+    def rate(self) -> float | None:
+        """The observed rate; None without a run."""
+        return self.hits / self.count if self.count else None
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ class SweepPage:
 def write_sweep_report(page: SweepPage, folder: Path) -> Path:
     """Write report.html to a folder and return its path; equal sweeps give equal bytes."""
     environment = page_environment()
-    environment.filters["percent"] = lambda share: f"{100 * share:.3g} %"
+    environment.filters["percent"] = lambda share: "–" if share is None else f"{100 * share:.3g} %"
     text = environment.get_template(TEMPLATE).render(
         page=page,
         rates=rates_of(page.rows, judged=page.judged, automated=page.automated),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -56,6 +57,22 @@ def test_requests_that_are_open_at_the_end_are_left_out_of_those_that_were_answe
         page = SweepPage("it", "", shown, {"gap": "uniform(1, 3)"}, {"gap": "m/s2"}, [], [], "scenario-compiler sweep")
         text = write_sweep_report(page, tmp_path).read_text(encoding="utf-8")
         assert ("1 still open when the run ended" in text) is left_out
+
+
+def test_a_rate_of_no_runs_is_not_shown_as_zero(tmp_path: Path) -> None:
+    page = SweepPage(
+        "it",
+        "",
+        {**ROWS, "resolution": ["no_request"] * 3},
+        {"gap": "uniform(1, 3)"},
+        {},
+        [],
+        [],
+        "scenario-compiler sweep",
+    )
+    text = write_sweep_report(page, tmp_path).read_text(encoding="utf-8")
+    row = text.partition("Request answered by the driver")[2].partition("</tr>")[0]
+    assert re.findall(r">([^<]+)</td>", row) == ["0", "0", "–", "–"]
 
 
 def page_of(rows: Mapping[str, Sequence[Any]], *parameters: str, cases: Sequence[Case] = ()) -> SweepPage:
