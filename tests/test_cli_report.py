@@ -54,7 +54,7 @@ def test_a_report_gets_pictures_of_a_run_without_camera(run_folder: Path, browse
     assert call("report", run_folder, "--camera") == 0
     with opened_page(browser, f"{(run_folder / 'report.html').as_uri()}#t=1.5") as page:
         expect(page.locator(".view figcaption")).to_have_text("View ahead at 1.40 s")
-        assert page.evaluate("document.querySelector('.view img').naturalWidth") == 640
+        page.wait_for_function("document.querySelector('.view img').naturalWidth === 640")
 
 
 def test_two_folders_are_compared_in_a_page(run_folder: Path, tmp_path: Path, browser: Browser) -> None:
@@ -62,7 +62,7 @@ def test_two_folders_are_compared_in_a_page(run_folder: Path, tmp_path: Path, br
     assert call("compare", run_folder, run_folder, "--html", page_file) == 0
     with opened_page(browser, page_file.as_uri()) as page:
         expect(page.locator("h1")).to_have_text("one and one")
-        assert page.locator(".pane").count() == 2
+        expect(page.locator(".pane")).to_have_count(2)
 
 
 def test_a_run_is_filmed_and_exported(run_folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -53,7 +53,7 @@ def test_a_person_takes_over_and_brakes_in_carla(tmp_path: Path, carla: conftest
         page.keyboard.up("ArrowDown")
         assert hero.get_velocity().length() < 3.0
         ended(page)
-        assert page.locator("#ended").text_content() == "Driver took over, no collision"
+        expect(page.locator("#ended")).to_have_text("Driver took over, no collision")
         page.get_by_role("button", name="Again").click()  # a second run begins in a new world of the same server
         page.wait_for_function("page.latest.run === 2 && page.latest.t > 0.5")
         ended(page)

@@ -259,7 +259,7 @@ def test_a_run_that_nobody_drives_is_watched(tmp_path: Path, browser: Browser) -
     with served(*words) as server:
         with opened_page(browser, server.address, bypass_csp=True) as page:
             page.wait_for_function("globalThis.page?.latest?.t > 0")
-            assert page.evaluate("document.querySelector('#ahead').width") == 1280
+            page.wait_for_function("document.querySelector('#ahead').width === 1280")
             page.wait_for_function("document.querySelector('#ended').textContent !== ''")
         assert server.process.wait(timeout=SLOW / 1000) == 0
     assert read_recording(out / "recording.parquet").t[-1] == pytest.approx(0.5)

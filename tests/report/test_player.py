@@ -246,7 +246,7 @@ def test_two_runs_have_one_clock(browser: Browser, network: Network, tmp_path: P
         expect(page.locator(".pane h2")).to_have_text(["1: one", "2: other"])
         expect(page.locator(".values").nth(0)).to_contain_text("driver in control")
         expect(page.locator(".values").nth(1)).to_contain_text("driver in control")
-        assert page.locator(".view").count() == 1
+        expect(page.locator(".view")).to_have_count(1)
         expect(page.locator(".u-legend").first).to_contain_text("left (2)")
 
 

@@ -305,8 +305,8 @@ def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser)
             other.keyboard.press("Enter")
             page.keyboard.press("Enter")
             other.wait_for_function("page.latest.byHand")
-            assert page.locator("#search circle").count() == 6
-            assert other.locator("#search circle").count() == 0
+            expect(page.locator("#search circle")).to_have_count(6)
+            expect(other.locator("#search circle")).to_have_count(0)
 
 
 def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> None:
