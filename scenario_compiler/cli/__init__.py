@@ -8,8 +8,6 @@ declares the commands, and other functions carry them out.
 from __future__ import annotations
 
 import argparse
-import gc
-import os
 from collections.abc import Sequence
 from functools import cache
 from typing import Any, NoReturn
@@ -68,7 +66,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Raises:
         SystemExit: The arguments cannot be parsed, or they ask for help or the version.
     """
-    start_lightly()
     prepare_streams()
     options = make_parser().parse_args(arguments)
     try:
@@ -84,16 +81,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complain(reason_of(fault))
         code = WRONG_USE
     return code
-
-
-def start_lightly() -> None:
-    """Turn off pydantic's search for plug-ins and most rounds of the garbage collector, which no command needs.
-
-    Both take a noticeable part of the time of `validate` for one file. A command keeps nearly everything that it loads
-    until it ends, so collecting garbage frees little.
-    """
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    gc.set_threshold(100_000, 50, 50)
 
 
 class HelpFormatter(argparse.HelpFormatter):
