@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,7 @@ from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import Progress
 
-pytest.importorskip("distributed", reason="needs the extra `cluster`")
+pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="needs the extra `cluster`")
 WORKERS = 3
 
 
