@@ -300,4 +300,5 @@ def command(run: Run) -> str:
     header = run.recording.header
     world = "" if header.world == "kinematic" else f" --world {header.world}"
     variant = f" --variant {header.variant}" if header.variant else ""
-    return f"scenario-compiler run plan.json{world} --seed {header.seed}{variant} -o again"
+    inputs = "" if run.plan.takeover.driver.by_person is None else " --inputs ."
+    return f"scenario-compiler run plan.json{world} --seed {header.seed}{variant}{inputs} -o again"
