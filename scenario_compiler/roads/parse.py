@@ -15,7 +15,6 @@ from scenario_compiler.roads.derived import with_derived_columns
 from scenario_compiler.roads.elements import PlainElement, RoadFile
 from scenario_compiler.roads.lane_parse import LaneReader
 from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
-from scenario_compiler.roads.model import report_repeats
 from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 from scenario_compiler.roads.reference_parse import read_reference_line
 from scenario_compiler.roads.tables import NO_SPEED, ParsedNetwork, RoadTables
@@ -127,7 +126,10 @@ class _Reading:
         junctions = {name: i for i, name in reversed(list(enumerate(junction_ids)))}
         n.road_junction.extend(junctions.get(road.get("junction", "-1"), -1) for road in roads)
         build_links(self.reader, n, root, roads, road_ids, junctions, self._lanes.links, attachments)
-        report_repeats(self.reader, self._repeats)
+        if self._repeats:
+            from scenario_compiler.roads.model import report_repeats  # to import it takes a third of a small file's time
+
+            report_repeats(self.reader, self._repeats)
         return ParsedNetwork(with_derived_columns(n), road_ids, junction_ids)
 
 
