@@ -53,6 +53,11 @@ class RecordedPerson:
         self._row = 0
         self.seed = recording.header.seed
 
+    @property
+    def has_ended_the_run(self) -> bool:
+        """Whether the recorded run was ended by the user, and the last of its inputs has been given."""
+        return self._recording.stop_reason == "user" and self._row + 1 >= len(self._recording.t)
+
     def act(self, t: float, state: str) -> PersonInput:
         """Return the inputs recorded in the next row; no input after the recording's end."""
         del t, state

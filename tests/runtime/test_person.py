@@ -20,7 +20,7 @@ from scenario_compiler.report.folder import write_run_folder
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.wording import command
 from scenario_compiler.runtime import open_world
-from scenario_compiler.runtime.loop import run
+from scenario_compiler.runtime.loop import Execution, run
 from tests.command import call
 
 SOURCE = {name: code for code, name in SOURCES.items()}
@@ -182,6 +182,17 @@ def test_the_command_in_a_persons_report_repeats_the_run_with_its_seed(
     assert read_recording(Path("again/recording.parquet")) == recording
     assert call("run", "plan.json", "--inputs", ".", "-o", "without_seed") == 0
     assert read_recording(Path("without_seed/recording.parquet")).header.seed == 7
+
+
+def test_a_run_that_its_user_ended_ends_there_again(compiled: Compilation) -> None:
+    with open_world("kinematic", compiled.plan, compiled.network) as world:
+        execution = Execution(compiled.plan, world, 1, 0, person=Scripted(brakes_when_asked))
+        while execution.state.clock[0] < 5.0:
+            execution.advance()
+        recording = execution.finish("user")
+        again = run(compiled.plan, world, person=RecordedPerson(recording))
+    assert recording.stop_reason == "user"
+    assert again == recording
 
 
 def test_an_observer_lets_the_automation_request(compiled: Compilation) -> None:
