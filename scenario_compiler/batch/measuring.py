@@ -68,7 +68,7 @@ def rows_of_totals(
         "failed": [" ".join(names) for names in failed],
         "avoided_by": [_avoiders(verdicts) for verdicts in avoided],
     }
-    columns[TAKEOVERS] = [[vars(one) for one in some] for some in takeovers_of_totals(totals)]
+    columns[TAKEOVERS] = takeovers_of_totals(totals)
     sound = np.array([not error for error in errors])
     measured = measures_of(plan)
     for measure in MEASURES:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -116,7 +117,9 @@ def takeovers_of(recording: Recording, traces: Traces) -> tuple[Takeover, ...]:
     ends = {kind: np.array(found) for kind, found in times.items()}
     budget = time_to_limit(codes, distance, speed, at["blocked_speed"], at["limit_time"])
     crashes = np.full(len(asked), crash)
-    return tuple(_assembled(causes, request, ends, crashes, speed, distance, budget, quality, recording.header.step))
+    step = recording.header.step
+    fields = _fields(causes, request, ends, crashes, speed, distance, budget, quality, step)
+    return tuple(Takeover.model_construct(**one) for one in fields)
 
 
 def _driven(traces: Traces, begin: float, end: float) -> tuple[float, ...]:
@@ -135,8 +138,8 @@ def _described(recording: Recording, begin: float, end: float) -> int:
     return int(np.argmax(there)) if there.any() else -1
 
 
-def takeovers_of_totals(totals: RunTotals) -> list[tuple[Takeover, ...]]:
-    """Return the takeovers of each run, up to the number that the engine stores."""
+def takeovers_of_totals(totals: RunTotals) -> list[list[dict[str, Any]]]:
+    """Return the takeovers of each run, up to the number that the engine stores, each as the fields of a `Takeover`."""
     request = totals.of_takeovers("takeover_request")
     runs, places = np.nonzero(~np.isnan(request))
     picked = {
@@ -149,19 +152,19 @@ def takeovers_of_totals(totals: RunTotals) -> list[tuple[Takeover, ...]]:
     budget = time_to_limit(picked["cause"], distance, *moving, picked["limit_time"])
     ends: dict[EventKind, Floats] = {kind: picked[kind] for kind in ENDS}
     crash = totals.times["collision"][runs]
-    found: list[list[Takeover]] = [[] for _ in range(len(request))]
+    found: list[list[dict[str, Any]]] = [[] for _ in range(len(request))]
     asked = request[runs, places]
     quality = {
         name: totals.of_takeovers(column)[runs, places]
         for name, column in (*zip(QUALITY, DRIVEN_TOTALS, strict=True), ("traffic_density", "takeover_density"))
     }
-    made = _assembled(causes, asked, ends, crash, picked["speed"], distance, budget, quality, totals.step, places)
+    made = _fields(causes, asked, ends, crash, picked["speed"], distance, budget, quality, totals.step, places)
     for run, one in zip(runs.tolist(), made, strict=True):
         found[run].append(one)
-    return [tuple(some) for some in found]
+    return found
 
 
-def _assembled(
+def _fields(
     causes: list[str],
     request: Floats,
     ends: Mapping[EventKind, Floats],
@@ -172,8 +175,8 @@ def _assembled(
     quality: Mapping[str, Floats],
     step: float,
     places: np.ndarray[tuple[int], np.dtype[np.intp]] | None = None,
-) -> list[Takeover]:
-    """Return k takeovers from arrays (k,) of their numbers."""
+) -> list[dict[str, Any]]:
+    """Return the fields of k takeovers from arrays (k,) of their numbers."""
     answered = np.round((ends["response"] - request) / step) * step
     budget = np.round(until_limit / step) * step
     numbers = {
@@ -190,14 +193,9 @@ def _assembled(
     how = resolutions({"request": request, **ends, "collision": crash, "no_progress": none})
     order = np.arange(len(request)) if places is None else places
     columns = {
-        name: [value if math.isfinite(value) else None for value in values.tolist()] for name, values in numbers.items()
+        "number": (order + 1).tolist(),
+        "cause": causes,
+        "resolution": how,
+        **{name: [one if math.isfinite(one) else None for one in values.tolist()] for name, values in numbers.items()},
     }
-    return [
-        Takeover.model_construct(
-            number=int(order[k]) + 1,
-            cause=causes[k],
-            resolution=how[k],
-            **{name: values[k] for name, values in columns.items()},
-        )
-        for k in range(len(request))
-    ]
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]

@@ -1,6 +1,7 @@
 """The scenario: both languages are lowered to it once templates, catalogs and structural parameters are expanded."""
 
 from collections.abc import Iterable, Mapping
+from functools import cache
 from typing import Literal
 
 from scenario_compiler.expressions import ExpressionError, Value
@@ -124,9 +125,13 @@ class NumberLimit(Word):
             number = number_value(self.value, values)
         except ExpressionError as error:
             return str(error)
-        return out_of_limits(
-            self.holder, number, AttributeSpelling(minimum=self.least, maximum=self.greatest, exclusive=self.exclusive)
-        )
+        return out_of_limits(self.holder, number, _spelling(self.least, self.greatest, self.exclusive))
+
+
+@cache
+def _spelling(least: float | None, greatest: float | None, exclusive: bool) -> AttributeSpelling:
+    """Return limits as attributes have them; a sweep asks for those of a number once for each variant."""
+    return AttributeSpelling(minimum=least, maximum=greatest, exclusive=exclusive)
 
 
 class Scenario(Word):
