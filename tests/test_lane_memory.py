@@ -225,6 +225,23 @@ def test_the_outcome_says_where_a_car_stands_that_has_lost_its_lane(bias: float,
     raise AssertionError(f"no seed led to {stands}")
 
 
+def test_a_car_that_stands_partly_in_the_next_lane_is_not_called_safely_in_its_own(tmp_path: Path) -> None:
+    half = 1.994 / 2
+    odometry = '<odometry gyro_bias="0.25" gyro_noise="0" heading_error="0" place_error="0"/>'
+    seen = set()
+    for seed in range(1, 30):
+        one = kept(tmp_path, straight(200.0), 0.0, seed, "ideal", odometry=odometry)
+        beyond = one.last + half - WIDTH / 2
+        if one.outcome.stands == "own_lane":
+            assert beyond <= 0.0
+        elif one.outcome.stands == "across_edge":
+            assert beyond > -0.2
+        seen.add(one.outcome.stands)
+        if {"own_lane", "across_edge"} <= seen:
+            return
+    raise AssertionError(f"only {seen}")
+
+
 RAIN = """<scenarios version="1"><scenario name="rain" map="highway_loop" weather="HardRainSunset" duration="6"
 control_every="2"><ego speed="22"><start><spawn_point name="{place}"/></start></ego>
 <takeover budget="7"><cause kind="lane_confidence"/><driver takeover_time="3.5"/></takeover></scenario></scenarios>"""

@@ -338,7 +338,7 @@ class Host:
                 car.control = [0.0, 0.0, 0.0, False, False, False, 0]
                 self.stage.command(car)
         if self.recorder is not None:
-            self.recorder.note(self.stage, self.frame, dt)
+            self.recorder.note(self.stage, dt)
         self._send(dt)
         self._held_for -= 1
         if self._held_for <= 0:

@@ -47,8 +47,10 @@ class Recorder:
         path: Where it is written when it ends.
         town: Name of the map.
         actors: Bodies that have been there: id to description and kind.
-        frames: Frame, time, step, states (id, transform, speed) and collisions (ids).
+        frames: Frame, time, step, states (id, transform, speed) and collisions (ids). As in CARLA's recordings, frames
+            are counted from 1, and times from the first frame on.
         kept: How many states have been taken down.
+        begin: Time of the first frame in the episode, s.
     """
 
     path: Path
@@ -56,11 +58,14 @@ class Recorder:
     actors: dict[int, list[Any]] = field(default_factory=dict)
     frames: list[Any] = field(default_factory=list)
     kept: int = 0
+    begin: float = 0.0
 
-    def note(self, stage: Stage, frame: int, dt: float) -> None:
+    def note(self, stage: Stage, dt: float) -> None:
         """Take a frame down; a recording that is too long is not continued."""
         if self.kept >= MOST_STATES:
             return
+        if not self.frames:
+            self.begin = stage.time
         states = []
         for body in stage.bodies():
             if body.id not in self.actors:
@@ -68,7 +73,7 @@ class Recorder:
             states.append([body.id, list(stage.transform_of(body)), stage.simulation.state.v[body.place]])
         met = [[one.id, other.id] for one, other, _ in stage.collisions]
         self.kept += len(states) + 1
-        self.frames.append([frame, stage.time, dt, states, met])
+        self.frames.append([len(self.frames) + 1, stage.time - self.begin, dt, states, met])
 
     def write(self) -> None:
         """Write it."""

@@ -39,7 +39,7 @@ from scenario_compiler.forms.machine_code import why_interpreted
 from scenario_compiler.outputs import whole_folder
 
 if TYPE_CHECKING:
-    from scenario_compiler.controllers.person import Person
+    from scenario_compiler.controllers.person import Person, RecordedPerson
     from scenario_compiler.plan.model import Plan
     from scenario_compiler.recording.recording import Recording
     from scenario_compiler.report.run import Run
@@ -71,7 +71,12 @@ def _add_run(commands: Commands) -> None:
         "-o", dest="output", type=Path, metavar="DIR", help="folder for the run: plan, recording, outcome, report"
     )
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all random draws")
+    parser.add_argument(
+        "--seed",
+        type=int,
+        metavar="N",
+        help="seed of all random draws (default: that of the run of --inputs, else 1)",
+    )
     parser.add_argument(
         "--variant", type=int, default=0, metavar="N", help="number of the variant, as in a sweep with the same seed"
     )
@@ -169,7 +174,10 @@ def driven_by_model(plan: Plan) -> Plan:
 
 def run_command(options: argparse.Namespace) -> int:
     """Run a scenario or a plan."""
+    # What runs is loaded before the scenario, so that `keep_loaded` includes it.
     from scenario_compiler.controllers import refuse_untrusted
+    from scenario_compiler.recording import outcome  # noqa: F401
+    from scenario_compiler.runtime import loop  # noqa: F401
     from scenario_compiler.worlds import WorldError
 
     of_world = world_options(options)
@@ -195,9 +203,12 @@ def run_command(options: argparse.Namespace) -> int:
     if plan.takeover.driver.by_person is not None and options.inputs is None:
         raise WrongUse("this plan has a person at the wheel: run it with `drive`, or with --pilot for the driver model")
     keep_inputs(inputs_of(plan), options.trajectory, options.video)
+    person = _recorded_person(options)
+    if options.seed is None:
+        options.seed = 1 if person is None else person.seed
     try:
         with nullcontext() if options.output is None else whole_folder(options.output) as draft:
-            finished = _finished_run(plan, network, options, of_world, sink)
+            finished = _finished_run(plan, network, options, of_world, sink, person)
             _write_run(finished, options, draft)
     except WorldError as fault:
         sink.add(fault.code, str(fault), FilePlace(split_target(options.target)[0]))
@@ -211,7 +222,12 @@ def run_command(options: argparse.Namespace) -> int:
 
 
 def _finished_run(
-    plan: Plan, network: Network, options: argparse.Namespace, of_world: dict[str, object], sink: Diagnostics
+    plan: Plan,
+    network: Network,
+    options: argparse.Namespace,
+    of_world: dict[str, object],
+    sink: Diagnostics,
+    person: RecordedPerson | None,
 ) -> Run:
     """Execute a plan in the named world, judge it, and report where the world deviates from the plan."""
     from scenario_compiler.recording.outcome import judge
@@ -223,7 +239,7 @@ def _finished_run(
     if not options.interpreted and (reason := why_interpreted()):
         complain(f"the engine runs interpreted: {reason}")
     with open_world(options.world, plan, network, **of_world) as world:
-        recording = run_with_progress(plan, world, options)
+        recording = run_with_progress(plan, world, options, person)
         note_findings(world.findings, plan, sink)
     return Run(plan, network, recording, judge(plan, recording))
 
@@ -270,7 +286,7 @@ def note_failures(recording: Recording, options: argparse.Namespace, sink: Diagn
             sink.add(code, event.message, FilePlace(split_target(options.target)[0]))
 
 
-def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> Recording:
+def run_with_progress(plan: Plan, world: World, options: argparse.Namespace, person: Person | None = None) -> Recording:
     """Run a plan, with a progress bar if stderr is a terminal."""
     from scenario_compiler.runtime import run
 
@@ -282,22 +298,21 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
         variant=options.variant,
         interpreted=options.interpreted,
         trust=trust_of(options),
-        person=_recorded_person(options),
+        person=person,
     )
     with shown_progress(plan.name) as shown:
         return start(progress=None if shown is None else lambda t: shown(t, plan.duration))
 
 
-def _recorded_person(options: argparse.Namespace) -> Person | None:
+def _recorded_person(options: argparse.Namespace) -> RecordedPerson | None:
     """Return the recorded person of the run that --inputs names; raise WrongUse if the recording cannot be read."""
-    folder = getattr(options, "inputs", None)
-    if folder is None:
+    if options.inputs is None:
         return None
     from scenario_compiler.controllers.person import RecordedPerson
     from scenario_compiler.recording.store import RecordingError, read_recording
 
     try:
-        return RecordedPerson(read_recording(folder / "recording.parquet"))
+        return RecordedPerson(read_recording(options.inputs / "recording.parquet"))
     except RecordingError as error:
         raise WrongUse(str(error)) from None
 

@@ -38,7 +38,11 @@ class Person(Protocol):
 
 
 class RecordedPerson:
-    """The person of a recording, who repeats the recorded inputs."""
+    """The person of a recording, who repeats the recorded inputs.
+
+    Attributes:
+        seed: Seed of the recorded run, with which the inputs repeat it.
+    """
 
     def __init__(self, recording: Recording) -> None:
         """Take the recording's inputs; a recording without a person has none."""
@@ -47,6 +51,12 @@ class RecordedPerson:
         self._wishes = WISHES
         self._recording = recording
         self._row = 0
+        self.seed = recording.header.seed
+
+    @property
+    def has_ended_the_run(self) -> bool:
+        """Whether the recorded run was ended by the user, and the last of its inputs has been given."""
+        return self._recording.stop_reason == "user" and self._row + 1 >= len(self._recording.t)
 
     def act(self, t: float, state: str) -> PersonInput:
         """Return the inputs recorded in the next row; no input after the recording's end."""

@@ -60,6 +60,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "no_request": "no takeover request",
         "stopped": "stopped without a request",
         "driver": "driver took over",
+        "minimum_risk_then_driver": "minimum-risk manoeuvre, then driver took over",
         "unanswered": "request unanswered",
         "open": "request still open",
         "collision": "collision",
@@ -69,6 +70,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "own_lane": "stopped safely in its lane",
         "other_lane": "stopped in another lane",
         "shoulder": "stopped safely on the shoulder",
+        "across_edge": "stopped across the edge of its lane",
         "off_road": "stopped off the road",
     },
     "de": {
@@ -120,6 +122,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "no_request": "keine Übernahmeaufforderung",
         "stopped": "ohne Aufforderung angehalten",
         "driver": "Fahrer hat übernommen",
+        "minimum_risk_then_driver": "risikominimales Manöver, dann hat der Fahrer übernommen",
         "unanswered": "Aufforderung unbeantwortet",
         "open": "Aufforderung noch offen",
         "collision": "Zusammenstoß",
@@ -129,6 +132,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "own_lane": "sicher im Fahrstreifen angehalten",
         "other_lane": "in einem anderen Fahrstreifen angehalten",
         "shoulder": "sicher auf dem Seitenstreifen angehalten",
+        "across_edge": "über den Rand seines Fahrstreifens hinaus angehalten",
         "off_road": "neben der Straße angehalten",
     },
     "fi": {
@@ -180,6 +184,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "no_request": "ei ohjauspyyntöä",
         "stopped": "pysähtyi ilman pyyntöä",
         "driver": "kuljettaja otti hallinnan",
+        "minimum_risk_then_driver": "riskin minimoiva pysäytys, sitten kuljettaja otti hallinnan",
         "unanswered": "pyyntöön ei vastattu",
         "open": "pyyntö vielä avoinna",
         "collision": "törmäys",
@@ -189,6 +194,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "own_lane": "pysähtyi turvallisesti kaistalleen",
         "other_lane": "pysähtyi toiselle kaistalle",
         "shoulder": "pysähtyi turvallisesti pientareelle",
+        "across_edge": "pysähtyi kaistansa reunan yli",
         "off_road": "pysähtyi tien ulkopuolelle",
     },
     "sv": {
@@ -240,6 +246,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "no_request": "ingen begäran att ta över",
         "stopped": "stannade utan begäran",
         "driver": "föraren tog över",
+        "minimum_risk_then_driver": "riskminimerande manöver, sedan tog föraren över",
         "unanswered": "begäran obesvarad",
         "open": "begäran ännu öppen",
         "collision": "kollision",
@@ -249,6 +256,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "own_lane": "stannade säkert i sitt körfält",
         "other_lane": "stannade i ett annat körfält",
         "shoulder": "stannade säkert på vägrenen",
+        "across_edge": "stannade över kanten av sitt körfält",
         "off_road": "stannade utanför vägen",
     },
 }

@@ -111,7 +111,7 @@ FAULTS: dict[int, str] = {
 }
 """What a run's fault code means."""
 
-StandingPlace = Literal["", "own_lane", "other_lane", "shoulder", "off_road"]
+StandingPlace = Literal["", "own_lane", "other_lane", "shoulder", "across_edge", "off_road"]
 """Where a stopped vehicle stands; empty if it was not stopped."""
 
 STANDING_PLACES: dict[int, StandingPlace] = {
@@ -120,6 +120,7 @@ STANDING_PLACES: dict[int, StandingPlace] = {
     opcodes.STANDS_IN_OTHER_LANE: "other_lane",
     opcodes.STANDS_ON_SHOULDER: "shoulder",
     opcodes.STANDS_OFF_ROAD: "off_road",
+    opcodes.STANDS_ACROSS_EDGE: "across_edge",
 }
 
 BY_HAND = "driver"

@@ -79,7 +79,8 @@ class Outcome(_Part):
     stands: StandingPlace = Field(
         default="",
         description="Where the vehicle stands after a minimum-risk manoeuvre or a driver's stop: own_lane, other_lane, "
-        "shoulder, off_road; empty if it was not stopped.",
+        "shoulder, across_edge (part of it beyond the edge of its lane or shoulder), off_road; empty if it was not "
+        "stopped.",
     )
     stop_reason: StopReason = Field(description="Why the run ended.")
     error: int = Field(default=0, description="The engine's fault code; 0 for none.")

@@ -74,9 +74,12 @@ on negative lanes and against s (h + pi) on positive lanes; in left-hand traffic
 placed by road, s and t faces along s.
 
 **Time**: t is the number of steps times their length. Times in events.csv and the timeline are rounded to the
-nanosecond. The first row, t = 0, is the state after the init actions. There is one row per step for each entity that is
-present, with entities in document order and an automated vehicle first. The row in which the stop trigger is true is
-the last; with a duration D, the last row is the first with t >= D - 1e-6 s.
+nanosecond. The first row, t = 0, is the state after the init actions. A row has positions, speeds and lanes at its t.
+What the automation measured, its state, the source of control and the inputs in a row are those of the last control
+step before t, which led to this row: an event at t shows in the first row after t, and `blocked_distance` in that row
+was measured at t. There is one row per step for each entity that is present, with entities in document order and an
+automated vehicle first. The row in which the stop trigger is true is the last; with a duration D, the last row is the
+first with t >= D - 1e-6 s.
 """
 
 _OF_RECORDING = """There is one row per entity and step. Values of the run, which belong to no entity, are in the rows

@@ -32,15 +32,17 @@ STANDS: dict[StandingPlace, str] = {
     "own_lane": "stopped safely in its lane",
     "other_lane": "stopped in another lane",
     "shoulder": "stopped safely on the shoulder",
+    "across_edge": "stopped across the edge of its lane",
     "off_road": "stopped off the road",
 }
-"""Words for the place of a stop without a collision; a stop is safe in the ego's own lane or on a shoulder."""
+"""Words for the place of a stop without a collision; a stop is safe within the ego's own lane or on a shoulder."""
 
 OUTCOMES: dict[str, str] = {
     "no_request": "no takeover request",
     "stopped": "stopped without a request",
     "driver": "driver took over",
     "minimum_risk": "minimum-risk manoeuvre",
+    "minimum_risk_then_driver": "minimum-risk manoeuvre, then driver took over",
     "unanswered": "request unanswered",
     "open": "request still open",
     "collision": "collision",
@@ -97,13 +99,17 @@ def summary_of(run: Run) -> Summary:
 
 
 def outcome_keys(outcome: Outcome) -> tuple[str, str]:
-    """Return how the takeover was resolved, and how the run ended, as keys of tables of words."""
+    """Return how the first request was resolved, and how the run ended, as keys of tables of words."""
+    resolved: str = outcome.resolution
+    first = next(iter(outcome.takeovers), None)
+    if resolved == "minimum_risk" and first is not None and first.response_time is not None:
+        resolved = "minimum_risk_then_driver"
     if outcome.collision_with is not None:
-        return outcome.resolution, "collision"
+        return resolved, "collision"
     if outcome.result == "error":
-        return outcome.resolution, "broke_off"
+        return resolved, "broke_off"
     ended = "destination" if outcome.stop_reason == "destination" else "no_collision"
-    return outcome.resolution, outcome.stands if outcome.stands in STANDS else ended
+    return resolved, outcome.stands if outcome.stands in STANDS else ended
 
 
 def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
@@ -294,4 +300,5 @@ def command(run: Run) -> str:
     header = run.recording.header
     world = "" if header.world == "kinematic" else f" --world {header.world}"
     variant = f" --variant {header.variant}" if header.variant else ""
-    return f"scenario-compiler run plan.json{world} --seed {header.seed}{variant} -o again"
+    inputs = "" if run.plan.takeover.driver.by_person is None else " --inputs ."
+    return f"scenario-compiler run plan.json{world} --seed {header.seed}{variant}{inputs} -o again"

@@ -16,7 +16,7 @@ from scenario_compiler.controllers import (
     VehicleState,
     create_controller,
 )
-from scenario_compiler.controllers.person import Person
+from scenario_compiler.controllers.person import Person, RecordedPerson
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
@@ -140,13 +140,16 @@ def run(
         interpreted: Whether to use the interpreted engine even if the compiled one is available.
         progress: Called with the time, s, after every step.
         trust: Trusted code that the plan may name as its controller.
-        person: The person at the wheel of a plan with a person; without one nobody responds.
+        person: The person at the wheel of a plan with a person; without one nobody responds. A recorded person ends the
+            run where the user ended the recorded one.
     """
     execution = Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust, person=person)
     while execution.going:
         execution.advance()
         if progress is not None:
             progress(execution.state.clock[0])
+        if isinstance(person, RecordedPerson) and person.has_ended_the_run:
+            return execution.finish("user")
     return execution.finish()
 
 

@@ -7,7 +7,7 @@ condition are averaged first, and each participant counts once, with one number:
 For two levels of a factor each participant contributes one difference: that of the means of the two levels with all
 other factors equal, averaged over these. A cell without a value thus excludes both of its sides. The interval of the
 mean difference is Student's, the effect size is d_z (mean over standard deviation of the differences), and power is
-that of the two-sided paired t test at 5 %, from the noncentral t distribution (Cohen 1988).
+that of the two-sided paired t test at 5 % (Cohen 1988), from the noncentral F distribution of the squared t.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import nct
+from scipy.stats import ncf
 from scipy.stats import t as student
 
 from scenario_compiler.compiler import StudyCompilation
@@ -40,6 +40,9 @@ FACTORS = ("scenario", "hmi", "setting")
 """Columns whose levels define the conditions."""
 
 ALPHA, POWER = 0.05, 0.8
+
+TINY = 1e-12
+"""Noncentrality below which the power is that of no effect: scipy's distribution fails near 0."""
 
 MOST = 1000
 """Greatest number of participants for which the power is computed."""
@@ -121,8 +124,11 @@ def power_of(effect: float, count: int) -> float:
     """Return the power of the two-sided paired t test at 5 % for an effect size d_z and a number of pairs."""
     if count < 2 or not math.isfinite(effect):
         return math.nan
-    limit, shift = float(student.ppf(1 - ALPHA / 2, count - 1)), effect * math.sqrt(count)
-    return float(nct.sf(limit, count - 1, shift) + nct.cdf(-limit, count - 1, shift))
+    shift = effect * effect * count
+    if shift < TINY:
+        return ALPHA
+    limit = float(student.ppf(1 - ALPHA / 2, count - 1))
+    return float(ncf.sf(limit * limit, 1, count - 1, shift))
 
 
 def needed_for(effect: float) -> int | None:

@@ -46,6 +46,9 @@ def test_a_recording_tells_who_was_there_and_who_met(server: Served, world: Any,
     assert "role_name = hero" in told
     frames = int(told.partition("Frames: ")[2].split()[0])
     assert frames in (40, 41)  # nobody waits for the answer to the call that ends it
+    step = world.get_settings().fixed_delta_seconds
+    assert "\nFrame 1 at 0 seconds\n" in told
+    assert float(told.partition("Duration: ")[2].split()[0]) == pytest.approx((frames - 1) * step, abs=1e-3)
     met = client.show_recorder_collisions("met.log", "h", "v")
     assert "vehicle.audi.tt" in met
     assert "vehicle.tesla.model3" in met

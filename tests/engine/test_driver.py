@@ -210,6 +210,23 @@ def test_a_leader_that_stops_is_followed_to_its_standstill(deceleration: float, 
     assert (outcome.measures["minimum_lane_time_to_collision"].value or 0.0) > 1.5
 
 
+@pytest.mark.parametrize("deceleration", [1.5, 4.0])
+def test_a_brake_of_the_automation_is_no_braking_of_a_driver_who_does_not_want_it(
+    deceleration: float, tmp_path: Path
+) -> None:
+    text = f"""<scenarios version="1"><scenario name="slows" map="motorway" duration="8" control_every="2">
+    <ego speed="25"><start><spawn_point name="middle_lane"/></start></ego>
+    <when><time after="1"/><do><request/></do></when>
+    <takeover minimum_risk="false"><cause kind="controller"/><driver takeover_time="2"/>
+    <automation after="slow_down" deceleration="{deceleration}"/></takeover></scenario></scenarios>"""
+    recording, outcome = next(runs(compiled(tmp_path, text), range(1, 2)))
+    answered = row_at(recording, time_of(recording, "response"))
+    assert recording.brake[answered, 0] > 0.1
+    assert not recording.brake[answered + 1 :, 0].any()
+    assert outcome.measures["braking_time"].value is None
+    assert outcome.measures["first_brake_time"].value is None
+
+
 @pytest.mark.parametrize(("perception", "reaction"), [(0.4, 0.75), (0.2, 0.3)])
 def test_a_new_risk_is_acted_on_after_perception_and_reaction(perception: float, reaction: float) -> None:
     numbers = {slots.K_PERCEPTION_TIME: perception, slots.K_REACTION_TIME: reaction}

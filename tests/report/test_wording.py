@@ -35,9 +35,16 @@ def test_a_run_in_one_row(finished: Run) -> None:
         ({"stands": "own_lane"}, "driver took over, stopped safely in its lane"),
         ({"stands": "shoulder"}, "driver took over, stopped safely on the shoulder"),
         ({"stands": "other_lane"}, "driver took over, stopped in another lane"),
-        ({"stands": "off_road", "resolution": "minimum_risk"}, "minimum-risk manoeuvre, stopped off the road"),
+        ({"stands": "across_edge"}, "driver took over, stopped across the edge of its lane"),
+        (
+            {"stands": "off_road", "resolution": "minimum_risk", "takeovers": ()},
+            "minimum-risk manoeuvre, stopped off the road",
+        ),
         ({"collision_with": "parked"}, "driver took over, collision with parked"),
-        ({"resolution": "minimum_risk", "stop_reason": "duration"}, "minimum-risk manoeuvre, no collision"),
+        (
+            {"resolution": "minimum_risk", "stop_reason": "duration"},
+            "minimum-risk manoeuvre, then driver took over, no collision",
+        ),
         ({"resolution": "no_request", "stop_reason": "destination"}, "no takeover request, destination reached"),
         ({"resolution": "unanswered", "result": "error"}, "request unanswered, run broke off"),
         ({"resolution": "open", "stop_reason": "duration"}, "request still open, no collision"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,10 +13,14 @@ from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.controllers.person import PersonInput, RecordedPerson
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.recording.names import SOURCES, WISHES
+from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.store import read_recording, write_recording
+from scenario_compiler.report.folder import write_run_folder
+from scenario_compiler.report.run import Run
+from scenario_compiler.report.wording import command
 from scenario_compiler.runtime import open_world
-from scenario_compiler.runtime.loop import run
+from scenario_compiler.runtime.loop import Execution, run
 from tests.command import call
 
 SOURCE = {name: code for code, name in SOURCES.items()}
@@ -163,6 +168,31 @@ def test_a_command_repeats_a_persons_run_and_a_model_stands_in(
     write_recording(driven(compiled, brakes_when_asked), tmp_path / "by_hand" / "recording.parquet")
     assert call(*target, "--inputs", tmp_path / "by_hand", "-o", tmp_path / "again") == 0
     assert call("compare", tmp_path / "by_hand" / "recording.parquet", tmp_path / "again" / "recording.parquet") == 0
+
+
+def test_the_command_in_a_persons_report_repeats_the_run_with_its_seed(
+    compiled: Compilation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with open_world("kinematic", compiled.plan, compiled.network) as world:
+        recording = run(compiled.plan, world, seed=7, person=Scripted(brakes_when_asked))
+    finished = Run(compiled.plan, compiled.network, recording, judge(compiled.plan, recording))
+    write_run_folder(finished, tmp_path / "by_hand")
+    monkeypatch.chdir(tmp_path / "by_hand")
+    assert call(*shlex.split(command(finished))[1:]) == 0
+    assert read_recording(Path("again/recording.parquet")) == recording
+    assert call("run", "plan.json", "--inputs", ".", "-o", "without_seed") == 0
+    assert read_recording(Path("without_seed/recording.parquet")).header.seed == 7
+
+
+def test_a_run_that_its_user_ended_ends_there_again(compiled: Compilation) -> None:
+    with open_world("kinematic", compiled.plan, compiled.network) as world:
+        execution = Execution(compiled.plan, world, 1, 0, person=Scripted(brakes_when_asked))
+        while execution.state.clock[0] < 5.0:
+            execution.advance()
+        recording = execution.finish("user")
+        again = run(compiled.plan, world, person=RecordedPerson(recording))
+    assert recording.stop_reason == "user"
+    assert again == recording
 
 
 def test_an_observer_lets_the_automation_request(compiled: Compilation) -> None:

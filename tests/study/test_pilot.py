@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser
@@ -140,6 +141,19 @@ def test_power_is_that_of_published_tables() -> None:
     assert needed_for(0.8) == 15
     assert power_of(0.5, 34) == pytest.approx(0.8078, abs=1e-3)
     assert power_of(0.0, 20) == pytest.approx(0.05, abs=1e-6)
+
+
+def test_the_power_of_a_strong_effect_is_a_number_and_grows_with_effect_and_pairs() -> None:
+    effects, counts = [0.01, 0.3, 1.0, 2.0, 3.0, 6.63, 12.0, 50.0], [2, 3, 4, 8, 24, 100, 1000]
+    table = np.array([[power_of(effect, count) for count in counts] for effect in effects])
+    assert np.isfinite(table).all()
+    assert (np.diff(table, axis=0) >= -1e-9).all()
+    assert (np.diff(table, axis=1) >= -1e-9).all()
+    assert [power_of(-effect, 24) for effect in effects] == [power_of(effect, 24) for effect in effects]
+    # By numerical integration of the normal distribution over the chi-squared one.
+    assert power_of(6.63, 3) == pytest.approx(0.9985, abs=1e-4)
+    assert power_of(12.0, 2) == pytest.approx(0.8170, abs=1e-4)
+    assert (needed_for(6.63), needed_for(2.0)) == (3, 5)
 
 
 def test_an_interval_is_students() -> None:

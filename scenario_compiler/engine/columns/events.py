@@ -47,7 +47,7 @@ EVENTS: dict[int, tuple[str, str]] = {
     op.EVENT_STANDSTILL: (
         "standstill",
         "The automated vehicle has stopped; `cause` is `driver` if a driver stopped it, `message` is the place: "
-        "`own_lane`, `other_lane`, `shoulder` or `off_road`.",
+        "`own_lane`, `other_lane`, `shoulder`, `across_edge` or `off_road`.",
     ),
     op.EVENT_COLLISION: (
         "collision",

@@ -39,6 +39,7 @@ UNIT = fixed("unit of a network, for each side", 2 * UNITS)
 HIDDEN_UNIT = fixed("hidden unit of a network", HIDDEN)
 VIEW = fixed("feature of a view", VIEW_SIZE)
 LOOKED = fixed("piece of the way in which paint is looked at", SAMPLES)
+LOOKED_SIDES = fixed("piece of a line in view", 2 * SAMPLES)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
 STEER_RATE = 0.7
@@ -361,7 +362,11 @@ class State(Columns):
     beside_s: list[float] = column(RUN)
     beside_sigma: list[float] = column(RUN)
     way_half: list[float] = column(LOOKED)
-    """Half of the lane's width in each piece, m."""
+    """Half of the lane's width in each piece, and its centre to the left of the ego's axis, m."""
+    way_centre: list[float] = column(LOOKED)
+    piece_quality: list[float] = column(LOOKED_SIDES)
+    """Quality of the paint in each piece of the left line and then of the right one, and the share that is painted."""
+    piece_share: list[float] = column(LOOKED_SIDES)
     way_bend: list[float] = column(RUN)
     """Curvature of the way at the ego, 1/m, and its rate, 1/m2."""
     way_bend_rate: list[float] = column(RUN)

@@ -603,7 +603,8 @@ def press_pedals(p: Program, st: State, i: int) -> None:
     """Follow the leader in the corridor and stop before a block, a red signal or the lane's end, with limited jerk.
 
     While evading, the driver does not slow down for oncoming vehicles: the evasion was only begun because there is
-    time.
+    time. The jerk begins at the acceleration that the automation leaves, as far as the driver wants it: a brake of the
+    automation that the driver does not want ends with the response, and is no braking of the driver.
     """
     hardest = p.const[slot.K_DRIVER_DECELERATION]
     corridor = 0.0
@@ -622,7 +623,11 @@ def press_pedals(p: Program, st: State, i: int) -> None:
         front = front_of(p, i)
         wanted = min(wanted, stop_within(p, st, i, st.red_line[0] - front, 0.0))
     step = BRAKE_JERK * p.const[slot.K_STEP] * p.control_every[0]
-    wanted = clip(come_to_rest(st.v[i], wanted), max(-hardest, st.pedal[0] - step), st.pedal[0] + step)
+    wanted = come_to_rest(st.v[i], wanted)
+    before = st.pedal[0]
+    if st.clock[0] <= st.manual_since[0]:
+        before = clip(wanted, min(before, 0.0), max(before, 0.0))
+    wanted = clip(wanted, max(-hardest, before - step), before + step)
     command_acceleration(p, st, i, wanted)
 
 
