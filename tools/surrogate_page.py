@@ -229,18 +229,28 @@ path, in cells of {path_cell} m.
 
 ## How far it agrees
 
-The surrogate was fitted to {runs} runs with the camera, on randomly drawn roads and on maps, with randomly drawn wear,
-weather, noise, failures, traffic and speeds. The {judged} runs below were not used for the fit: variants of five
-conflicts of the library on maps without a run in the fit, randomly drawn roads with other seeds, and lanes of other
-maps. They were judged with the final coefficients, and a second time after the sensor's health of ideal and surrogate
-perception had a curve for impulse noise, which gave two more of them the camera's answer. The table shows the share of
-runs with the same answer as the camera: no request in either run, or requests within 0.5 s of each other. The last
-column is the camera in the same runs driven {faster} faster: it too comes to slightly other pictures, and agrees with
-itself in {ceiling}.
+The surrogate was fitted to {runs} runs with the camera, on randomly drawn roads and on maps, with randomly drawn
+wear, weather, noise, failures, traffic and speeds. The {judged} runs below were not used for the fit: variants of
+five conflicts of the library on maps without a run in the fit, randomly drawn roads with other seeds, and lanes of
+other maps. They were judged with the final coefficients, and twice more after the sensor's health of ideal and
+surrogate perception had become more like the camera's: with a curve for impulse noise, two more of them had the
+camera's answer (177), and with [the health of all failures](camera-failures.md#the-sensors-health-without-a-camera)
+two more. The second change was made with pictures and the runs of the fit alone: of the 607 of these with noise or a
+failure, 489 have the camera's answer with it, 471 without. The range of the forward sensor depends on this health, so
+the runs with the camera and noise or a failure were made again for it. The table shows the share of runs with the
+same answer as the camera: no request in either run, or requests within 0.5 s of each other. The last column is the
+camera in the same runs driven {faster} faster: it too comes to slightly other pictures, and agrees with itself in
+{ceiling}.
 
 {agreement}
 
 There is no request in {asked} with the surrogate. Aims that are missed: {missed}.
+
+174 more runs with the camera were made after the fit, with other numbers and on the same seven maps. The surrogate
+has the camera's answer in 140 of them (80 %): in 24 of 25 variants of the conflicts, 64 of 87 drawn roads, and 52 of
+62 lanes of maps; ideal perception in 115. With the shares of the three kinds that the table has, this would be 87 %.
+So the aim of 90 % is met by the table's runs, but not by these. One law of the health, the time after which a covered
+ground is noticed, was found by looking at a run of the table and one of these; its numbers come from other pictures.
 
 What is left was looked for in runs of the fit alone, in a cross-validation over maps and drawn roads: 3429 runs with
 an earlier state of the detector, of which each third was answered by a fit to the other two. With boosted trees in
@@ -252,6 +262,10 @@ runs where only broken lines were in sight (29 % of such runs), 238 in runs with
 camera's answers; if its mean over each 4 s, 87 %; 2 s, 91 %. So 90 % of such runs would need what belongs to some 30
 m of road: the wear and the texture of the ground, shadows and objects beside the road, which only the picture has.
 The network loses another 2 to 3 points to the trees, which are too slow for a sweep.
+
+Rain on a slow leader needs no feature of its own: among the runs of the fit, the answer is the camera's in 73 % of 71
+runs with rain and a leader, 77 % of 212 with a leader in dry air, 86 % of 308 in rain without a leader, and 83 % of 803
+with neither. The leader is what counts: near one, the mean error of the confidence is 0.14 instead of 0.05.
 
 ![Camera, surrogate and ideal perception](images/perception_surrogate.png)
 
@@ -284,9 +298,9 @@ are {quantiles} s.
 * It is valid in the ranges below. If a feature leaves its range while the automation drives, the event `outside_domain`
   is logged, the table of a sweep has the time in `outside_domain_time`, and the sweep's summary counts such variants.
   The value is then limited to its range.
-* The sensor's health is that of ideal perception. It has no curve for overexposure, dead rows and coarse grey levels,
-  which make the camera's images look broken at amounts from 0.7, 0.9 and 1 on, and blur with an amount from 0.3 to 0.5
-  lowers that of the camera more (see [camera failures](camera-failures.md)).
+* The sensor's health is that of ideal perception: [camera
+  failures](camera-failures.md#the-sensors-health-without-a-camera) compares it with the camera's, and lists what the
+  engine does not know.
 * Secondary lines, drops on the windscreen, objects beside the road and the texture of the ground and of worn paint are
   not among the features.
 

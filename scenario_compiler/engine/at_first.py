@@ -69,13 +69,18 @@ def check_at_first(plan: Plan, network: Network, sink: Diagnostics) -> None:
     reset_camera(program, state)
     _check_sight(plan, sensor_reach(program, state), sink)
     values = program.const
-    seen = state.image_health[0] * state.paint_seen[0]
+    health = _lasting_health(state)
     causes = (
-        (op.CAUSE_SENSOR_HEALTH, state.image_health[0] < values[slot.K_HEALTH_REQUEST]),
-        (op.CAUSE_LANE_CONFIDENCE, seen < values[slot.K_CONFIDENCE_REQUEST]),
+        (op.CAUSE_SENSOR_HEALTH, health < values[slot.K_HEALTH_REQUEST]),
+        (op.CAUSE_LANE_CONFIDENCE, health * state.paint_seen[0] < values[slot.K_CONFIDENCE_REQUEST]),
     )
     if any(holds and program.cause_on[cause] == 1 for cause, holds in causes):
         _check_request(plan, ideal, network, state, values[slot.K_CONFIDENCE_REQUEST], sink)
+
+
+def _lasting_health(state: State) -> float:
+    """Return the camera's health by its failures at the start, with what it notices a few images later."""
+    return state.image_health[0] * state.lines_left[0]
 
 
 def _check_sight(plan: Plan, reach: float, sink: Diagnostics) -> None:
@@ -102,7 +107,7 @@ def _check_request(plan: Plan, ideal: Plan, network: Network, state: State, enou
     if clear is not None and clear.time <= asked.time:
         return
     by_weather = asked.cause == op.CAUSE_LANE_CONFIDENCE and state.paint_seen[0] < enough
-    by_camera = asked.cause == op.CAUSE_SENSOR_HEALTH or state.image_health[0] < enough
+    by_camera = asked.cause == op.CAUSE_SENSOR_HEALTH or _lasting_health(state) < enough
     weather = "the weather" if plan.weather.preset == "custom" else plan.weather.preset
     reasons = [weather] if by_weather or not by_camera else []
     reasons += ["the camera's noise or failures"] if by_camera or not by_weather else []

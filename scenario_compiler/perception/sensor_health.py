@@ -28,7 +28,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.engine.ego.camera_health import blur_health, dirt_health, noise_health, tones_health
+from scenario_compiler.engine.ego.camera_health import (
+    MOVING,
+    SEEN_ENOUGH,
+    blur_health,
+    dirt_health,
+    noise_health,
+    tones_health,
+)
 from scenario_compiler.perception.buffers import Buffers
 from scenario_compiler.perception.confidence import noise_of
 
@@ -64,12 +71,6 @@ MEMORY = 0.8
 
 STILL = 0.35
 """Mean change of a block below which it counts as unchanged, in addition to the change by noise, grey levels."""
-
-MOVING = 0.15
-"""Distance between two images from which the road must have changed, m."""
-
-SEEN_ENOUGH = 6
-"""Number of images in motion before dirt is reported."""
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,12 @@ from scenario_compiler.marker import compiled
 WHITE = 255.0
 """The greatest grey level."""
 
+MOVING = 0.15
+"""Distance between two images from which the road must have changed, m."""
+
+SEEN_ENOUGH = 6
+"""Number of images in motion before dirt is reported."""
+
 NOISE_AT_ONE = 80.0
 NOISE_MIDDLE = 30.0
 NOISE_WIDTH = 4.0

@@ -17,7 +17,9 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.camera_health import (
     BLUR_AT_ONE,
     IMPULSES_AT_ONE,
+    MOVING,
     NOISE_AT_ONE,
+    SEEN_ENOUGH,
     WHITE,
     blur_health,
     dirt_health,
@@ -38,14 +40,10 @@ from scenario_compiler.randomness import random_unit
 MOST = 1.6
 """Largest amount: severity 5 of ImageNet-C's blur corresponds to an amount of 1.52."""
 
-MOVING = 0.15
-"""Least distance between two images from which the road must have changed, m."""
-
 NOTICED_DARK = 17.0
 NOTICED_WHITE = 22.0
-SEEN_ENOUGH = 6.0
-"""Numbers of images after which the detector notices that the ground no longer changes: by day, of dark ground and of
-white ground in which the last change was greater, and of ground that did not change from the first image on.
+"""Numbers of images after which the detector notices that the ground no longer changes, by day: of dark ground, and of
+white ground, to which the last change was greater.
 """
 
 AT_ONCE = 1.0e-6
