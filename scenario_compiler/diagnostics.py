@@ -101,6 +101,7 @@ CODE_HOMES = (
     "engine.at_first",
     "engine.program.surrogate",
     "roads.check",
+    "roads.model",
     "roads.parse",
     "roads.xsd",
     "runtime.failures",

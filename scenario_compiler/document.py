@@ -11,6 +11,7 @@ import re
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from lxml import etree
 
@@ -53,11 +54,18 @@ MOST_PLACED = 400_000
 
 @dataclass(frozen=True)
 class Document:
-    """A well-formed XML file: its path as the user named it, its text and lxml's root element."""
+    """A well-formed XML file: its path as the user named it, its text or bytes, and lxml's root element."""
 
     path: str
-    text: str
+    source: str | bytes
     root: etree._Element
+
+    @cached_property
+    def text(self) -> str:
+        """Text of the file; bytes are decoded when a diagnostic first needs it."""
+        if isinstance(self.source, str):
+            return self.source
+        return _decode(self.source, self.root.getroottree().docinfo.encoding)
 
     @property
     def folder(self) -> Path:
@@ -214,13 +222,22 @@ def drop_namespace(root: etree._Element) -> str:
     return namespace
 
 
+def quiet_parser(target: Any) -> etree.XMLParser:
+    """Return a parser that makes no tree, loads no other file, and resolves the entities of the file itself.
+
+    Args:
+        target: Receives the events. It must refuse document types, so that there are no entities but `&amp;` and such.
+    """
+    return etree.XMLParser(target=target, no_network=True, load_dtd=False, huge_tree=False)
+
+
 def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
     """Parse the bytes of an XML file called `name`; see `read_document`."""
     line = _doctype_line(raw)
     if line > 0:
         sink.add(FORBIDDEN, _DOCTYPE_MESSAGE, FilePlace(name, line, 1))
         return None
-    tags = raw.count(b"<")
+    tags = raw.count(b"<") if len(raw) > MAX_TAGS else 0
     if tags > MAX_TAGS:
         sink.add(FORBIDDEN, f"the file has {tags} tags; at most {MAX_TAGS} are read", FilePlace(name))
         return None
@@ -241,7 +258,7 @@ def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
     if info.internalDTD is not None:
         sink.add(FORBIDDEN, _DOCTYPE_MESSAGE, FilePlace(name, 1, 1))
         return None
-    document = Document(name, _decode(raw, info.encoding), root)
+    document = Document(name, raw, root)
     for element in root.iter(etree.Element):
         if len(element.attrib) > MAX_ATTRIBUTES:
             message = f"<{element.tag}> has {len(element.attrib)} attributes; at most {MAX_ATTRIBUTES} are read"
@@ -257,6 +274,23 @@ _TOKENS = re.compile(
     re.DOTALL,
 )
 _ATTRIBUTES = re.compile(r"(?<=\s)(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<value>\"[^\"]*\"|'[^']*')")
+
+
+def is_unusual(raw: bytes) -> bool:
+    """Return whether only `parse_document` can find all faults of a file: those of its size, texts and encoding.
+
+    A tag has at least five bytes for each attribute, none of them "<", and libxml2 refuses longer texts than these only
+    while it makes a tree.
+    """
+    if _doctype_line(raw) > 0 or len(raw) > MAX_TAGS < raw.count(b"<") or b"\x00" in raw[:8]:
+        return True
+    span, at = 5 * MAX_ATTRIBUTES, 0
+    while at + span <= len(raw):
+        last = raw.rfind(b"<", at, at + span)
+        if last < 0:
+            return True
+        at = last + 1
+    return False
 
 
 def _doctype_line(raw: bytes) -> int:

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import settings
 from playwright.sync_api import Browser
 
-from scenario_compiler.cli import start_lightly
+from scenario_compiler.__main__ import start_lightly
 from tests.apart import pytest_runtest_protocol
 from tests.browser import opened_browser
 

@@ -7,10 +7,12 @@ import json
 import os
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
+from scenario_compiler.cli import GROUPS, Parser, make_parser
 from tests.command import call
 
 CONFLICT = """\
@@ -203,6 +205,25 @@ def test_warnings_can_be_allowed_or_made_errors(conflict: Path) -> None:
     assert call("validate", conflict, "--strict") == 1
     assert call("validate", conflict, "--error", "SC601") == 1
     assert call("validate", conflict, "--error", "all", "--allow", "SC601") == 0
+
+
+@pytest.mark.parametrize("module", GROUPS)
+def test_a_module_declares_the_commands_that_are_listed_for_it(module: str) -> None:
+    commands = Parser(prog="program").add_subparsers()
+    import_module(f"scenario_compiler.cli.{module}").add(commands)
+    assert tuple(commands.choices) == GROUPS[module]
+
+
+@pytest.mark.parametrize("command", ["--help", "explian", ""])
+def test_a_line_without_a_command_is_parsed_by_all_commands(command: str) -> None:
+    assert make_parser(command).format_help() == make_parser().format_help()
+    assert "serve-carla" in make_parser().format_help()
+
+
+def test_a_command_makes_no_parser_of_other_modules() -> None:
+    shown = make_parser("run").format_help()
+    assert "run a scenario or a plan" in shown
+    assert "sweep" not in shown
 
 
 def test_every_code_is_explained(capsys: pytest.CaptureFixture[str]) -> None:

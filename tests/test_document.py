@@ -36,6 +36,13 @@ def _codes(raw: bytes) -> list[tuple[str, int]]:
     return [(one.code.id, one.place.line) for one in sink]
 
 
+def test_a_text_is_decoded_when_it_is_needed() -> None:
+    raw = '<?xml version="1.0" encoding="iso-8859-1"?>\r\n<a b="ü"/>'.encode("iso-8859-1")
+    document = _document(raw)
+    assert document.source is raw
+    assert document.text == '<?xml version="1.0" encoding="iso-8859-1"?>\n<a b="ü"/>'
+
+
 def test_places_of_tags_and_attributes() -> None:
     document = _document(TEXT)
     first, second = document.root

@@ -92,9 +92,58 @@ def test_a_severity_is_that_of_imagenet_c(tmp_path: Path, severity: int, sigma: 
 
 
 @pytest.mark.parametrize(
+    ("weather", "kind", "amount"),
+    [
+        ("ClearNoon", "noise", 0.4),
+        ("ClearNight", "noise", 0.5),
+        ("ClearNoon", "blur", 0.4),
+        ("ClearNoon", "blur", 0.5),
+        ("HardRainNoon", "blackout", 0.9),
+        ("ClearNoon", "dirt", 0.4),
+        ("ClearNoon", "dirt", 0.85),
+        ("ClearNoon", "impulse_noise", 0.19),
+        ("ClearNight", "impulse_noise", 0.22),
+        ("ClearNoon", "overexposure", 0.6),
+        ("ClearNoon", "overexposure", 0.8),
+        ("ClearNoon", "dead_rows", 0.7),
+        ("ClearNoon", "dead_rows", 0.97),
+        ("ClearNoon", "quantisation", 0.7),
+        ("ClearNoon", "quantisation", 0.85),
+        ("ClearNoon", "quantisation", 0.92),
+        ("ClearNoon", "quantisation", 1.0),
+    ],
+)
+def test_without_a_camera_the_health_is_the_one_that_the_camera_measures(
+    tmp_path: Path, weather: str, kind: str, amount: float
+) -> None:
+    parts = {"camera": f'<camera><failure kind="{kind}" amount="{amount}"/></camera>', "duration": 1}
+    parts["weather"] = f'<weather preset="{weather}"/>'
+    ideal, camera = (played(compiled(tmp_path, one, **parts))[0] for one in ("ideal", "camera"))
+    assert float(np.mean(ideal.sensor_health[-4:])) == pytest.approx(float(np.mean(camera.sensor_health[-4:])), abs=0.2)
+
+
+@pytest.mark.parametrize(("onset", "ramp"), [(0, 0), (0.4, 0), (0.4, 1)])
+def test_while_late_images_are_awaited_the_camera_is_not_healthy(tmp_path: Path, onset: float, ramp: float) -> None:
+    failure = f'<camera><failure kind="latency" amount="0.3" onset="{onset}" ramp="{ramp}"/></camera>'
+    ideal, camera = (played(compiled(tmp_path, one, camera=failure, duration=2))[0] for one in ("ideal", "camera"))
+    unhealthy = ideal.sensor_health < 0.1
+    assert 0.2 <= 0.05 * unhealthy.sum() <= 0.35
+    assert np.array_equal(unhealthy, camera.sensor_health < 0.1)
+
+
+@pytest.mark.parametrize("kind", ["dirt", "overexposure"])
+def test_a_failure_that_leaves_the_ground_unchanged_is_noticed_later(tmp_path: Path, kind: str) -> None:
+    failure = f'<camera><failure kind="{kind}" amount="0.85" onset="0.5"/></camera>'
+    for perception in ("ideal", "camera"):
+        recording, _ = played(compiled(tmp_path, perception, camera=failure, duration=4))
+        unhealthy = recording.t[recording.sensor_health < 0.3]
+        assert unhealthy[0] == pytest.approx({"dirt": 2.2, "overexposure": 2.7}[kind], abs=0.4)
+
+
+@pytest.mark.parametrize(
     "what",
     [
-        *("overexposure", "dead_rows", "quantisation", "latency", "motion_blur"),
+        "motion_blur",
         'misalignment" yaw="2',
     ],
 )
@@ -208,7 +257,7 @@ def test_health_and_the_sides_of_the_lane_are_conditions(tmp_path: Path) -> None
         '<when><lane_confidence below="0.5" side="either"/><do><message text="either"/></do></when>'
     )
     failure = '<camera><failure kind="dirt" onset="1" amount="0.8"/></camera>'
-    recording, _ = played(compiled(tmp_path, camera=failure, whens=whens, duration=2))
+    recording, _ = played(compiled(tmp_path, camera=failure, whens=whens, duration=3))
     told = {event.message: event.t for event in recording.events if event.kind == "message" and event.cause == "text"}
     assert {"health", "left", "either"} <= set(told)
     assert told["health"] > 1.0

@@ -82,7 +82,7 @@ PROVOKES: dict[str, Provokes] = {
     "camera_failures#freeze": SENSOR,
     "camera_failures#blackout": SENSOR,
     "camera_failures#blur": SENSOR,
-    "camera_failures#dirt": SENSOR,
+    "camera_failures#dirt": MARKINGS,
     "camera_failures#freeze_in_curve": SENSOR,
     "markings_variants#town_road": MARKINGS,
     "markings_variants#town_rain": MARKINGS,

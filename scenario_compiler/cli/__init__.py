@@ -8,55 +8,40 @@ declares the commands, and other functions carry them out.
 from __future__ import annotations
 
 import argparse
-import gc
-import os
+import sys
 from collections.abc import Sequence
 from functools import cache
+from importlib import import_module
 from typing import Any, NoReturn
 
-from scenario_compiler.cli import (
-    authoring,
-    calibrate,
-    carla,
-    compare,
-    coverage,
-    editor,
-    explain,
-    export,
-    library,
-    live,
-    maps,
-    report,
-    run,
-    study,
-    sweep,
-    validate,
-)
 from scenario_compiler.cli.options import WRONG_USE, WrongUse, library_target, reason_of
 from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams, put
 from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError
 
-GROUPS = (
-    validate,
-    run,
-    live,
-    study,
-    report,
-    compare,
-    sweep,
-    authoring,
-    library,
-    export,
-    maps,
-    calibrate,
-    explain,
-    coverage,
-    editor,
-    carla,
-)
-"""Groups of commands, in the order in which the help lists them."""
+GROUPS = {
+    "validate": ("validate",),
+    "run": ("compile", "run"),
+    "live": ("drive",),
+    "study": ("study",),
+    "report": ("report", "frame", "export-run"),
+    "compare": ("compare",),
+    "sweep": ("sweep",),
+    "authoring": ("list", "new", "preview", "convert"),
+    "library": ("library",),
+    "export": ("export",),
+    "maps": ("map",),
+    "calibrate": ("calibrate",),
+    "explain": ("explain",),
+    "coverage": ("coverage",),
+    "editor": ("schema", "lsp"),
+    "carla": ("serve-carla",),
+}
+"""The modules of this package that declare commands, each with its commands, in the order in which the help lists them.
+
+A module is imported only for one of its commands, or for a command line that needs all of them, such as `--help`.
+"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -68,9 +53,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Raises:
         SystemExit: The arguments cannot be parsed, or they ask for help or the version.
     """
-    start_lightly()
     prepare_streams()
-    options = make_parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    options = make_parser(words[0] if words else "").parse_args(words)
     try:
         with templates_from([one for one in getattr(options, "templates", ()) if one is not None]):
             if "target" in options:
@@ -84,16 +69,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complain(reason_of(fault))
         code = WRONG_USE
     return code
-
-
-def start_lightly() -> None:
-    """Turn off pydantic's search for plug-ins and most rounds of the garbage collector, which no command needs.
-
-    Both take a noticeable part of the time of `validate` for one file. A command keeps nearly everything that it loads
-    until it ends, so collecting garbage frees little.
-    """
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    gc.set_threshold(100_000, 50, 50)
 
 
 class HelpFormatter(argparse.HelpFormatter):
@@ -147,8 +122,8 @@ class ShowVersion(argparse.Action):
 
 
 @cache
-def make_parser() -> argparse.ArgumentParser:
-    """Return the parser of all commands, which is made once."""
+def make_parser(command: str = "") -> argparse.ArgumentParser:
+    """Return a parser of the commands of a command's module; of all commands if no command has this name."""
     parser = Parser(
         prog="scenario-compiler",
         description="Compile, check and run conflicts for automated driving.",
@@ -156,6 +131,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for group in GROUPS:
-        group.add(commands)
+    chosen = [module for module, names in GROUPS.items() if command in names]
+    for module in chosen or GROUPS:
+        import_module(f"{__name__}.{module}").add(commands)
     return parser

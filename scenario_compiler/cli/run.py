@@ -174,7 +174,10 @@ def driven_by_model(plan: Plan) -> Plan:
 
 def run_command(options: argparse.Namespace) -> int:
     """Run a scenario or a plan."""
+    # What runs is loaded before the scenario, so that `keep_loaded` includes it.
     from scenario_compiler.controllers import refuse_untrusted
+    from scenario_compiler.recording import outcome  # noqa: F401
+    from scenario_compiler.runtime import loop  # noqa: F401
     from scenario_compiler.worlds import WorldError
 
     of_world = world_options(options)

@@ -65,8 +65,8 @@ def check_at_first(plan: Plan, network: Network, sink: Diagnostics) -> None:
     ideal = plan.model_copy(update={"perception": "ideal"})
     program = build_program(ideal, network)
     state = new_state(program)
-    reset_camera(program, state)
     reset_weather(program, state)
+    reset_camera(program, state)
     _check_sight(plan, sensor_reach(program, state), sink)
     values = program.const
     seen = state.image_health[0] * state.paint_seen[0]

@@ -18,11 +18,12 @@ from pathlib import Path
 from scenario_compiler.forms.note import LIBRARY, PACKAGE, Note, digest_of, source_files
 
 FLAGS = (
-    *("-std=gnu11", "-O3", "-fwrapv", "-ffp-contract=off", "-fno-math-errno"),
+    *("-std=gnu11", "-O3", "-fwrapv", "-ffp-contract=off", "-fno-math-errno", "-fno-plt"),
     *("-fvisibility=hidden", "-shared", "-fPIC"),
 )
 """Flags for which C gives Python's results: no contraction, no fast arithmetic, and wrapping integers, because those in
-Python are masked. A missing result is detected from its value, so mathematical functions need not set `errno`.
+Python are masked. A missing result is detected from its value, so mathematical functions need not set `errno`. They are
+called without a procedure linkage table, which saves a jump for each call.
 """
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lxml import etree
-
+from scenario_compiler.roads.elements import PlainElement
 from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 from scenario_compiler.roads.tables import AT_END, AT_START
 
@@ -38,13 +37,15 @@ class Attachment:
     contact: int
 
 
-def read_attachments(reader: Reader, root: etree._Element) -> list[Attachment]:
+def read_attachments(reader: Reader, root: PlainElement) -> list[Attachment]:
     """Return the ends of roads that are linked to a place inside another road, in the order of the file."""
     found = []
     lengths: dict[str, float] | None = None
-    for link in root.iterfind("road/link/*[@elementS]"):
-        road = link.getparent().getparent()  # type: ignore[union-attr]
-        if link.tag not in {"predecessor", "successor"} or link.get("elementType") == "junction" or road is None:
+    ends = [(road, link) for road in root.findall("road") for links in road.findall("link") for link in links]
+    for road, link in ends:
+        if link.get("elementS") is None or link.tag not in {"predecessor", "successor"}:
+            continue
+        if link.get("elementType") == "junction":
             continue
         if lengths is None:
             roads = reversed(root.findall("road"))

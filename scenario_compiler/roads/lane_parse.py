@@ -7,10 +7,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from lxml import etree
-
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.attachments import CUT_TOLERANCE
+from scenario_compiler.roads.elements import PlainElement
 from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, NONE
 from scenario_compiler.roads.marks import (
     CHANGE_BOTH,
@@ -82,7 +81,7 @@ class LaneLinks:
     after: list[list[int]]
 
 
-Side = tuple[etree._Element | None, float]
+Side = tuple[PlainElement | None, float]
 """The side's element and the s from which its records count."""
 
 
@@ -96,7 +95,7 @@ class LaneReader:
         self._copies = COPY_LIMIT
         self.links = LaneLinks([], [])
 
-    def read(self, road_element: etree._Element, road: int, length: float, cuts: Sequence[float] = ()) -> None:
+    def read(self, road_element: PlainElement, road: int, length: float, cuts: Sequence[float] = ()) -> None:
         """Append the lane sections of a road; `cuts` are the places where other roads are attached, ascending."""
         n = self._n
         n.road_directions.append(0)
@@ -105,7 +104,7 @@ class LaneReader:
             self._read_sections(lanes, road, length, cuts)
         n.road_section.append(len(n.section_s))
 
-    def _read_sections(self, lanes: etree._Element, road: int, length: float, cuts: Sequence[float]) -> None:
+    def _read_sections(self, lanes: PlainElement, road: int, length: float, cuts: Sequence[float]) -> None:
         sections = self._sections(lanes, length)
         left: Side = (None, 0.0)
         right: Side = (None, 0.0)
@@ -121,7 +120,7 @@ class LaneReader:
                 self._section(element, road, span, s, left, right)
                 self._continue(keep_left or k > 0, keep_right or k > 0)
 
-    def _inside(self, section: etree._Element, start: float, end: float, cuts: Sequence[float]) -> list[float]:
+    def _inside(self, section: PlainElement, start: float, end: float, cuts: Sequence[float]) -> list[float]:
         """Return the cuts inside a section, as many as `COPY_LIMIT` allows."""
         found = list(cuts[bisect_right(cuts, start + CUT_TOLERANCE) : bisect_left(cuts, end - CUT_TOLERANCE)])
         if found:
@@ -133,10 +132,10 @@ class LaneReader:
             found = found[:kept]
         return found
 
-    def _sections(self, lanes: etree._Element, length: float) -> list[tuple[float, etree._Element]]:
+    def _sections(self, lanes: PlainElement, length: float) -> list[tuple[float, PlainElement]]:
         """Return the usable lane sections with their start, in ascending order."""
-        found: list[tuple[float, etree._Element]] = []
-        for element in lanes.iterfind("laneSection"):
+        found: list[tuple[float, PlainElement]] = []
+        for element in lanes.findall("laneSection"):
             s = self._reader.number(element, "s", 0.0, limit=LENGTH_LIMIT)
             if found and (s >= length or s == found[-1][0]):
                 self._reader.report(BAD_SECTION, f"the lane section at s = {s:g} is left out", element, "s")
@@ -148,7 +147,7 @@ class LaneReader:
         return found
 
     def _section(
-        self, element: etree._Element, road: int, span: tuple[float, float], origin: float, left: Side, right: Side
+        self, element: PlainElement, road: int, span: tuple[float, float], origin: float, left: Side, right: Side
     ) -> None:
         n = self._n
         n.section_s.append(span[0])
@@ -157,7 +156,7 @@ class LaneReader:
         lefts = self._side(left[0], 1)
         centre = element.find("center/lane")
         n.section_left.append(len(lefts))
-        outwards: list[tuple[int, etree._Element | None, float]] = []
+        outwards: list[tuple[int, PlainElement | None, float]] = []
         outwards.extend((lane, one, left[1]) for lane, one in reversed(lefts))
         outwards.append((0, centre, origin))
         outwards.extend((lane, one, right[1]) for lane, one in self._side(right[0], -1))
@@ -170,12 +169,12 @@ class LaneReader:
         n.section_lane.append(len(n.lane_id))
         self._widths(outwards, first, span[1])
 
-    def _side(self, side: etree._Element | None, sign: int) -> list[tuple[int, etree._Element]]:
+    def _side(self, side: PlainElement | None, sign: int) -> list[tuple[int, PlainElement]]:
         """Return the usable lanes of a side from the centre outwards."""
-        found: dict[int, etree._Element] = {}
+        found: dict[int, PlainElement] = {}
         if side is None:
             return []
-        for element in side.iterfind("lane"):
+        for element in side.findall("lane"):
             lane = self._reader.integer(element, "id")
             if lane is None or lane * sign <= 0 or lane in found:
                 self._reader.report(BAD_LANE, f"the lane '{element.get('id')}' is left out", element, "id")
@@ -183,7 +182,7 @@ class LaneReader:
                 found[lane] = element
         return sorted(found.items(), key=lambda pair: abs(pair[0]))
 
-    def _lane(self, lane: int, element: etree._Element | None, origin: float, end: float) -> None:
+    def _lane(self, lane: int, element: PlainElement | None, origin: float, end: float) -> None:
         n = self._n
         n.lane_id.append(lane)
         n.lane_section.append(len(n.section_s) - 1)
@@ -207,7 +206,7 @@ class LaneReader:
         n.lane_direction.append(direction)
         if direction == 1:
             n.road_directions[n.section_road[-1]] = 1
-        marks: list[etree._Element] = []
+        marks: list[PlainElement] = []
         for child in element:
             tag = child.tag
             if tag == "roadMark":
@@ -224,7 +223,7 @@ class LaneReader:
         if marks:
             self._marks(marks, origin, end)
 
-    def _links(self, link: etree._Element, before: list[int], after: list[int]) -> None:
+    def _links(self, link: PlainElement, before: list[int], after: list[int]) -> None:
         for one in link:
             if one.tag in {"predecessor", "successor"}:
                 lane = self._reader.integer(one, "id")
@@ -243,7 +242,7 @@ class LaneReader:
                 if (lane > 0 and left) or (lane < 0 and right):
                     links[row][:] = [lane]
 
-    def _widths(self, lanes: list[tuple[int, etree._Element | None, float]], first: int, end: float) -> None:
+    def _widths(self, lanes: list[tuple[int, PlainElement | None, float]], first: int, end: float) -> None:
         """Append the widths of a section's lanes; borders become widths by subtracting the next border inside."""
         n = self._n
         ranges = [(0, 0)] * len(lanes)
@@ -263,7 +262,7 @@ class LaneReader:
             self._borders(lanes[centre + 1 :], first + centre + 1, 1)
             self._borders(lanes[:centre][::-1], first + centre - 1, -1)
 
-    def _borders(self, lanes: list[tuple[int, etree._Element | None, float]], row: int, step: int) -> None:
+    def _borders(self, lanes: list[tuple[int, PlainElement | None, float]], row: int, step: int) -> None:
         """Compute widths of the lanes with borders on one side (from the centre outwards); `row` is the first one's."""
         n = self._n
         edge: list[Cubic] = [(-LENGTH_LIMIT, 0.0, 0.0, 0.0, 0.0)]
@@ -284,11 +283,11 @@ class LaneReader:
                 if widths:
                     edge = _sum(widths, edge, 1.0)
 
-    def _marks(self, elements: list[etree._Element], origin: float, end: float) -> None:
+    def _marks(self, elements: list[PlainElement], origin: float, end: float) -> None:
         n = self._n
         rows = []
         for element in elements:
-            offset = element.get("sOffset")
+            offset = element.attrib.get("sOffset")
             s = 0.0
             if offset is not None and offset != "0":
                 s = self._reader.number(element, "sOffset", 0.0, limit=LENGTH_LIMIT)
@@ -301,9 +300,9 @@ class LaneReader:
             n.mark_end.append(rows[i + 1][0] if i + 1 < len(rows) else max(s, end))
             self._mark(element)
 
-    def _mark(self, element: etree._Element) -> None:
+    def _mark(self, element: PlainElement) -> None:
         n = self._n
-        get = element.get
+        get = element.attrib.get
         name = get("type", "none")
         code = MARK_TYPE_CODES.get(name, -1)
         if code < 0:
@@ -329,21 +328,21 @@ class LaneReader:
             sways = element.findall("sway")
             if sways:
                 first, last = self._reader.cubics(n, sways, "ds", n.mark_s[-1])
-            self._lines(element.iterfind("type/line"), 0)
-            self._lines(element.iterfind("explicit/line"), 1)
+            self._lines(element.findall("type/line"), 0)
+            self._lines(element.findall("explicit/line"), 1)
         n.mark_quality_from.append(quality)
         n.mark_quality_to.append(quality)
         n.mark_sway_first.append(first)
         n.mark_sway_last.append(last)
         n.mark_line.append(len(n.line_length))
 
-    def _quality(self, element: etree._Element) -> float:
-        for data in element.iterfind("userData"):
+    def _quality(self, element: PlainElement) -> float:
+        for data in element.findall("userData"):
             if data.get("code") == QUALITY_CODE:
                 return min(1.0, max(0.0, self._reader.number(data, "value", 1.0)))
         return 1.0
 
-    def _lines(self, elements: Iterable[etree._Element], once: int) -> None:
+    def _lines(self, elements: Iterable[PlainElement], once: int) -> None:
         n = self._n
         for line in elements:
             number = self._reader.number

@@ -7,7 +7,7 @@ are not interpreted are available as `rest`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple
@@ -16,6 +16,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.document import Document
+from scenario_compiler.roads.elements import Element
 from scenario_compiler.roads.lane_details import LaneDetails, read_lane_details
 from scenario_compiler.roads.reading import Reader
 
@@ -337,7 +338,7 @@ def read_model(document: Document, sink: Diagnostics) -> RoadModel:
     )
 
 
-def read_repeat(reader: Reader, element: etree._Element) -> Repeat:
+def read_repeat(reader: Reader, element: Element) -> Repeat:
     """Read a `<repeat>`."""
     names = (
         *("s", "length", "distance", "tStart", "tEnd", "zOffsetStart", "zOffsetEnd"),
@@ -346,9 +347,9 @@ def read_repeat(reader: Reader, element: etree._Element) -> Repeat:
     return Repeat(*(reader.number(element, name, 0.0) for name in names))
 
 
-def report_repeats(reader: Reader, root: etree._Element) -> None:
+def report_repeats(reader: Reader, repeats: Iterable[Element]) -> None:
     """Report objects with more places than `REPEAT_LIMIT`."""
-    for element in root.iterfind("road/objects/object/repeat"):
+    for element in repeats:
         count = read_repeat(reader, element).count()
         if count > REPEAT_LIMIT:
             message = f"the object is repeated at {count} places; {REPEAT_LIMIT} are used"

@@ -366,12 +366,13 @@ def load_network(path: str | Path, *, cache: bool = True, sink: Diagnostics | No
     """
     findings = Diagnostics() if sink is None else sink
     raw = _read(Path(path), findings)
-    parsed = None if raw is None else _parse(raw, str(path), findings, cache)
-    if raw is None or parsed is None:
+    sha256 = "" if raw is None else hashlib.sha256(raw).hexdigest()
+    parsed = None if raw is None else _parse(raw, sha256, str(path), findings, cache)
+    if parsed is None:
         if sink is None:
             raise CompileError(findings)
         return None
-    return Network(str(path), hashlib.sha256(raw).hexdigest(), parsed)
+    return Network(str(path), sha256, parsed)
 
 
 def _read(path: Path, sink: Diagnostics) -> bytes | None:
@@ -384,16 +385,15 @@ def _read(path: Path, sink: Diagnostics) -> bytes | None:
     return None
 
 
-def _parse(raw: bytes, path: str, sink: Diagnostics, cache: bool) -> ParsedNetwork | None:
-    sha256 = hashlib.sha256(raw).hexdigest() if cache else ""
+def _parse(raw: bytes, sha256: str, path: str, sink: Diagnostics, cache: bool) -> ParsedNetwork | None:
     parsed = read_cached(sha256, path, sink) if cache else None
     if parsed is not None:
         return parsed
+    from scenario_compiler.roads.elements import RoadFile
     from scenario_compiler.roads.parse import read_network
 
     findings = Diagnostics()
-    document = parse_document(raw, path, findings)
-    parsed = read_network(document, findings) if document is not None else None
+    parsed = read_network(RoadFile(path, raw), findings)
     if parsed is not None and cache:
         write_cached(sha256, parsed, findings)
     sink.absorb(findings)

@@ -7,17 +7,14 @@ header) are read by `model` on request.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from lxml import etree
+from collections.abc import Mapping, Sequence
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
-from scenario_compiler.document import Document, drop_namespace
-from scenario_compiler.roads.attachments import cuts_of, read_attachments
+from scenario_compiler.roads.attachments import Attachment, cuts_of, read_attachments
 from scenario_compiler.roads.derived import with_derived_columns
+from scenario_compiler.roads.elements import PlainElement, RoadFile
 from scenario_compiler.roads.lane_parse import LaneReader
 from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
-from scenario_compiler.roads.model import report_repeats
 from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 from scenario_compiler.roads.reference_parse import read_reference_line
 from scenario_compiler.roads.tables import NO_SPEED, ParsedNetwork, RoadTables
@@ -59,47 +56,88 @@ UNKNOWN_WORD = Code(
 )
 
 
-def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
-    """Read the roads, junctions and links of a document; None (and an error) if it has no road."""
-    root = document.root
-    drop_namespace(root)
-    if root.tag != "OpenDRIVE":
-        sink.add(NOT_OPENDRIVE, f"the root element is <{root.tag}>, not <OpenDRIVE>", document.origin(root))
+def read_network(file: RoadFile, sink: Diagnostics) -> ParsedNetwork | None:
+    """Parse a file and read its roads, junctions and links; None (and an error) if it has no road.
+
+    A file in which roads begin or end inside other roads is read twice, because these are cut there.
+    """
+    reading = _Reading(file, {})
+    root = file.parse(reading.take, sink)
+    if root is None:
         return None
-    reader = Reader(document, sink)
-    tables = RoadTables()
-    road_ids: list[str] = []
-    junction_ids = [junction.get("id") or "" for junction in root.iterfind("junction")]
-    junctions = {name: i for i, name in reversed(list(enumerate(junction_ids)))}
-    elements: list[etree._Element] = []
-    seen: set[str] = set()
-    lanes = LaneReader(reader, tables)
-    attachments = read_attachments(reader, root)
-    cuts = cuts_of(attachments)
-    for element in root.iterfind("road"):
+    if root.tag != "OpenDRIVE":
+        sink.add(NOT_OPENDRIVE, f"the root element is <{root.tag}>, not <OpenDRIVE>", file.origin(root))
+        return None
+    attachments = read_attachments(reading.reader, root)
+    if attachments:
+        reading = _Reading(file, cuts_of(attachments))
+        root = file.parse(reading.take, sink)
+        if root is None:
+            return None
+        attachments = read_attachments(reading.reader, root)
+    parsed = reading.finish(root, attachments)
+    sink.absorb(reading.findings)
+    return parsed
+
+
+class _Reading:
+    """Reads the roads of a file one after the other, and then what refers to them.
+
+    Attributes:
+        findings: What is found, if the file as a whole can be used.
+        reader: Reports there.
+    """
+
+    def __init__(self, file: RoadFile, cuts: Mapping[str, Sequence[float]]) -> None:
+        """Begin before the first road; `cuts` are the places where other roads are attached, by road, ascending."""
+        self.findings = Diagnostics()
+        self.reader = Reader(file, self.findings)
+        self._file = file
+        self._cuts = cuts
+        self._n = RoadTables()
+        self._lanes = LaneReader(self.reader, self._n)
+        self._roads: dict[str, PlainElement] = {}
+        self._repeats: list[PlainElement] = []
+
+    def take(self, element: PlainElement) -> None:
+        """Read a child of the root; of a road only the links are left in the element."""
+        if element.tag == "road":
+            self._take_road(element)
+            self._repeats.extend(element.findall("objects/object/repeat"))
+            element[:] = element.findall("link")
+
+    def _take_road(self, element: PlainElement) -> None:
         road_id = element.get("id")
         if road_id is None:
-            reader.report(UNUSABLE_ROAD, "a road without id is left out", element)
-        elif road_id in seen:
-            reader.report(DUPLICATE_ROAD, f"a second road has the id '{road_id}'; it is left out", element, "id")
-        elif _read_road(reader, tables, lanes, element, junctions, cuts.get(road_id, ())):
-            seen.add(road_id)
-            road_ids.append(road_id)
-            elements.append(element)
-    if not elements:
-        sink.add(NOT_OPENDRIVE, "the file has no usable <road>", document.origin(root))
-        return None
-    build_links(reader, tables, root, elements, road_ids, junctions, lanes.links, attachments)
-    report_repeats(reader, root)
-    return ParsedNetwork(with_derived_columns(tables), road_ids, junction_ids)
+            self.reader.report(UNUSABLE_ROAD, "a road without id is left out", element)
+        elif road_id in self._roads:
+            message = f"a second road has the id '{road_id}'; it is left out"
+            self.reader.report(DUPLICATE_ROAD, message, element, "id")
+        elif _read_road(self.reader, self._n, self._lanes, element, self._cuts.get(road_id, ())):
+            self._roads[road_id] = element
+
+    def finish(self, root: PlainElement, attachments: Sequence[Attachment]) -> ParsedNetwork | None:
+        """Read the junctions and links; return None (and an error) if there is no road."""
+        n, roads, road_ids = self._n, list(self._roads.values()), list(self._roads)
+        if not roads:
+            self.findings.add(NOT_OPENDRIVE, "the file has no usable <road>", self._file.origin(root))
+            return None
+        junction_ids = [junction.get("id") or "" for junction in root.findall("junction")]
+        junctions = {name: i for i, name in reversed(list(enumerate(junction_ids)))}
+        n.road_junction.extend(junctions.get(road.get("junction", "-1"), -1) for road in roads)
+        build_links(self.reader, n, root, roads, road_ids, junctions, self._lanes.links, attachments)
+        if self._repeats:
+            from scenario_compiler.roads.model import report_repeats  # to import it takes a third of a small file's time
+
+            report_repeats(self.reader, self._repeats)
+        return ParsedNetwork(with_derived_columns(n), road_ids, junction_ids)
 
 
 def _read_road(
     reader: Reader,
     n: RoadTables,
     lanes: LaneReader,
-    element: etree._Element,
-    junctions: dict[str, int],
+    element: PlainElement,
     cuts: Sequence[float],
 ) -> bool:
     """Append one road to the tables; return False if it cannot be used."""
@@ -118,7 +156,6 @@ def _read_road(
     if rule not in {"RHT", "LHT"}:
         reader.report(UNKNOWN_WORD, f"unknown traffic rule '{rule}'; 'RHT' is used", element, "rule")
     n.road_rule.append(-1 if rule == "LHT" else 1)
-    n.road_junction.append(junctions.get(element.get("junction", "-1"), -1))
     _read_profiles(reader, n, element)
     _read_types(reader, n, element)
     road = len(n.road_length) - 1
@@ -127,10 +164,10 @@ def _read_road(
     return True
 
 
-def _read_profiles(reader: Reader, n: RoadTables, element: etree._Element) -> None:
-    elevation = reader.cubics(n, element.iterfind("elevationProfile/elevation"), "s", 0.0)
-    roll = reader.cubics(n, element.iterfind("lateralProfile/superelevation"), "s", 0.0)
-    offset = reader.cubics(n, element.iterfind("lanes/laneOffset"), "s", 0.0)
+def _read_profiles(reader: Reader, n: RoadTables, element: PlainElement) -> None:
+    elevation = reader.cubics(n, element.findall("elevationProfile/elevation"), "s", 0.0)
+    roll = reader.cubics(n, element.findall("lateralProfile/superelevation"), "s", 0.0)
+    offset = reader.cubics(n, element.findall("lanes/laneOffset"), "s", 0.0)
     left, right = (0, 0), (0, 0)
     falls = element.findall("lateralProfile/crossfall")
     if falls:
@@ -145,8 +182,8 @@ def _read_profiles(reader: Reader, n: RoadTables, element: etree._Element) -> No
     ):
         getattr(n, f"road_{name}_first").append(first)
         getattr(n, f"road_{name}_last").append(last)
-    stations: dict[float, list[etree._Element]] = {}
-    for one in element.iterfind("lateralProfile/shape"):
+    stations: dict[float, list[PlainElement]] = {}
+    for one in element.findall("lateralProfile/shape"):
         stations.setdefault(reader.number(one, "s", 0.0), []).append(one)
     for s in sorted(stations):
         first, last = reader.cubics(n, stations[s], "t", 0.0)
@@ -156,8 +193,8 @@ def _read_profiles(reader: Reader, n: RoadTables, element: etree._Element) -> No
     n.road_shape.append(len(n.shape_s))
 
 
-def _read_types(reader: Reader, n: RoadTables, element: etree._Element) -> None:
-    for one in sorted(element.iterfind("type"), key=lambda e: reader.number(e, "s", 0.0)):
+def _read_types(reader: Reader, n: RoadTables, element: PlainElement) -> None:
+    for one in sorted(element.findall("type"), key=lambda e: reader.number(e, "s", 0.0)):
         speed = one.find("speed")
         n.type_s.append(reader.number(one, "s", 0.0))
         n.type_code.append(ROAD_TYPE_CODES.get(one.get("type", "unknown"), 0))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import inf
-
-from lxml import etree
+from typing import Any, Protocol
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
-from scenario_compiler.document import Document
+from scenario_compiler.document import Origin
+from scenario_compiler.roads.elements import Element, PlainElement
 from scenario_compiler.roads.tables import NO_SPEED, RoadTables
 
 BAD_NUMBER = Code(
@@ -41,19 +41,27 @@ SPEED_UNITS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
 """Factor to m/s of each unit of speed (OpenDRIVE e_unitSpeed)."""
 
 
+class Places(Protocol):
+    """What knows the places of elements: a `Document` or a `RoadFile`."""
+
+    def origin(self, element: Any, attribute: str | None = None) -> Origin:
+        """Return the place of an element's start tag, or of one of its attributes."""
+        ...
+
+
 class Reader:
     """Reads attributes of one document and reports into one sink."""
 
-    def __init__(self, document: Document, sink: Diagnostics) -> None:
+    def __init__(self, document: Places, sink: Diagnostics) -> None:
         """Start with no finding."""
         self.document = document
         self.sink = sink
 
-    def report(self, code: Code, message: str, element: etree._Element, attribute: str | None = None) -> None:
+    def report(self, code: Code, message: str, element: Element, attribute: str | None = None) -> None:
         """Report a finding at an element or at one of its attributes."""
         self.sink.add(code, message, self.document.origin(element, attribute))
 
-    def number(self, element: etree._Element, name: str, default: float, *, limit: float = NUMBER_LIMIT) -> float:
+    def number(self, element: Element, name: str, default: float, *, limit: float = NUMBER_LIMIT) -> float:
         """Return an attribute as a finite number within +-limit, or the default (with a finding) for any other text.
 
         A missing attribute is not reported here: whether it is required is a matter of structure.
@@ -71,7 +79,7 @@ class Reader:
         self.report(BAD_NUMBER, f"{name} is {value:g}; {default:g} is used", element, name)
         return default
 
-    def integer(self, element: etree._Element, name: str) -> int | None:
+    def integer(self, element: Element, name: str) -> int | None:
         """Return an attribute as an integer, or None (with a finding) for any other text."""
         text = element.get(name)
         try:
@@ -83,7 +91,7 @@ class Reader:
         self.report(BAD_NUMBER, f"{name} {found}", element, None if text is None else name)
         return None
 
-    def speed(self, element: etree._Element) -> float:
+    def speed(self, element: Element) -> float:
         """Return the `max` of a speed element in m/s, `inf` for "no limit", `NO_SPEED` if it is not usable."""
         text = element.get("max", "undefined")
         if text == "no limit":
@@ -95,7 +103,7 @@ class Reader:
             return NO_SPEED
         return value * SPEED_UNITS.get(element.get("unit", "m/s"), 1.0)
 
-    def cubics(self, n: RoadTables, records: Iterable[etree._Element], station: str, origin: float) -> tuple[int, int]:
+    def cubics(self, n: RoadTables, records: Iterable[PlainElement], station: str, origin: float) -> tuple[int, int]:
         """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere.
 
         Args:
@@ -108,7 +116,7 @@ class Reader:
         ordered = True
         last = -inf
         for record in records:
-            get = record.get
+            get = record.attrib.get
             try:
                 s = float(get(station, "?"))
                 a, b, c, d = float(get("a", "?")), float(get("b", "?")), float(get("c", "?")), float(get("d", "?"))
@@ -132,15 +140,17 @@ Cubic = tuple[float, float, float, float, float]
 """Start, a, b, c, d."""
 
 
-def append_cubics(n: RoadTables, rows: list[Cubic]) -> tuple[int, int]:
+def append_cubics(n: RoadTables, rows: Sequence[Cubic]) -> tuple[int, int]:
     """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere."""
     first = len(n.cubic_s)
-    if all(a == b == c == d == 0.0 for _, a, b, c, d in rows):
+    if not rows:
         return first, first
-    for s, a, b, c, d in rows:
-        n.cubic_s.append(s)
-        n.cubic_a.append(a)
-        n.cubic_b.append(b)
-        n.cubic_c.append(c)
-        n.cubic_d.append(d)
+    s, a, b, c, d = zip(*rows, strict=True)
+    if not (any(a) or any(b) or any(c) or any(d)):
+        return first, first
+    n.cubic_s.extend(s)
+    n.cubic_a.extend(a)
+    n.cubic_b.extend(b)
+    n.cubic_c.extend(c)
+    n.cubic_d.extend(d)
     return first, len(n.cubic_s)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from math import ceil, cos, sin, sqrt
-
-from lxml import etree
+from math import ceil, cos, isfinite, sin, sqrt
 
 from scenario_compiler.diagnostics import Code, Severity
+from scenario_compiler.roads.elements import PlainElement
 from scenario_compiler.roads.reading import LENGTH_LIMIT, UNSORTED, Reader
 from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, SPIRAL, RoadTables
 
@@ -53,11 +52,11 @@ GAUSS = (
 """Nodes and weights of the five-point Gauss-Legendre rule on [-1, 1] (Abramowitz and Stegun, table 25.4)."""
 
 
-def read_reference_line(reader: Reader, n: RoadTables, road: etree._Element, length: float) -> bool:
+def read_reference_line(reader: Reader, n: RoadTables, road: PlainElement, length: float) -> bool:
     """Append the pieces of a road's reference line and their index; return False if it has none."""
     geometries = []
     last = -1.0
-    for element in road.iterfind("planView/geometry"):
+    for element in road.findall("planView/geometry"):
         s = reader.number(element, "s", 0.0, limit=LENGTH_LIMIT)
         if s < last:
             reader.report(UNSORTED, "s is smaller than that of the geometry before", element, "s")
@@ -74,7 +73,7 @@ def read_reference_line(reader: Reader, n: RoadTables, road: etree._Element, len
     return True
 
 
-def _read_geometry(reader: Reader, n: RoadTables, s: float, element: etree._Element) -> None:
+def _read_geometry(reader: Reader, n: RoadTables, s: float, element: PlainElement) -> None:
     x = reader.number(element, "x", 0.0)
     y = reader.number(element, "y", 0.0)
     h = reader.number(element, "hdg", 0.0)
@@ -126,13 +125,13 @@ def _append_spiral(
     y: float,
     h: float,
     length: float,
-    shape: etree._Element,
+    shape: PlainElement,
 ) -> None:
     """Cut a spiral (curvature linear in s) into pieces that are short enough to be evaluated exactly."""
     k0 = reader.number(shape, "curvStart", 0.0, limit=1e6)
     k1 = reader.number(shape, "curvEnd", 0.0, limit=1e6)
     rate = (k1 - k0) / length if length > 0.0 else 0.0
-    if rate == 0.0:
+    if rate == 0.0 or not isfinite(rate):
         _append_piece(n, s, x, y, h, k0, 0.0, LINE if k0 == 0.0 else ARC)
         return
     by_turn = max(abs(k0), abs(k1)) * length / TURN_LIMIT

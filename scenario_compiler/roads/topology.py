@@ -13,10 +13,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import pi
 
-from lxml import etree
-
 from scenario_compiler.diagnostics import Code, Severity, did_you_mean
 from scenario_compiler.roads.attachments import CUT_TOLERANCE, Attachment
+from scenario_compiler.roads.elements import PlainElement
 from scenario_compiler.roads.geometry import road_reference, wrap_angle
 from scenario_compiler.roads.lane_parse import LaneLinks
 from scenario_compiler.roads.lanes import lane_row_in
@@ -63,8 +62,8 @@ class _Links:
 def build_links(
     reader: Reader,
     n: RoadTables,
-    root: etree._Element,
-    roads: list[etree._Element],
+    root: PlainElement,
+    roads: list[PlainElement],
     road_ids: list[str],
     junctions: dict[str, int],
     lane_links: LaneLinks,
@@ -80,7 +79,7 @@ def build_links(
         for section in range(n.road_section[road], n.road_section[road + 1] - 1):
             _link_joint(n, links, lane_links, (section, AT_END), (section + 1, AT_START))
     connections = {
-        i: list(_read_connections(reader, element, index)) for i, element in enumerate(root.iterfind("junction"))
+        i: list(_read_connections(reader, element, index)) for i, element in enumerate(root.findall("junction"))
     }
     for road in range(len(roads)):
         for end in (AT_START, AT_END):
@@ -96,7 +95,7 @@ def build_links(
 def _read_road_links(
     reader: Reader,
     n: RoadTables,
-    element: etree._Element,
+    element: PlainElement,
     index: dict[str, int],
     junctions: dict[str, int],
     inside: set[tuple[str, int]],
@@ -140,8 +139,8 @@ def _nearest_contact(n: RoadTables, road: int, end: int, other: int) -> int:
     return AT_START if gaps[0] <= gaps[1] else AT_END
 
 
-def _read_connections(reader: Reader, junction: etree._Element, index: dict[str, int]) -> Iterator[Connection]:
-    for element in junction.iterfind("connection"):
+def _read_connections(reader: Reader, junction: PlainElement, index: dict[str, int]) -> Iterator[Connection]:
+    for element in junction.findall("connection"):
         attribute = "connectingRoad" if element.get("connectingRoad") is not None else "linkedRoad"
         incoming, road = (
             index.get(element.get("incomingRoad", ""), -1),
@@ -156,7 +155,7 @@ def _read_connections(reader: Reader, junction: etree._Element, index: dict[str,
             reader.report(UNKNOWN_LINK, message, element, name if element.get(name) is not None else None)
             continue
         lanes = []
-        for link in element.iterfind("laneLink"):
+        for link in element.findall("laneLink"):
             before, after = reader.integer(link, "from"), reader.integer(link, "to")
             if before is not None and after is not None:
                 lanes.append((before, after))

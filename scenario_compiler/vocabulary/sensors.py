@@ -59,10 +59,10 @@ class Failure(Word):
     misalignment: the camera is turned on its mount by the whole `yaw`, `pitch` and `roll`, without the lane detector's
     knowledge; several misalignments add up.
 
-    With `--perception ideal` the sensor's health falls by the same curves that the lane detector applies to its images.
-    It is one half for noise of 30 grey levels, for a blackout of 0.94, a blur of 0.5, dirt of 0.5, and impulse noise of
-    0.24; it is 0 for a missing or repeated image. The last six kinds have no effect on ideal perception, only on
-    images.
+    With `--perception ideal` the sensor's health is the one that the lane detector would measure in such images. At a
+    clear noon it is one half for noise of 30 grey levels, for a blackout of 0.94, a blur of 0.37, dirt of 0.64, impulse
+    noise of 0.22, overexposure of 0.73 and dead rows of 0.89. It is 0 for a missing or repeated image, and while a late
+    image is awaited. Motion blur and misalignment do not change it.
     """
 
     word: Literal["failure"] = "failure"

@@ -200,6 +200,13 @@ def test_the_automation_of_the_ego_does_them_too() -> None:
     assert run.at("lead", 34.0, "s") - run.at("ego", 34.0, "s") == pytest.approx(60.0, abs=8.0)
 
 
+@pytest.mark.parametrize(("name", "end"), [("ego_slowly", 10.0), ("ego_over_a_distance", 6.0)])
+def test_the_ego_changes_lanes_over_the_given_time_or_distance_like_others(name: str, end: float) -> None:
+    run = run_of(name)
+    for time in (2.0, 0.5 * (2.0 + end), end, end + 2.0):
+        assert run.at("ego", time, "t") == pytest.approx(run.at("lead", time, "t"), abs=0.25)
+
+
 def rows_of(program: Program) -> list[list[float]]:
     """Return the program's numbers, and the same with one that is none, huge or zero, over all blocks of actions.
 
@@ -215,7 +222,7 @@ def rows_of(program: Program) -> list[list[float]]:
     return rows
 
 
-@pytest.mark.parametrize("name", ["speeds", "lanes", "distances", "meeting", "automation"])
+@pytest.mark.parametrize("name", ["speeds", "lanes", "distances", "meeting", "automation", "ego_slowly"])
 def test_both_forms_leave_the_same_bytes(name: str) -> None:
     _, network, program = compiled_plan(name)
     rows = rows_of(program)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenario_compiler.engine.ego.camera_health import impulses_health
+from scenario_compiler.engine.ego.camera_health import clipped_share, still_by_dead_rows
 from scenario_compiler.perception.degradation import Degradation, Sensor
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.sensor_health import SensorHealth, SensorMonitor
@@ -71,10 +71,21 @@ def test_a_slight_fault_is_ignored(weather: str, state: Degradation) -> None:
     assert watched(weather, state).health > 0.85
 
 
-@pytest.mark.parametrize("weather", WEATHERS)
-@pytest.mark.parametrize("share", [0.03, 0.06, 0.16, 0.3])
-def test_the_engine_knows_at_which_impulse_noise_the_images_look_broken(weather: str, share: float) -> None:
-    assert watched(weather, Degradation(impulses=share)).health == pytest.approx(impulses_health(share), abs=0.1)
+@pytest.mark.parametrize("mean", [0.0, 0.3, 1.0, 2.0, 4.0])
+def test_clipped_noise_has_the_standard_deviation_of_a_clipped_normal_variable(mean: float) -> None:
+    drawn = np.random.default_rng(1).standard_normal(1_000_000)
+    assert clipped_share(mean) == pytest.approx(np.maximum(drawn + mean, 0.0).std(), abs=0.005)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.8, 0.9, 0.97])
+def test_blocks_of_eight_dead_rows_do_not_change(share: float) -> None:
+    shares = []
+    for seed in range(1, 7):
+        monitor, sensor = SensorMonitor(), Sensor(seed)
+        for k, image in enumerate(drive("ClearNoon")):
+            found = monitor.observe(sensor.deliver(image, Degradation(dead_rows=share), k), WAY)
+        shares.append(found.dirt)
+    assert still_by_dead_rows(share) == pytest.approx(np.mean(shares), abs=0.12)
 
 
 @pytest.mark.parametrize("weather", WEATHERS)

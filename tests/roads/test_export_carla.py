@@ -352,12 +352,13 @@ def test_the_rest_of_a_shortened_road_lies_where_it_was(shape: str, at_start: fl
 
 
 def read(text: str) -> tuple[Document, Network]:
+    from scenario_compiler.roads.elements import RoadFile
     from scenario_compiler.roads.parse import read_network
 
     sink = Diagnostics()
     document = parse_document(text.encode(), "text.xodr", sink)
     assert document is not None
-    parsed = read_network(document, sink)
+    parsed = read_network(RoadFile("text.xodr", text.encode()), sink)
     assert parsed is not None
     return document, Network("text.xodr", "", parsed)
 

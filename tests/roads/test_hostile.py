@@ -121,6 +121,17 @@ def test_very_many_tight_curves_have_bounded_tables(tmp_path: Path, shape: str) 
     assert len(made.tables.chunk_s) < 600_000
 
 
+def test_a_spiral_too_short_for_its_curvatures_is_read(tmp_path: Path) -> None:
+    plan = (
+        '<geometry s="0" x="0" y="0" hdg="0" length="1e-320"><spiral curvStart="0.5" curvEnd="1"/></geometry>'
+        '<geometry s="0" x="0" y="0" hdg="0" length="10"><line/></geometry>'
+    )
+    made, codes = load(tmp_path, whole(road(length=10.0, plan=plan)))
+    assert made is not None
+    assert codes == set()
+    assert made.road_pose("1", 10.0, 0.0).x == pytest.approx(10.0)
+
+
 def test_links_in_a_circle_end(tmp_path: Path) -> None:
     around = (
         '<predecessor elementType="road" elementId="1" contactPoint="end"/>'

@@ -14,6 +14,7 @@ from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.roads.check import unread
 from scenario_compiler.roads.check.coverage import KEPT_ATTRIBUTES, coverage_page
 from scenario_compiler.roads.check.unread import READ_ATTRIBUTES
+from scenario_compiler.roads.elements import RoadFile
 from scenario_compiler.roads.model import read_model
 from scenario_compiler.roads.parse import read_network
 from scenario_compiler.roads.structure import road_version
@@ -130,7 +131,7 @@ def state(
     document = parse_document(etree.tostring(root), "made.xodr", sink)
     assert document is not None
     drop_namespace(document.root)
-    parsed = read_network(document, sink)
+    parsed = read_network(RoadFile("made.xodr", etree.tostring(root)), sink)
     if parsed is None:
         return None
     tables = [getattr(parsed.arrays, column) for column in columns_of(RoadTables)]

@@ -39,6 +39,7 @@ UNIT = fixed("unit of a network, for each side", 2 * UNITS)
 HIDDEN_UNIT = fixed("hidden unit of a network", HIDDEN)
 VIEW = fixed("feature of a view", VIEW_SIZE)
 LOOKED = fixed("piece of the way in which paint is looked at", SAMPLES)
+LOOKED_SIDES = fixed("piece of a line in view", 2 * SAMPLES)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
 STEER_RATE = 0.7
@@ -361,7 +362,11 @@ class State(Columns):
     beside_s: list[float] = column(RUN)
     beside_sigma: list[float] = column(RUN)
     way_half: list[float] = column(LOOKED)
-    """Half of the lane's width in each piece, m."""
+    """Half of the lane's width in each piece, and its centre to the left of the ego's axis, m."""
+    way_centre: list[float] = column(LOOKED)
+    piece_quality: list[float] = column(LOOKED_SIDES)
+    """Quality of the paint in each piece of the left line and then of the right one, and the share that is painted."""
+    piece_share: list[float] = column(LOOKED_SIDES)
     way_bend: list[float] = column(RUN)
     """Curvature of the way at the ego, 1/m, and its rate, 1/m2."""
     way_bend_rate: list[float] = column(RUN)
@@ -397,17 +402,39 @@ class State(Columns):
     noise: list[float] = column(RUN)
     """Noise of the camera itself, without its failures, grey levels."""
     image_health: list[float] = column(RUN)
-    """Share of the camera's health that noise, blackout, blur and dirt leave, 0 to 1."""
+    """Share of the camera's health that all but missing and repeated images leave, 0 to 1."""
+    lines_left: list[float] = column(RUN, 1.0)
+    """Share of the confidence in a line that dirt, dead rows and overexposure leave, 0 to 1."""
+    sky_level: list[float] = column(RUN)
+    """Brightness of the picture's sky in the present weather, grey levels."""
+    ground_level: list[float] = column(RUN)
+    """Brightness of the picture's ground, grey levels."""
+    brightest: list[float] = column(RUN)
+    """The picture's brightest tones, grey levels."""
+    lamps_on: list[int] = column(RUN)
+    """1 if headlights light the ground."""
+    tinted: list[int] = column(RUN)
+    """1 if the light is coloured by a low sun or by dust."""
     failure_now: list[float] = column(FAILURE_KIND)
     """Severity of each kind of camera failure, 0 to its amount."""
+    failure_lately: list[float] = column(FAILURE_KIND)
+    """The part of that severity that the detector has noticed."""
     failure_since: list[float] = column(FAILURE)
     """Time from which a failure's onset counts, s; -1 while it waits or is over."""
+    failure_severity: list[float] = column(FAILURE)
+    """Severity of each failure, 0 to its amount."""
+    failure_noticed: list[float] = column(FAILURE)
+    """The part of it that the detector has noticed."""
     failure_active: list[int] = column(FAILURE)
     """1 while the failure has an effect."""
     missing: list[int] = column(RUN)
     """1 if the image of this frame does not arrive."""
     frozen: list[int] = column(RUN)
     """1 if the previous image is delivered again."""
+    image_taken: list[int] = column(RUN, -1)
+    """Number of the newest image that has arrived; -1 before the first one."""
+    awaited: list[int] = column(RUN)
+    """1 if no newer image has arrived at this frame, because images are late."""
     weather: list[float] = column(WEATHER_NUMBER)
     """The 14 numbers of the present weather."""
     paint_seen: list[float] = column(RUN)

@@ -290,6 +290,15 @@ class Totals(Columns):
     """Distance that the ego and the entity may travel together before the entity may be where the ego was, m."""
     free_behind: list[float] = column(ENTITY)
     """The same before the ego may be where the entity was, m."""
+    strip_cos: list[float] = column(ENTITY, 2.0)
+    """The strip in which the entity has driven straight: cosine and sine of its heading, and how far its middle line
+    lies to the left of the origin, m.
+    """
+    strip_sin: list[float] = column(ENTITY)
+    strip_off: list[float] = column(ENTITY)
+    beside_rows: list[int] = column(ENTITY)
+    """Number of kept rows for which the ego has been beside that strip, and the last of them."""
+    beside_at: list[int] = column(ENTITY, op.NONE)
     trail_every: list[int] = column(RUN, 1)
     """Number of steps from one kept row to the next."""
     trail_limit: list[int] = column(RUN, 1)

@@ -13,17 +13,25 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import view as at
 from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.brightness import (
+    SPRAY,
+    SPRAY_IN_RAIN,
+    USUAL_CLOUDS,
+    asphalt,
+    daylight,
+    headlights,
+    share_or,
+    sun_altitude,
+    water_on_road,
+)
 from scenario_compiler.engine.ego.visibility import (
     W_CLOUDINESS,
-    W_DEPOSITS,
     W_DUST_STORM,
     W_FOG_DENSITY,
     W_FOG_DISTANCE,
     W_FOG_FALLOFF,
     W_PRECIPITATION,
-    W_SUN_ALTITUDE,
     W_SUN_AZIMUTH,
-    W_WETNESS,
     haze_extinction,
     paint_contrast,
 )
@@ -32,14 +40,6 @@ from scenario_compiler.marker import compiled
 AHEAD_FROM = 5.1
 AHEAD_STEP = 2.0
 """Distance of the middle of the first piece of paint from the camera, and of each from the next, m."""
-
-USUAL_ALTITUDE = 45.0
-USUAL_CLOUDS = 0.05
-"""A clear noon, for a weather that does not say."""
-
-ASPHALT = 80.0
-DARKER_WHEN_WET = 0.45
-"""Brightness of dry asphalt in the sun, grey levels, and the share that water takes."""
 
 GRAIN = 0.0576
 MEADOW = 7.2
@@ -52,12 +52,6 @@ GRAIN_SEEN = 0.12
 STREAKS = 6.0
 """Roughness that heavy rain adds at noon, grey levels."""
 
-SPRAY = 0.0005
-SPRAY_IN_RAIN = 0.01
-"""Extinction of clear air and of heavy rain, 1/m."""
-
-LAMPS_ON = 8.0
-LAMP_LIGHT = 0.8
 LAMP_TO_CAMERA = 1.4
 LAMP_REACH = 34.0
 LAMP_SPREAD = 2.2
@@ -76,12 +70,6 @@ ONE_DEGREE = 0.017453292519943295
 
 
 @compiled
-def share_or(percent: float, usual: float) -> float:
-    """Return a share for a number in percent; the usual one if it is negative, which means that it is not given."""
-    return usual if percent < 0.0 else min(0.01 * percent, 1.0)
-
-
-@compiled
 def note_air(st: State) -> None:
     """Work out light and air along the way for the present weather, where that has changed."""
     same = 1
@@ -93,21 +81,16 @@ def note_air(st: State) -> None:
         return
     st.beside_row[0] = op.NONE
     rain = share_or(st.weather[W_PRECIPITATION], 0.0)
-    wet = max(rain, max(share_or(st.weather[W_DEPOSITS], 0.0), share_or(st.weather[W_WETNESS], 0.0)))
+    wet = water_on_road(st)
     dust = share_or(st.weather[W_DUST_STORM], 0.0)
     cloud = share_or(st.weather[W_CLOUDINESS], USUAL_CLOUDS)
-    altitude = USUAL_ALTITUDE if st.weather[W_SUN_ALTITUDE] == -1.0 else st.weather[W_SUN_ALTITUDE]
+    altitude = sun_altitude(st)
     azimuth = 0.0 if st.weather[W_SUN_AZIMUTH] == -1.0 else st.weather[W_SUN_AZIMUTH]
-    warmth = clip(1.0 - abs(altitude - 5.0) / 16.0, 0.0, 1.0) * (1.0 - 0.55 * cloud)
-    day = clip((altitude + 4.0) / 30.0, 0.0, 1.0)
-    dimmed = (1.0 - 0.35 * cloud * (1.0 - 0.3 * warmth)) * (1.0 - 0.2 * rain) * (1.0 - 0.3 * dust)
-    light = 0.05 * dimmed
-    if day > 0.0:
-        light = (0.05 + 0.95 * exp(clip(0.6 * log(max(day, 1.0e-9)), -50.0, 0.0))) * dimmed
-    lamps = LAMP_LIGHT * clip((LAMPS_ON - altitude) / 12.0, 0.0, 1.0) * (1.0 - light)
+    light = daylight(st)
+    lamps = headlights(st, light)
     fog = haze_extinction(share_or(st.weather[W_FOG_DENSITY], 0.0), st.weather[W_FOG_FALLOFF], dust)
     fog_from = max(st.weather[W_FOG_DISTANCE], 0.0)
-    st.air_ground[0] = ASPHALT * (1.0 - DARKER_WHEN_WET * wet)
+    st.air_ground[0] = asphalt(wet)
     st.air_contrast[0] = paint_contrast(wet, rain, altitude)
     st.air_streaks[0] = STREAKS * rain * light
     st.air_glare[0] = 1.0 - 0.75 * cloud if altitude > DAZZLES_FROM and altitude < DAZZLES_TO else 0.0

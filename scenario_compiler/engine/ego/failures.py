@@ -2,7 +2,8 @@
 
 The severity of a failure rises linearly over its ramp from its onset, stays, and falls over the same ramp before its
 end. If several of a kind overlap, the most severe counts; noise adds to the camera's own as a sum of variances. The
-counter hash decides for each image whether it is missing or repeated.
+counter hash decides for each image whether it is missing or repeated. While a late image is awaited, the one before is
+repeated as well.
 """
 
 from __future__ import annotations
@@ -17,11 +18,18 @@ from scenario_compiler.engine.ego.camera_health import (
     BLUR_AT_ONE,
     IMPULSES_AT_ONE,
     NOISE_AT_ONE,
-    TONES_AT_NOON,
+    WHITE,
     blur_health,
     dirt_health,
     impulses_health,
+    measured_blur,
+    measured_dirt,
+    measured_impulses,
+    measured_noise,
     noise_health,
+    still_by_dead_rows,
+    still_by_quantisation,
+    still_by_white,
     tones_health,
 )
 from scenario_compiler.marker import compiled
@@ -30,18 +38,34 @@ from scenario_compiler.randomness import random_unit
 MOST = 1.6
 """Largest amount: severity 5 of ImageNet-C's blur corresponds to an amount of 1.52."""
 
-CREEPING = 0.5
-"""Speed below which a repeated image does not indicate a fault, m/s."""
+MOVING = 0.15
+"""Least distance between two images from which the road must have changed, m."""
+
+NOTICED_DARK = 17.0
+NOTICED_WHITE = 22.0
+SEEN_ENOUGH = 6.0
+"""Numbers of images after which the detector notices that the ground no longer changes: by day, of dark ground and of
+white ground in which the last change was greater, and of ground that did not change from the first image on.
+"""
+
+AT_ONCE = 1.0e-6
+"""Difference up to which two times count as equal, s."""
 
 
 @compiled
 def severity_of(p: Program, st: State, f: int) -> float:
     """Return how severe a failure is now, from 0 to its amount."""
+    return severity_at(p, st, f, st.clock[0])
+
+
+@compiled
+def severity_at(p: Program, st: State, f: int, clock: float) -> float:
+    """Return how severe a failure is at a time, from 0 to its amount."""
     since = st.failure_since[f]
     if since < 0.0:
         return 0.0
     base = p.failure_const[f]
-    t = st.clock[0] - since - p.const[base + slot.F_ONSET]
+    t = clock - since - p.const[base + slot.F_ONSET]
     ramp = p.const[base + slot.F_RAMP]
     share = 1.0 if t >= -1.0e-9 else 0.0
     if ramp > 1.0e-9:
@@ -57,30 +81,60 @@ def severity_of(p: Program, st: State, f: int) -> float:
 
 
 @compiled
+def noticed_severity(p: Program, st: State, f: int, severity: float) -> float:
+    """Return the part of a failure's present severity that the detector has noticed, where it needs time for this.
+
+    What does not change while the car moves is noticed after the images that the running mean of its change needs to
+    fall; what was there in the first image, after the images before which no change is reported.
+    """
+    images = 0.0
+    if p.failure_kind[f] == op.FAILURE_OVEREXPOSURE:
+        images = NOTICED_WHITE
+    elif p.failure_kind[f] in (op.FAILURE_DIRT, op.FAILURE_DEAD_ROWS, op.FAILURE_QUANTISATION):
+        images = NOTICED_DARK
+    if severity <= 0.0 or images <= 0.0:
+        return severity
+    period = p.image_every[0] * p.const[slot.K_STEP]
+    before = severity_at(p, st, f, st.clock[0] - images * period)
+    if st.clock[0] >= SEEN_ENOUGH * period - AT_ONCE:
+        before = max(before, severity_at(p, st, f, 0.0))
+    return min(severity, before)
+
+
+@compiled
 def update_camera(p: Program, st: State) -> None:
     """Compute the camera's present failures, and log those that begin and end."""
-    if p.failure_count[0] == 0:
-        if st.sigma[0] != st.noise[0]:
-            st.sigma[0] = st.noise[0]
-            st.image_health[0] = health_of_image(st)
-        return
-    for kind in range(op.FAILURES):
-        st.failure_now[kind] = 0.0
+    changed = 0
     for f in range(p.failure_count[0]):
-        kind = p.failure_kind[f]
         severity = severity_of(p, st, f)
-        st.failure_now[kind] = max(st.failure_now[kind], severity)
+        noticed = noticed_severity(p, st, f, severity)
+        if severity == st.failure_severity[f] and noticed == st.failure_noticed[f]:
+            continue
+        st.failure_severity[f] = severity
+        st.failure_noticed[f] = noticed
+        changed = 1
         active = 1 if severity > 0.0 else 0
         if active != st.failure_active[f]:
             st.failure_active[f] = active
-            log_event(st, op.EVENT_FAILURE if active == 1 else op.EVENT_FAILURE_END, 1.0 * kind)
+            log_event(st, op.EVENT_FAILURE if active == 1 else op.EVENT_FAILURE_END, 1.0 * p.failure_kind[f])
+    if changed == 1:
+        for kind in range(op.FAILURES):
+            st.failure_now[kind] = 0.0
+            st.failure_lately[kind] = 0.0
+        for f in range(p.failure_count[0]):
+            kind = p.failure_kind[f]
+            st.failure_now[kind] = max(st.failure_now[kind], st.failure_severity[f])
+            st.failure_lately[kind] = max(st.failure_lately[kind], st.failure_noticed[f])
     more = NOISE_AT_ONE * st.failure_now[op.FAILURE_NOISE]
-    st.sigma[0] = st.noise[0]
+    sigma = st.noise[0]
     if more > 0.0:
-        st.sigma[0] = safe_sqrt(st.noise[0] * st.noise[0] + more * more)
-    st.missing[0] = image_fails(st, op.FAILURE_DROPOUT)
-    st.frozen[0] = image_fails(st, op.FAILURE_FREEZE)
-    st.image_health[0] = health_of_image(st)
+        sigma = safe_sqrt(st.noise[0] * st.noise[0] + more * more)
+    if changed == 1 or sigma != st.sigma[0]:
+        st.sigma[0] = sigma
+        note_image(st)
+    if p.failure_count[0] > 0:
+        st.missing[0] = image_fails(st, op.FAILURE_DROPOUT)
+        st.frozen[0] = image_fails(st, op.FAILURE_FREEZE)
 
 
 @compiled
@@ -94,25 +148,84 @@ def image_fails(st: State, kind: int) -> int:
 
 
 @compiled
+def take_image(p: Program, st: State) -> None:
+    """Note whether a newer image than the last one arrives at this frame; it does not while a late one is awaited."""
+    if st.frame[0] % max(p.image_every[0], 1) != 0:
+        return
+    period = max(p.image_every[0] * p.const[slot.K_STEP], 1.0e-3)
+    since = st.clock[0] - st.failure_now[op.FAILURE_LATENCY]
+    taken = int(clip((since + AT_ONCE) / period, 0.0, 1.0e9))
+    st.awaited[0] = 1 if taken <= st.image_taken[0] else 0
+    st.image_taken[0] = max(taken, st.image_taken[0])
+
+
+@compiled
+def shows_nothing(st: State) -> int:
+    """Return 1 if dirt, white or dead rows fill the whole image without noise, so that all images are equal."""
+    if st.failure_now[op.FAILURE_DEAD_ROWS] >= 1.0:
+        return 1
+    if st.sigma[0] > 0.0 or st.failure_now[op.FAILURE_IMPULSE_NOISE] > 0.0:
+        return 0
+    filled = max(st.failure_now[op.FAILURE_DIRT], st.failure_now[op.FAILURE_OVEREXPOSURE])
+    return 1 if filled >= 1.0 else 0
+
+
+@compiled
 def health_of_camera(p: Program, st: State) -> float:
-    """Return the camera's health as the engine knows it, 0 to 1 (see the module `camera_health`)."""
+    """Return the camera's health at an image as the engine knows it, 0 to 1 (see the module `camera_health`)."""
     if st.missing[0] == 1:
         return 0.0
     ego = p.ego[0]
-    if st.frozen[0] == 1 and ego >= 0 and st.v[ego] > CREEPING:
+    repeated = st.frozen[0] == 1 or st.awaited[0] == 1 or shows_nothing(st) == 1
+    if repeated and ego >= 0 and st.v[ego] * p.image_every[0] * p.const[slot.K_STEP] >= MOVING:
         return 0.0
     return st.image_health[0]
 
 
 @compiled
-def health_of_image(st: State) -> float:
-    """Return the health of an image that arrives and is new, under the present failures."""
-    dark = TONES_AT_NOON * (1.0 - st.failure_now[op.FAILURE_BLACKOUT])
-    blur = BLUR_AT_ONE * st.failure_now[op.FAILURE_BLUR]
-    dirt = st.failure_now[op.FAILURE_DIRT]
+def note_image(st: State) -> None:
+    """Write the health of an image that arrives and is new, and how much of the lines it shows.
+
+    What covers the ground hides the lines at once, while its effect on the health is noticed later.
+    """
+    lit = 1.0 - st.failure_now[op.FAILURE_BLACKOUT]
+    more = st.failure_now[op.FAILURE_OVEREXPOSURE]
+    sky = min(lit * st.sky_level[0] + WHITE * more, WHITE)
+    ground = min(lit * st.ground_level[0] + WHITE * more, WHITE)
+    health = noise_health(measured_noise(st.sigma[0], sky, ground))
     impulses = IMPULSES_AT_ONE * st.failure_now[op.FAILURE_IMPULSE_NOISE]
-    health = noise_health(st.sigma[0]) * impulses_health(impulses)
-    return health * tones_health(dark) * blur_health(blur) * dirt_health(dirt)
+    health = health * impulses_health(measured_impulses(impulses, ground))
+    health = health * blur_health(measured_blur(BLUR_AT_ONE * st.failure_now[op.FAILURE_BLUR]))
+    health = health * tones_health(min(lit * st.brightest[0] + WHITE * more, WHITE))
+    white = lit * st.ground_level[0] if st.tinted[0] == 0 else 0.0
+    now = uncovered(st.failure_now[op.FAILURE_DIRT], st.failure_now[op.FAILURE_DEAD_ROWS], more, white)
+    lately = uncovered(
+        st.failure_lately[op.FAILURE_DIRT],
+        st.failure_lately[op.FAILURE_DEAD_ROWS],
+        st.failure_lately[op.FAILURE_OVEREXPOSURE],
+        white,
+    )
+    coarse = st.failure_lately[op.FAILURE_QUANTISATION]
+    if coarse > 0.0:
+        lately = lately * (1.0 - still_by_quantisation(coarse, ground, 1 - st.lamps_on[0]))
+    st.image_health[0] = health * dirt_health(1.0 - lately)
+    st.lines_left[0] = dirt_health(1.0 - now)
+
+
+@compiled
+def uncovered(dirt: float, dead_rows: float, overexposure: float, white: float) -> float:
+    """Return the share of the ground that neither dirt, dead rows nor white covers.
+
+    Args:
+        dirt: Severity of dirt, 0-1.
+        dead_rows: Severity of dead rows.
+        overexposure: Severity of overexposure.
+        white: Brightness of the ground that overexposure can make white, grey levels.
+    """
+    if dirt <= 0.0 and dead_rows <= 0.0 and overexposure <= 0.0:
+        return 1.0
+    left = (1.0 - measured_dirt(dirt)) * (1.0 - still_by_dead_rows(dead_rows))
+    return left * (1.0 - still_by_white(overexposure, white)) if overexposure > 0.0 else left
 
 
 @compiled
@@ -138,5 +251,5 @@ def reset_camera(p: Program, st: State) -> None:
     for f in range(p.failure_count[0]):
         st.failure_since[f] = -1.0 if p.failure_waits[f] == 1 else 0.0
     st.sigma[0] = st.noise[0]
-    st.image_health[0] = health_of_image(st)
+    note_image(st)
     update_camera(p, st)

@@ -146,7 +146,7 @@ def ideal_confidence(n: RoadTables, p: Program, st: State) -> None:
             right = st.even_right[0]
         else:
             left, right = looked_at_sides(n, p, st)
-    seen = health * st.paint_seen[0]
+    seen = health * st.lines_left[0] * st.paint_seen[0]
     st.health[0] = health
     st.conf_left[0] = seen * left
     st.conf_right[0] = seen * right

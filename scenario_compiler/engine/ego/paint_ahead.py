@@ -116,50 +116,72 @@ def window_share(k: int) -> float:
 
 
 @compiled
-def begin_side(st: State, base: int) -> None:
-    """Forget what was seen of a side."""
-    for k in range(at.S_VOTES + 1):
-        st.view[base + k] = 0.0
-    st.view[base + at.S_FARTHEST] = 0.4
-    st.view[base + at.S_CONTRAST] = log(LEAST_STRENGTH)
+def see_side(st: State, base: int, tone: float) -> None:
+    """Write what is seen of the line of a side, whose paint and place are known in each piece.
+
+    Args:
+        st: The state, with `piece_share`, `piece_quality`, `way_half` and `way_centre`.
+        base: Where the side's features begin.
+        tone: How much the line's new paint is brighter than the ground, grey levels.
+    """
+    pieces = at.SAMPLES if base > 0 else 0
+    window = 0
+    strength_seen = 0.0
+    votes = 0.0
+    farthest = 0.4
+    share_seen = 0.0
+    strong = 0.0
+    share_hidden = 0.0
+    share_in_view = 0.0
+    quality_near = 0.0
+    pieces_in_view = 0.0
+    for k in range(at.SAMPLES):
+        x = AHEAD_FROM + AHEAD_STEP * k
+        y = beside_axis(st, base, k)
+        quality = st.piece_quality[pieces + k]
+        strength = tone * left_of_paint(quality) * st.stands_out[k]
+        hidden = 0.0
+        if x > st.hides_at[0]:
+            ray = y if base == 0 else -y
+            hidden = 1.0 if ray > st.hides_from[0] * x and ray < st.hides_to[0] * x else 0.0
+        in_view = 1.0 if abs(y) < EDGE_OF_VIEW * x - WITHIN_VIEW else 0.0
+        seen = st.piece_share[pieces + k] if hidden == 0.0 and in_view == 1.0 else 0.0
+        voted = min(strength, ENOUGH) * seen
+        if window_of(k) != window:
+            st.view[base + at.S_STRENGTH + window] = strength_seen
+            window = window_of(k)
+            strength_seen = 0.0
+        strength_seen += window_share(k) * voted
+        votes += voted
+        pieces_in_view += in_view
+        if seen > SHOWN_SHARE and strength > SHOWN:
+            farthest = 0.1 * x
+        if k == 3:
+            st.view[base + at.S_CONTRAST] = log(max(LEAST_STRENGTH + strength, LEAST_STRENGTH))
+        if k < NEAR_PIECES:
+            share_seen += seen / NEAR_PIECES
+            strong += min(strength, STRONGEST) / NEAR_PIECES
+            share_hidden += 1.0 / NEAR_PIECES if hidden == 1.0 else 0.0
+            share_in_view += 1.0 / NEAR_PIECES if in_view == 1.0 else 0.0
+            if k > 0:
+                quality_near += quality / (NEAR_PIECES - 1.0)
+    st.view[base + at.S_STRENGTH + window] = strength_seen
+    st.view[base + at.S_FARTHEST] = farthest
+    st.view[base + at.S_SEEN] = share_seen
+    st.view[base + at.S_STRONG] = strong
+    st.view[base + at.S_HIDDEN] = share_hidden
+    st.view[base + at.S_IN_VIEW] = share_in_view
+    st.view[base + at.S_QUALITY] = quality_near
+    st.view[base + at.S_BESIDE] = beside_axis(st, base, 0)
+    note_votes(st, base, votes / max(safe_sqrt(pieces_in_view), 1.0))
 
 
 @compiled
-def see_piece(st: State, base: int, k: int, bright: float, quality: float, painted: float, y: float) -> float:
-    """Add a piece of a side's line to its features; return 1 where it is in the field of view, else 0.
-
-    Args:
-        st: The state.
-        base: Where the side's features begin.
-        k: The piece.
-        bright: How much the paint is brighter than the ground, grey levels.
-        quality: Quality of the paint.
-        painted: Share of the piece that is painted.
-        y: How far the line lies to the side, m.
-    """
-    x = AHEAD_FROM + AHEAD_STEP * k
-    strength = bright * st.stands_out[k]
-    hidden = 0.0
-    if x > st.hides_at[0]:
-        ray = y if base == 0 else -y
-        hidden = 1.0 if ray > st.hides_from[0] * x and ray < st.hides_to[0] * x else 0.0
-    in_view = 1.0 if abs(y) < EDGE_OF_VIEW * x - WITHIN_VIEW else 0.0
-    seen = painted if hidden == 0.0 and in_view == 1.0 else 0.0
-    voted = min(strength, ENOUGH) * seen
-    st.view[base + at.S_STRENGTH + window_of(k)] += window_share(k) * voted
-    st.view[base + at.S_VOTES] += voted
-    if seen > SHOWN_SHARE and strength > SHOWN:
-        st.view[base + at.S_FARTHEST] = 0.1 * x
-    if k == 3:
-        st.view[base + at.S_CONTRAST] = log(max(LEAST_STRENGTH + strength, LEAST_STRENGTH))
-    if k < NEAR_PIECES:
-        st.view[base + at.S_SEEN] += seen / NEAR_PIECES
-        st.view[base + at.S_STRONG] += min(strength, STRONGEST) / NEAR_PIECES
-        st.view[base + at.S_HIDDEN] += 1.0 / NEAR_PIECES if hidden == 1.0 else 0.0
-        st.view[base + at.S_IN_VIEW] += 1.0 / NEAR_PIECES if in_view == 1.0 else 0.0
-        if k > 0:
-            st.view[base + at.S_QUALITY] += quality / (NEAR_PIECES - 1.0)
-    return in_view
+def note_votes(st: State, base: int, votes: float) -> None:
+    """Note a side's votes, per square root of the pieces that are in view, and their running mean over the images."""
+    share = NEWEST if st.view_looks[0] > 0 else 1.0
+    st.view[base + at.S_VOTES] = votes
+    st.view[base + at.S_VOTES_LATELY] += share * (votes - st.view[base + at.S_VOTES_LATELY])
 
 
 @compiled
@@ -173,35 +195,30 @@ def line_tone(st: State, base: int, colour: int) -> float:
 
 
 @compiled
-def end_side(st: State, base: int, in_view: float) -> None:
-    """Finish what was summed up over pieces: votes count by the square root of the pieces that are in view."""
-    st.view[base + at.S_VOTES] /= max(safe_sqrt(in_view), 1.0)
-    st.view[base + at.S_BESIDE] = way_side(st, base, 0)
-    share = NEWEST if st.view_looks[0] > 0 else 1.0
-    st.view[base + at.S_VOTES_LATELY] += share * (st.view[base + at.S_VOTES] - st.view[base + at.S_VOTES_LATELY])
+def lay_piece(st: State, k: int, half: float) -> None:
+    """Note where the lane's lines lie in a piece: half of its width, and its centre beside the ego's axis, m.
 
-
-@compiled
-def way_side(st: State, base: int, k: int) -> float:
-    """Return how far a side's line lies beside the ego's axis in a piece, m: a curve whose bend changes evenly."""
+    The way is a curve whose bend changes evenly.
+    """
     d = CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k
     centre = -st.path_off[0] - st.path_heading[0] * d
     centre += d * d * (0.5 * st.way_bend[0] + d * st.way_bend_rate[0] / 6.0)
-    return st.way_half[k] + centre if base == 0 else st.way_half[k] - centre
+    st.way_half[k] = half
+    st.way_centre[k] = centre
+
+
+@compiled
+def beside_axis(st: State, base: int, k: int) -> float:
+    """Return how far a side's line lies beside the ego's axis in a piece, m."""
+    return st.way_half[k] + st.way_centre[k] if base == 0 else st.way_half[k] - st.way_centre[k]
 
 
 @compiled
 def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colour: int) -> None:
     """Write what is seen of the paint of both sides, piece by piece as the way goes on."""
-    begin_side(st, 0)
-    begin_side(st, at.SIDE_SIZE)
-    left_tone = line_tone(st, 0, left_colour)
-    right_tone = line_tone(st, at.SIDE_SIZE, right_colour)
     near = 0.0
     far = 0.0
     half = 0.5 * st.lane_width[0]
-    left_in_view = 0.0
-    right_in_view = 0.0
     for k in range(at.SAMPLES):
         ahead = CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k
         road, lane, row, s, rest = path_ahead(n, p, st, ahead)
@@ -221,75 +238,54 @@ def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colo
                 near += 1.0 / NEAR_PIECES
             else:
                 far += 1.0 / FAR_PIECES
-        st.way_half[k] = half
-        y_left = way_side(st, 0, k)
-        y_right = way_side(st, at.SIDE_SIZE, k)
-        left = inner
-        right = outer
-        left_share = inner_share
-        right_share = outer_share
-        if (lane > 0) == (lane_direction(n, road, lane) > 0):
-            left = outer
-            right = inner
-            left_share = outer_share
-            right_share = inner_share
-        left_shown = see_piece(st, 0, k, left_tone * left_of_paint(left), left, left_share, y_left)
-        left_in_view += left_shown
-        right_shown = see_piece(st, at.SIDE_SIZE, k, right_tone * left_of_paint(right), right, right_share, y_right)
-        right_in_view += right_shown
-    end_side(st, 0, left_in_view)
-    end_side(st, at.SIDE_SIZE, right_in_view)
+        lay_piece(st, k, half)
+        outer_is_left = (lane > 0) == (lane_direction(n, road, lane) > 0)
+        st.piece_quality[k] = outer if outer_is_left else inner
+        st.piece_quality[at.SAMPLES + k] = inner if outer_is_left else outer
+        st.piece_share[k] = outer_share if outer_is_left else inner_share
+        st.piece_share[at.SAMPLES + k] = inner_share if outer_is_left else outer_share
+    see_side(st, 0, line_tone(st, 0, left_colour))
+    see_side(st, at.SIDE_SIZE, line_tone(st, at.SIDE_SIZE, right_colour))
     note_common(st, at.V_JUNCTION_NEAR, near)
     note_common(st, at.V_JUNCTION_FAR, far)
 
 
 @compiled
+def lay_even_line(n: RoadTables, st: State, first: int, mark: int, quality: float) -> None:
+    """Note the paint in the pieces of a line whose mark and quality are the same in all of them.
+
+    `first` is the first piece of its side. Where dashes differ from piece to piece, `view_dashed` becomes 1.
+    """
+    even = evenly_painted(n, mark)
+    share = 0.0
+    for k in range(at.SAMPLES):
+        if k == 0 or even == 0:
+            s = st.path_s[0] + st.path_sense[0] * (CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k)
+            share = painted_share(n, mark, s - HALF_PIECE, s + HALF_PIECE)
+        st.piece_share[first + k] = share
+        st.piece_quality[first + k] = quality
+        if share != st.piece_share[first]:
+            st.view_dashed[0] = 1
+
+
+@compiled
 def see_even_lines(n: RoadTables, st: State, left_colour: int, right_colour: int) -> None:
     """Do what `see_lines` does where the marks on both sides are known to stay as they are."""
-    begin_side(st, 0)
-    begin_side(st, at.SIDE_SIZE)
-    left_bright = line_tone(st, 0, left_colour) * left_of_paint(st.even_left[0])
-    right_bright = line_tone(st, at.SIDE_SIZE, right_colour) * left_of_paint(st.even_right[0])
     row = st.path_row[0]
     lane = st.path_lane[0]
     here = st.path_s[0]
     outer = row_mark(n, row, here)
     inside = lane_row_in(n, n.lane_section[row], lane_inside(lane))
     inner = row_mark(n, inside, here) if inside >= 0 else -1
-    left_mark = inner
-    right_mark = outer
-    if (lane > 0) == (st.path_sense[0] > 0):
-        left_mark = outer
-        right_mark = inner
+    outer_is_left = (lane > 0) == (st.path_sense[0] > 0)
     st.view_dashed[0] = 0
-    left_even = evenly_painted(n, left_mark)
-    right_even = evenly_painted(n, right_mark)
-    left_share = 0.0
-    right_share = 0.0
-    first_left = 0.0
-    first_right = 0.0
-    left_in_view = 0.0
-    right_in_view = 0.0
+    lay_even_line(n, st, 0, outer if outer_is_left else inner, st.even_left[0])
+    lay_even_line(n, st, at.SAMPLES, inner if outer_is_left else outer, st.even_right[0])
     for k in range(at.SAMPLES):
         s = here + st.path_sense[0] * (CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k)
-        st.way_half[k] = 0.5 * row_width(n, row, s)
-        if k == 0 or left_even == 0:
-            left_share = painted_share(n, left_mark, s - HALF_PIECE, s + HALF_PIECE)
-        if k == 0 or right_even == 0:
-            right_share = painted_share(n, right_mark, s - HALF_PIECE, s + HALF_PIECE)
-        if k == 0:
-            first_left = left_share
-            first_right = right_share
-        if left_share != first_left or right_share != first_right:
-            st.view_dashed[0] = 1
-        y_left = way_side(st, 0, k)
-        y_right = way_side(st, at.SIDE_SIZE, k)
-        left_shown = see_piece(st, 0, k, left_bright, st.even_left[0], left_share, y_left)
-        left_in_view += left_shown
-        right_shown = see_piece(st, at.SIDE_SIZE, k, right_bright, st.even_right[0], right_share, y_right)
-        right_in_view += right_shown
-    end_side(st, 0, left_in_view)
-    end_side(st, at.SIDE_SIZE, right_in_view)
+        lay_piece(st, k, 0.5 * row_width(n, row, s))
+    see_side(st, 0, line_tone(st, 0, left_colour))
+    see_side(st, at.SIDE_SIZE, line_tone(st, at.SIDE_SIZE, right_colour))
     inside_junction = 1.0 if n.road_junction[st.path_road[0]] >= 0 else 0.0
     note_common(st, at.V_JUNCTION_NEAR, inside_junction)
     note_common(st, at.V_JUNCTION_FAR, inside_junction)

@@ -41,9 +41,10 @@ from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.camera_health import (
-    TONES_AT_NOON,
+    WHITE,
     blur_health,
     dirt_health,
+    measured_blur,
     noise_health,
     tones_health,
 )
@@ -180,7 +181,7 @@ def quality_of_sensor(p: Program, health: float) -> float:
     """
     if p.forward_sensor[0] != op.SENSOR_CAMERA:
         return exp(clip(-p.const[slot.K_SENSOR_NOISE] * LN_10 / 40.0, -50.0, 50.0))
-    best = noise_health(0.0) * tones_health(TONES_AT_NOON) * blur_health(0.0) * dirt_health(0.0)
+    best = noise_health(0.0) * tones_health(WHITE) * blur_health(measured_blur(0.0)) * dirt_health(0.0)
     return clip(health / max(best, 0.5), 0.0, 1.0)
 
 

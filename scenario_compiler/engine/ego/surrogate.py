@@ -118,12 +118,15 @@ def take_up(p: Program, st: State) -> int:
     added up: most features stay nearly as they are from look to look.
     """
     low = p.surrogate_const[0]
+    differing = 0
+    for k in range(VIEW_SIZE):
+        st.changed[differing] = k  # overwritten by the next feature unless this one differs
+        differing += 1 if st.view[k] != st.taken_up[k] else 0
     outside = 0
     count = 0
-    for k in range(VIEW_SIZE):
+    for place in range(differing):
+        k = st.changed[place]
         value = st.view[k]
-        if value == st.taken_up[k]:
-            continue
         least = p.const[low + k]
         most = p.const[low + VIEW_SIZE + k]
         if value < least or value > most:

@@ -7,8 +7,20 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.brightness import note_brightness
+from scenario_compiler.engine.ego.failures import note_image
 from scenario_compiler.engine.ego.visibility import weather_visibility
 from scenario_compiler.marker import compiled
+
+
+@compiled
+def note_weather(st: State) -> None:
+    """Write how well paint is seen and how bright the picture is in the present weather."""
+    st.paint_seen[0] = weather_visibility(st)
+    note_brightness(st)
+    note_image(st)
+    st.reach_known[0] = 0
+    st.sight_known[0] = 0
 
 
 @compiled
@@ -18,9 +30,7 @@ def reset_weather(p: Program, st: State) -> None:
         for k in range(op.WEATHER_SIZE):
             st.weather[k] = p.const[p.weather_const[0] + k]
             st.weather_from[k] = st.weather[k]
-    st.paint_seen[0] = weather_visibility(st)
-    st.reach_known[0] = 0
-    st.sight_known[0] = 0
+    note_weather(st)
 
 
 @compiled
@@ -46,8 +56,6 @@ def update_weather(p: Program, st: State) -> None:
     base = p.weather_const[target]
     for k in range(op.WEATHER_SIZE):
         st.weather[k] = st.weather_from[k] + share * (p.const[base + k] - st.weather_from[k])
-    st.paint_seen[0] = weather_visibility(st)
-    st.reach_known[0] = 0
-    st.sight_known[0] = 0
+    note_weather(st)
     if share >= 1.0:
         st.weather_to[0] = op.NONE

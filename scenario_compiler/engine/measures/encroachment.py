@@ -3,7 +3,8 @@
 Two vehicles were at the same place if the box of one overlaps the box that the other had some rows before. The poses of
 all entities in the last seconds are kept in columns that are not cleared between runs; `trail_count` says how many of
 them are valid. The search backwards skips the rows in which the other vehicle was too far away, and returns how far
-both may travel before there can be a result.
+both may travel before there can be a result. A vehicle that drives straight on stays in one strip of the plane; the
+rows since which the ego has been beside that strip are skipped too.
 """
 
 from __future__ import annotations
@@ -23,6 +24,12 @@ LONGEST = 10.0
 
 APART = 0.1
 """Greatest time between two kept rows, s, unless the step is longer; chosen."""
+
+STRAIGHT = 1.0e-6
+"""Sideways displacement up to which an entity of the same heading is in the same strip, m."""
+
+SLACK = 1.0e-3
+"""Least distance from a strip at which a box is surely beside it, m."""
 
 
 @compiled
@@ -102,18 +109,56 @@ def met_then(p: Program, st: State, m: Totals, i: int, at: int, j: int, dx: floa
 
 
 @compiled
-def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int) -> tuple[int, float]:
+def is_beside_strip(p: Program, st: State, m: Totals, ego: int, j: int) -> int:
+    """Return 1 if the ego's box does not reach into the strip in which j drives."""
+    c = m.strip_cos[j]
+    s = m.strip_sin[j]
+    across = st.middle_y[ego] * c - st.middle_x[ego] * s - m.strip_off[j]
+    base = p.entity_const[ego]
+    half_ego = p.const[base + slot.E_LENGTH] * abs(st.box_sin[ego] * c - st.box_cos[ego] * s)
+    half_ego += p.const[base + slot.E_WIDTH] * abs(st.box_cos[ego] * c + st.box_sin[ego] * s)
+    wide = p.const[p.entity_const[j] + slot.E_WIDTH]
+    return 1 if abs(across) > 0.5 * (half_ego + wide) + SLACK else 0
+
+
+@compiled
+def rows_beside(p: Program, st: State, m: Totals, ego: int, j: int) -> int:
+    """Return for how many kept rows, with the present one, the ego has been beside the strip in which j drives.
+
+    In none of them was one of the two where the other is now. Rows in which nobody asks interrupt the count.
+    """
+    c = st.box_cos[j]
+    s = st.box_sin[j]
+    off = st.middle_y[j] * c - st.middle_x[j] * s
+    if c != m.strip_cos[j] or s != m.strip_sin[j] or abs(off - m.strip_off[j]) > STRAIGHT:
+        m.strip_cos[j] = c
+        m.strip_sin[j] = s
+        m.strip_off[j] = off
+        m.beside_rows[j] = 0
+    if m.beside_at[j] != m.trail_count[0] - 1:
+        m.beside_rows[j] = 0
+    m.beside_at[j] = m.trail_count[0]
+    m.beside_rows[j] = m.beside_rows[j] + 1 if is_beside_strip(p, st, m, ego, j) == 1 else 0
+    return m.beside_rows[j]
+
+
+@compiled
+def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int, apart: int) -> tuple[int, float]:
     """Return how many kept rows ago i was last where j is now, at most `limit`; and a distance, m.
 
     Before both together have travelled this distance, no result is possible. From a row in which the boxes are a gap
     apart, the rows of half this distance are skipped, in which the boxes are still apart by the other half. Once no
-    such distance is left to find, the rows of the whole gap are skipped.
+    such distance is left to find, the rows of the whole gap are skipped. The last `apart` rows, with the present one,
+    are known to have no result; if they are skipped, the distance is 0 or less.
     """
     reach = st.reach[i] + st.reach[j]
     step = sqrt(max(m.trail_square[i], 0.0))
     last = min(limit - 1, m.trail_count[0])
     free = length_of(st.middle_x[j] - st.middle_x[i], st.middle_y[j] - st.middle_y[i]) - reach
     k = 1
+    if apart > 1:
+        k = apart
+        free = min(free, 0.0)
     while k <= last:
         at = i * TRAIL_ROWS + m.trail_at[0] - k
         if k > m.trail_at[0]:
@@ -147,11 +192,14 @@ def look_back_where_due(p: Program, st: State, m: Totals, j: int, ego: int, limi
     m.free_before[j] -= driven
     m.free_behind[j] -= driven
     found = limit
+    if m.free_before[j] > 0.0 and m.free_behind[j] > 0.0:
+        return found
+    apart = rows_beside(p, st, m, ego, j)
     if m.free_before[j] <= 0.0:
-        found, free = look_back(p, st, m, ego, j, found)
+        found, free = look_back(p, st, m, ego, j, found, apart)
         m.free_before[j] = free
     if m.free_behind[j] <= 0.0:
-        found, free = look_back(p, st, m, j, ego, found)
+        found, free = look_back(p, st, m, j, ego, found, apart)
         m.free_behind[j] = free
     return found
 

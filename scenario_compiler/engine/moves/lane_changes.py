@@ -20,7 +20,7 @@ from scenario_compiler.engine.columns.rows import SHAPES, ActionRow, ProgramDraf
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.beside import count_lanes, own_lane, settle_in_lane
 from scenario_compiler.engine.motion.entities import glide, place_scripted
-from scenario_compiler.engine.motion.path import set_path
+from scenario_compiler.engine.motion.path import measure_path, set_path
 from scenario_compiler.engine.motion.shapes import shape_slope, shape_value, transition_span
 from scenario_compiler.engine.motion.steering import plan_shift, shift_distance
 from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
@@ -37,6 +37,9 @@ LANE_BY_ID = 1
 
 OFFSET_ACCELERATION = 1.0
 """Greatest lateral acceleration with which the automation moves the ego to an offset, m/s2."""
+
+CHANGE_ACCELERATION = 3.0
+"""Greatest lateral acceleration with which the automation changes lanes in a given time, m/s2; chosen."""
 
 
 @compiled
@@ -63,8 +66,8 @@ def lane_aimed_at(n: RoadTables, p: Program, st: State, k: int) -> int:
 def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
     """Fix the target lane and let the entity follow it, offset by the present gap, with its heading along the lane.
 
-    For the ego, the target becomes the lane of its path, and the automation steers there by itself. If the target does
-    not exist, the change is 0.
+    For the ego, the target becomes the lane of its path, and the automation steers there over the time or distance that
+    is given; if none is, as soon as it can. If the target does not exist, the change is 0.
     """
     i = p.action_entity[k]
     road = st.road[i]
@@ -82,8 +85,7 @@ def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
     if p.entity_motion[i] != op.MOTION_SCRIPTED:
         if i == p.ego[0] and target != 0:
             set_path(n, st, road, target, st.s[i])
-            if offset != 0.0:
-                plan_shift(st, i, st.facing[i] * offset, shift_distance(st.v[i], offset, OFFSET_ACCELERATION))
+            plan_change(n, p, st, k, offset)
         return
     settle_in_lane(st, i)
     if target == 0:
@@ -99,6 +101,24 @@ def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
     st.action_change[k] = st.facing[i] * (offset - gap)
     value = p.const[p.action_const[k] + slot.A_DYNAMICS]
     st.action_span[k] = transition_span(p.action_shape[k], p.action_dimension[k], value, offset - gap)
+
+
+@compiled
+def plan_change(n: RoadTables, p: Program, st: State, k: int, offset: float) -> None:
+    """Plan the ego's way into its new lane, which is its path already; `action_span` is the odometer at its end, m."""
+    i = p.action_entity[k]
+    measure_path(n, st, i)
+    left = st.facing[i] * offset
+    change = left - st.path_off[0]
+    span = transition_span(
+        p.action_shape[k], p.action_dimension[k], p.const[p.action_const[k] + slot.A_DYNAMICS], change
+    )
+    if span > 0.0:
+        distance = span if p.action_dimension[k] == op.DIMENSION_DISTANCE else st.v[i] * span
+        plan_shift(st, i, left, max(distance, shift_distance(st.v[i], change, CHANGE_ACCELERATION)))
+        st.action_span[k] = st.shift_end[0]
+    elif offset != 0.0:
+        plan_shift(st, i, left, shift_distance(st.v[i], offset, OFFSET_ACCELERATION))
 
 
 @compiled
@@ -164,10 +184,12 @@ def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt
 def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
     """Advance a lane change or a move to an offset over a time; return 1 if it is complete.
 
-    A standing entity waits; for the ego it is complete at once.
+    A standing entity waits. The ego's is complete where its planned way ends, or at once if it has none.
     """
     i = p.action_entity[k]
-    if p.entity_motion[i] != op.MOTION_SCRIPTED or st.road[i] < 0:
+    if p.entity_motion[i] != op.MOTION_SCRIPTED:
+        return 1 if st.odometer[i] >= st.action_span[k] else 0
+    if st.road[i] < 0:
         return 1
     if st.action_span[k] <= 0.0:
         st.kept_off[i] = st.facing[i] * (st.action_from[k] + st.action_change[k])

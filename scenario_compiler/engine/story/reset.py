@@ -48,8 +48,8 @@ def reset_destination(n: RoadTables, p: Program, st: State) -> None:
 def reset_columns(n: RoadTables, p: Program, st: State) -> None:
     """Set every column to its value at t = 0, before the init actions."""
     put_to_start(st)
-    reset_camera(p, st)
     reset_weather(p, st)
+    reset_camera(p, st)
     reset_variables(p, st)
     reset_signals(p, st)
     reset_entities(p, st)

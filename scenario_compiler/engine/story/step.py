@@ -16,7 +16,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.automation import control_ego, driven_by_hand
 from scenario_compiler.engine.ego.controllers import hold_inputs
-from scenario_compiler.engine.ego.failures import update_camera
+from scenario_compiler.engine.ego.failures import take_image, update_camera
 from scenario_compiler.engine.ego.person import drive_by_person
 from scenario_compiler.engine.ego.progress import CREEPING
 from scenario_compiler.engine.ego.standing import log_standstill
@@ -63,6 +63,7 @@ def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
     take_stock(n, p, st, dt)
     if p.failure_count[0] > 0:
         update_camera(p, st)
+        take_image(p, st)
     if st.weather_to[0] >= 0:
         update_weather(p, st)
     if p.controller_count[0] > 0:

@@ -33,13 +33,12 @@ NO_SEVERITY = Code(
 UNNOTICED = Code(
     "SC407",
     "failure-without-effect",
-    "With ideal perception no image is rendered, and a failure affects only the sensor's health. There is no "
-    "model of the health for overexposure, dead_rows, quantisation, latency, motion_blur and misalignment. "
-    "The failure is ignored; `--perception camera` shows it.\n\n"
-    '    <failure kind="dead_rows" amount="0.2"/>     with --perception ideal',
+    "With ideal perception no image is rendered, and a failure affects only the sensor's health, which "
+    "motion_blur and misalignment do not change. The failure is ignored; `--perception camera` shows it.\n\n"
+    '    <failure kind="motion_blur" amount="0.2"/>     with --perception ideal',
     Severity.WARNING,
 )
-UNNOTICED_KINDS = ("overexposure", "dead_rows", "quantisation", "latency", "motion_blur", "misalignment")
+UNNOTICED_KINDS = ("motion_blur", "misalignment")
 """Kinds of failures that have no effect on ideal perception."""
 
 ANGLES = Code(

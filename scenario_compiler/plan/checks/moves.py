@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
+    LaneChangeAction,
     LaneChangeToAction,
     LateralDistanceAction,
     LongitudinalDistanceAction,
@@ -33,7 +36,8 @@ TWO_STEADY_STATES = Code(
 NO_SUCH_LANE = Code(
     "SC273",
     "no-such-lane",
-    "The target of a lane change is a lane that no road of the map has, so the action has no effect.\n\n"
+    "The target of a lane change is a lane that no road of the map has, or the change is by more lanes than any road of "
+    "the map has beside another, so the action has no effect.\n\n"
     '    <lane_change_to lane="-2" over_time="3"/>     lanes to the right of the reference line are negative',
     Severity.WARNING,
 )
@@ -44,7 +48,7 @@ OTHERS = {LongitudinalDistanceAction: "to", LateralDistanceAction: "to", Synchro
 
 def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report actions that refer to their own actor, give two distances, or change to a lane that does not exist."""
-    lanes = set(network.tables.lane_id)
+    lanes, widest = set(network.tables.lane_id), _most_lanes(network)
     for actor, action in plan.storyboard.actions():
         named = OTHERS.get(type(action))
         if named is not None and getattr(action, named) == actor:
@@ -58,3 +62,13 @@ def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
                 sink.add(TWO_STEADY_STATES, message, final.place_of("steady_distance"))
         if isinstance(action, LaneChangeToAction) and lanes and action.lane not in lanes:
             sink.add(NO_SUCH_LANE, f"no road of the map has a lane {action.lane}", action.place_of("lane"))
+        if isinstance(action, LaneChangeAction) and widest and abs(action.by) >= widest:
+            message = f"no road of the map has the {abs(action.by) + 1} lanes that a change by {action.by} needs"
+            sink.add(NO_SUCH_LANE, message, action.place_of("by"))
+
+
+def _most_lanes(network: Network) -> int:
+    """Return the greatest number of lanes at a cross-section of a road, without the centre lane; 0 without roads."""
+    tables = network.tables
+    rows = Counter(section for section, lane in zip(tables.lane_section, tables.lane_id, strict=True) if lane != 0)
+    return max(rows.values(), default=0)
