@@ -127,7 +127,9 @@ class _Reading:
         n.road_junction.extend(junctions.get(road.get("junction", "-1"), -1) for road in roads)
         build_links(self.reader, n, root, roads, road_ids, junctions, self._lanes.links, attachments)
         if self._repeats:
-            from scenario_compiler.roads.model import report_repeats  # to import it takes a third of a small file's time
+            from scenario_compiler.roads.model import (
+                report_repeats,  # to import it takes a third of a small file's time
+            )
 
             report_repeats(self.reader, self._repeats)
         return ParsedNetwork(with_derived_columns(n), road_ids, junction_ids)

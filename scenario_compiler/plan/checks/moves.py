@@ -36,8 +36,8 @@ TWO_STEADY_STATES = Code(
 NO_SUCH_LANE = Code(
     "SC273",
     "no-such-lane",
-    "The target of a lane change is a lane that no road of the map has, or the change is by more lanes than any road of "
-    "the map has beside another, so the action has no effect.\n\n"
+    "The target of a lane change is a lane that no road of the map has, or the change is by more lanes than any road "
+    "of the map has beside another, so the action has no effect.\n\n"
     '    <lane_change_to lane="-2" over_time="3"/>     lanes to the right of the reference line are negative',
     Severity.WARNING,
 )
