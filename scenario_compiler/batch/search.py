@@ -26,6 +26,7 @@ from scenario_compiler.batch.tally import OnProgress, Progress
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
 from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.resolution import WITHOUT_REQUEST
 
 UNDEFINED = 1.0e9
 """Value used for an undefined measure when it is minimised."""
@@ -289,7 +290,7 @@ def _predicate(when: str) -> Callable[[Columns], bool]:
             raise SweepError(f"a run of the search failed: {row['error'][0]}")
         values: dict[str, Value] = {
             "collision": row["collision_time"][0] is not None,
-            "request": row["resolution"][0] != "no_request",
+            "request": row["resolution"][0] not in WITHOUT_REQUEST,
             "passed": row["result"][0] == "pass",
         }
         measured = {one.name: row[one.name][0] for one in MEASURES if row[one.name][0] is not None}

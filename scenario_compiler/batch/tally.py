@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from scenario_compiler.recording.resolution import WITHOUT_REQUEST
+
 TALLIED = ("result", "resolution", "outside_domain_time")
 """Columns of a sweep's table that `Tally.of` counts from, in its order."""
 
@@ -34,7 +36,7 @@ class Tally:
         """Count runs by their columns `TALLIED`; `outside` is NaN or None if a run stays inside."""
         pairs = list(zip(results, resolutions, strict=True))
         passed, failed, broken_off = (sum(one == kind for one, _ in pairs) for kind in ("pass", "fail", "error"))
-        unasked = sum(end == "no_request" and one != "error" for one, end in pairs)
+        unasked = sum(end in WITHOUT_REQUEST and one != "error" for one, end in pairs)
         left = sum(time is not None and not math.isnan(time) for time in outside)
         return cls(passed, failed, broken_off, unasked, left)
 

@@ -22,6 +22,9 @@ MEANINGS: dict[Resolution, str] = {
 }
 """The meaning of each resolution; a run has the first one that applies."""
 
+WITHOUT_REQUEST: frozenset[Resolution] = frozenset(("stopped", "no_request"))
+"""Resolutions of runs without a takeover request."""
+
 
 def resolutions(times: Mapping[EventKind, Floats]) -> list[Resolution]:
     """Return how the first request of each run ended.

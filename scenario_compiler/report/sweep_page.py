@@ -17,6 +17,7 @@ from scenario_compiler.expressions import format_value
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.recording import Booleans, Floats, Integers
+from scenario_compiler.recording.resolution import WITHOUT_REQUEST
 from scenario_compiler.report import plots, sweep_plots
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.statistics import wilson_interval
@@ -166,26 +167,26 @@ def write_sweep_report(page: SweepPage, folder: Path) -> Path:
 def rates_of(rows: Rows, *, judged: bool = True, automated: bool = True) -> list[Rate]:
     """Return how often runs collided, violated a criterion, requested a takeover, and how the requests ended.
 
-    Requests that were still open at the end of their runs are not included in the last.
+    Requests that were still open at the end of their runs are not included in the last. A driver may answer during the
+    minimum-risk manoeuvre too; such a run counts in both of them.
     """
     sound = [k for k, result in enumerate(rows["result"]) if result != "error"]
-    requested = [k for k in sound if rows["resolution"][k] != "no_request"]
+    requested = [k for k in sound if rows["resolution"][k] not in WITHOUT_REQUEST]
     ended = [k for k in requested if rows["resolution"][k] != "open"]
 
     def rate(name: str, hits: int, count: int) -> Rate:
         return Rate(name, hits, count, *wilson_interval(hits, count))
 
-    def resolved(name: str) -> int:
-        return sum(rows["resolution"][k] == name for k in ended)
-
+    answered = sum(rows["takeover_time"][k] is not None for k in ended)
+    stopped_first = sum(rows["resolution"][k] == "minimum_risk" for k in ended)
     rates = [rate("collision", sum(rows["collision_time"][k] is not None for k in sound), len(sound))]
     if judged:
         rates.append(rate("a criterion broken", sum(rows["result"][k] == "fail" for k in sound), len(sound)))
     if automated:
         rates += [
             rate("takeover request", len(requested), len(sound)),
-            rate("request answered by the driver", resolved("driver"), len(ended)),
-            rate("request ended in a minimum-risk manoeuvre", resolved("minimum_risk"), len(ended)),
+            rate("request answered by the driver", answered, len(ended)),
+            rate("minimum-risk manoeuvre before an answer", stopped_first, len(ended)),
         ]
     return rates
 
@@ -242,7 +243,7 @@ def _pictures(page: SweepPage) -> Pictures:
             else:
                 left_out.append(f"No run has a {measure.name.replace('_', ' ')}.")
     collided = np.array([time is not None for time in rows["collision_time"]], dtype=np.float64)[sound]
-    requested = np.array([end != "no_request" for end in rows["resolution"]], dtype=np.float64)[sound]
+    requested = np.array([end not in WITHOUT_REQUEST for end in rows["resolution"]], dtype=np.float64)[sound]
     asked = [row if row is not None else "" for row in np.array(rows["avoided_by"], dtype=object)[sound]]
     references = [
         (

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.languages import parse, read_scenario_document
 from scenario_compiler.listing import SUFFIXES, list_library, list_templates
+from scenario_compiler.recording.resolution import WITHOUT_REQUEST
 from scenario_compiler.source.conflict import Library, Use
 from scenario_compiler.survey.duplicates import differences
 from scenario_compiler.survey.odd import TERMS
@@ -109,7 +110,7 @@ def survey(
         conditions=conditions,
         alike=tuple(_alike(studied)),
         never_ask=tuple(
-            one.target for one in sound if one.automated and all(ran.resolution == "no_request" for ran in one.runs)
+            one.target for one in sound if one.automated and all(ran.resolution in WITHOUT_REQUEST for ran in one.runs)
         ),
         never_fail=tuple(one.target for one in sound if one.judged and all(ran.result == "pass" for ran in one.runs)),
         broken=broken,

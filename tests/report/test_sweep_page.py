@@ -48,15 +48,23 @@ def test_requests_are_shown_for_automated_vehicles_only(finished: Run, tmp_path:
 
 
 def test_requests_that_are_open_at_the_end_are_left_out_of_those_that_were_answered(tmp_path: Path) -> None:
-    rows = {**ROWS, "resolution": ["open", "driver", "unanswered"]}
+    rows = {**ROWS, "resolution": ["open", "driver", "unanswered"], "takeover_time": [None, 2.0, None]}
     rates = {rate.name: (rate.hits, rate.count) for rate in rates_of(rows)}
     assert rates["takeover request"] == (3, 3)
     assert rates["request answered by the driver"] == (1, 2)
-    assert rates["request ended in a minimum-risk manoeuvre"] == (0, 2)
+    assert rates["minimum-risk manoeuvre before an answer"] == (0, 2)
     for shown, left_out in ((rows, True), (ROWS, False)):
         page = SweepPage("it", "", shown, {"gap": "uniform(1, 3)"}, {"gap": "m/s2"}, [], [], "scenario-compiler sweep")
         text = write_sweep_report(page, tmp_path).read_text(encoding="utf-8")
         assert ("1 still open when the run ended" in text) is left_out
+
+
+def test_an_answer_during_the_minimum_risk_manoeuvre_is_an_answer_and_a_stop_is_no_request() -> None:
+    rows = {**ROWS, "resolution": ["minimum_risk", "minimum_risk", "stopped"], "takeover_time": [1.5, None, None]}
+    rates = {rate.name: (rate.hits, rate.count) for rate in rates_of(rows)}
+    assert rates["takeover request"] == (2, 3)
+    assert rates["request answered by the driver"] == (1, 2)
+    assert rates["minimum-risk manoeuvre before an answer"] == (2, 2)
 
 
 def test_a_rate_of_no_runs_is_not_shown_as_zero(tmp_path: Path) -> None:
