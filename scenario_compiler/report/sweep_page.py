@@ -212,7 +212,7 @@ class Pictures:
 
     Attributes:
         distributions: Histograms of the measures; empty if none has a value.
-        boxes: Measures by condition: (parameter, picture).
+        boxes: Measures by condition: (parameter, picture, names of the conditions if they are numbered in it).
         scatter: Measures over a parameter: (parameter, picture).
         along: Rates along a parameter: (parameter, picture).
         maps: Two parameters at a time: (one, other, pictures).
@@ -220,7 +220,7 @@ class Pictures:
     """
 
     distributions: str
-    boxes: list[tuple[str, str]]
+    boxes: list[tuple[str, str, Sequence[str]]]
     scatter: list[tuple[str, str]]
     along: list[tuple[str, str]]
     maps: list[tuple[str, str, list[str]]]
@@ -256,7 +256,12 @@ def _pictures(page: SweepPage) -> Pictures:
     axes, conditions = _axes(page, sound, left_out)
     shown = dict(list(conditions.items())[:MOST_CONDITIONS]) if measures else {}
     boxes = [
-        (name, sweep_plots.boxes_plot(measures, one.names, one.taken, f"boxes-{name}")) for name, one in shown.items()
+        (
+            name,
+            sweep_plots.boxes_plot(measures, one.names, one.taken, f"boxes-{name}"),
+            [] if sweep_plots.names_in_lines(one.names) else one.names,
+        )
+        for name, one in shown.items()
     ]
     points, picked = _thinned(runs)
     clouds = {name: values for name, values in axes.items() if name not in conditions}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 import matplotlib as mpl
@@ -21,6 +22,12 @@ CELLS = 12
 
 FEW = 16
 """Greatest number of values for which an axis has one cell for each value."""
+
+ROW_LETTERS = 44
+"""Number of letters that fit beside each other below a panel with boxes."""
+
+MOST_LINES = 3
+"""Greatest number of lines of a label below a box."""
 
 RATES = LinearSegmentedColormap.from_list("rates", ["#f7f7f2", SKY, BLUE, "#06264a"])
 
@@ -56,10 +63,20 @@ def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
     return figure, axes[:count]
 
 
+def names_in_lines(names: Sequence[str]) -> list[str] | None:
+    """Return the names of conditions in lines that fit below their boxes, None if some does not fit."""
+    width = ROW_LETTERS // len(names)
+    lines = [textwrap.wrap(name, width, break_long_words=False) for name in names]
+    if any(len(one) > MOST_LINES or any(len(line) > width for line in one) for one in lines):
+        return None
+    return ["\n".join(one) for one in lines]
+
+
 def boxes_plot(measures: Sequence[Panel], names: Sequence[str], taken: Sequence[str], prefix: str) -> str:
     """Return an SVG with box plots of each measure by condition: median, quartiles, whiskers and outliers.
 
-    Whiskers extend to the farthest value within 1.5 times the interquartile range (Tukey 1977).
+    Conditions whose names do not fit below the boxes are numbered from 1. Whiskers extend to the farthest value within
+    1.5 times the interquartile range (Tukey 1977).
 
     Args:
         measures: The measures, NaN if a run has no value.
@@ -68,6 +85,7 @@ def boxes_plot(measures: Sequence[Panel], names: Sequence[str], taken: Sequence[
         prefix: Prefix of the ids in the SVG.
     """
     member = np.array([names.index(one) for one in taken])
+    below = names_in_lines(names) or range(1, len(names) + 1)
     with mpl.rc_context(STYLE):
         figure, axes = _panels(len(measures), 1.95)
         for axis, (name, unit, values) in zip(axes, measures, strict=True):
@@ -82,7 +100,7 @@ def boxes_plot(measures: Sequence[Panel], names: Sequence[str], taken: Sequence[
                 medianprops={"color": VERMILION, "linewidth": 1.2},
                 flierprops={"marker": ".", "markersize": 2.5, "markeredgecolor": QUIET},
             )
-            labels = [f"{label}\nn = {len(group)}" for label, group in zip(names, groups, strict=True)]
+            labels = [f"{label}\nn = {len(group)}" for label, group in zip(below, groups, strict=True)]
             axis.set_xticks(range(1, len(names) + 1), labels, fontsize=6.5)
             axis.set_title(with_unit(name, unit), fontsize=8.5, color=INK)
         return svg_of(figure, prefix)

@@ -147,6 +147,14 @@ def test_conditions_are_compared_and_numbers_scattered(tmp_path: Path) -> None:
     assert "preset" not in scatter
 
 
+def test_conditions_with_long_names_are_numbered(tmp_path: Path) -> None:
+    texts = [f"heavy rain and gusts of wind with the sun low ahead, and worn markings, number {k}" for k in (7, 8)]
+    rows = rows_of(12, parameter__weather=texts * 6, parameter__view=["rain at night", "noon"] * 6)
+    text = write_sweep_report(page_of(rows, "weather", "view"), tmp_path).read_text(encoding="utf-8")
+    assert f"1: <code>{texts[0]}</code>; 2: <code>{texts[1]}</code>." in text
+    assert "rain at night</text>" in text
+
+
 def test_omissions_are_stated(tmp_path: Path) -> None:
     count = 1200
     names = [f"p{k}" for k in range(6)]
