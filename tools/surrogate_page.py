@@ -251,6 +251,7 @@ has the camera's answer in 140 of them (80 %): in 24 of 25 variants of the confl
 62 lanes of maps; ideal perception in 115. With the shares of the three kinds that the table has, this would be 87 %.
 So the aim of 90 % is met by the table's runs, but not by these. One law of the health, the time after which a covered
 ground is noticed, was found by looking at a run of the table and one of these; its numbers come from other pictures.
+Of 25 runs that were made after this law, 20 have the camera's answer.
 
 What is left was looked for in runs of the fit alone, in a cross-validation over maps and drawn roads: 3429 runs with
 an earlier state of the detector, of which each third was answered by a fit to the other two. With boosted trees in
