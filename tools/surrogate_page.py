@@ -235,7 +235,7 @@ five conflicts of the library on maps without a run in the fit, randomly drawn r
 other maps. They were judged with the final coefficients, and twice more after the sensor's health of ideal and
 surrogate perception had become more like the camera's: with a curve for impulse noise, two more of them had the
 camera's answer (177), and with [the health of all failures](camera-failures.md#the-sensors-health-without-a-camera)
-two more. The second change was made with pictures and runs of the fit, one law (below) excepted: of the 607 with noise or a
+two more. The second change was made with pictures and runs of the fit, but for one law (below): of 607 with noise or a
 failure, 489 have the camera's answer with it, 471 without. The range of the forward sensor depends on this health, so
 the runs with the camera and noise or a failure were made again for it. The table shows the share of runs with the
 same answer as the camera: no request in either run, or requests within 0.5 s of each other. The last column is the
