@@ -87,6 +87,16 @@ def test_a_person_answers_and_stops_by_their_own_brake(compiled: Compilation) ->
     assert recording.stop_reason == "duration"
 
 
+@pytest.mark.parametrize(("throttle", "deceleration"), [(0.0, 0.4), (0.02, 0.4 * 0.98 - 0.02 * 3.5), (1.0, -3.5)])
+def test_a_car_that_a_person_drives_slows_down_without_pedals(
+    compiled: Compilation, throttle: float, deceleration: float
+) -> None:
+    recording = driven(compiled, lambda t, state: PersonInput(throttle, wish="take_over" if t == 0.0 else ""))
+    over = (recording.t > 0.5) & (recording.t < 2.0)
+    assert recording.a[over, 0] == pytest.approx(-deceleration)
+    assert (recording.brake[over, 0] == 0.0).all()
+
+
 def test_a_person_takes_over_without_being_asked_and_hands_back(compiled: Compilation) -> None:
     def does(t: float, state: str) -> PersonInput:
         if t < 0.5 and state == "automated":

@@ -493,6 +493,10 @@ class State(Columns):
     """1 if the ego is on a lane."""
     route_at: list[int] = column(RUN)
     """Row of `Program.route_road` that the ego has reached."""
+    drag: list[float] = column(ENTITY)
+    """Deceleration while no pedal is pressed, m/s2; less with throttle, 0 with full throttle. 0 unless a person drives:
+    the others' commands are the accelerations that they want.
+    """
     command_throttle: list[float] = column(ENTITY)
     """Commands: throttle and brake, 0 to 1; steering, -1 to 1 of the greatest angle, positive to the left."""
     command_steer: list[float] = column(ENTITY)

@@ -11,6 +11,7 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.foresight import LIFT_OFF
 from scenario_compiler.engine.ego.takeover import hand_back
 from scenario_compiler.marker import compiled
 
@@ -55,7 +56,8 @@ def heed_person(p: Program, st: State) -> None:
 
 @compiled
 def drive_by_person(st: State, i: int) -> None:
-    """Apply the person's pedals and steering wheel to the ego."""
+    """Apply the person's pedals and steering wheel to the ego, which slows down without pedals."""
+    st.drag[i] = LIFT_OFF
     st.command_throttle[i] = clip(st.person_throttle[0], 0.0, 1.0)
     st.command_brake[i] = clip(st.person_brake[0], 0.0, 1.0)
     st.command_steer[i] = clip(st.person_steer[0], -1.0, 1.0)

@@ -246,7 +246,7 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     st.throttle[i] = clip(st.command_throttle[i], 0.0, 1.0)
     st.brake[i] = clip(st.command_brake[i], 0.0, 1.0)
     gain = st.throttle[i] * grip(st, p.const[base + slot.E_MAX_ACCELERATION])
-    loss = st.brake[i] * grip(st, p.const[base + slot.E_MAX_DECELERATION])
+    loss = st.brake[i] * grip(st, p.const[base + slot.E_MAX_DECELERATION]) + st.drag[i] * (1.0 - st.throttle[i])
     speed = next_speed(p, st, i, gain, loss, dt)
     wanted = clip(st.command_steer[i], -1.0, 1.0) * p.const[base + slot.E_MAX_STEER]
     st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -st.steer_rate[i] * dt, st.steer_rate[i] * dt)

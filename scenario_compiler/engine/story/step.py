@@ -105,6 +105,7 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
     if drives_ego(p) == 1:
         if (st.frame[0] - 1) % max(p.control_every[0], 1) == 0:
             control_ego(n, p, st, p.ego[0])
+        st.drag[p.ego[0]] = 0.0
         if p.person[0] == 1 and driven_by_hand(st) == 1 and st.crashed[0] == 0:
             drive_by_person(st, p.ego[0])
         hold_inputs(p, st, p.ego[0])
