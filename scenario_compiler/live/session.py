@@ -16,6 +16,7 @@ from typing import Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from scenario_compiler.engine.ego.person import nothing_asks
 from scenario_compiler.live.sight import Sight
 from scenario_compiler.live.sounds import files_of
 from scenario_compiler.live.wheel import DRIVEN_BY_HAND, Wheel
@@ -369,6 +370,7 @@ class Session(threading.Thread):
             "speed": round(st.v[0], 3),
             "confidence": [round(st.conf_left[0], 3), round(st.conf_right[0], 3)],
             "byHand": state in DRIVEN_BY_HAND,
+            "available": nothing_asks(execution.program, st) == 1,
             "entities": entities,
             "told": told,
             "left": self._time_left(execution, state),

@@ -290,7 +290,8 @@ class Page {
     this.latest = about;
     one("#speed b").textContent = Math.round(3.6 * about.speed);
     const state = one("#state");
-    state.textContent = words(about.byHand ? "you_drive" : this.about.study ? "automated" : about.state);
+    const byHand = about.available || this.about.study ? "you_drive" : "you_drive_alone"; // a hand-back would be refused
+    state.textContent = words(about.byHand ? byHand : this.about.study ? "automated" : about.state);
     if (!this.about.study) state.style.background = about.colour; // in a trial, messages alone tell what is asked
     one("#conf-left").value = about.confidence[0];
     one("#conf-right").value = about.confidence[1];
