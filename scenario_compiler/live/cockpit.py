@@ -291,7 +291,6 @@ def described(drive: Drive, *, watched: bool = False) -> dict[str, Any]:
     reach = min(REACH, plan.duration * 40.0) + MARGIN
     window = Window(origin[0] - reach, origin[1] - reach, origin[0] + reach, origin[1] + reach)
     return {
-        "name": plan.name,
         "summary": plan.summary,
         "watched": watched,
         "words": WORDS[drive.language],

@@ -52,9 +52,10 @@ class LiveServer:
         self._kept = kept
         self.cockpit = Cockpit(self._next, watched=watched, ended=done if watched else None)
         self._told_once = described(drive, watched=watched)
+        page = drive_page(drive.plan.name, drive.language)
         self.app = Starlette(
             routes=[
-                Route("/", lambda request: door.entered(request, lambda: HTMLResponse(drive_page(drive.language)))),
+                Route("/", lambda request: door.entered(request, lambda: HTMLResponse(page))),
                 Route("/shared/{name}", door.shared),
                 Route("/live/{name}", door.own),
                 Route("/sounds/{name:path}", door.sound),
@@ -109,10 +110,10 @@ class LiveServer:
             await self.cockpit.serve(connection)
 
 
-def drive_page(language: Language, base: str = "") -> str:
-    """Return the driving page in a language; the paths of its data and its socket begin with `base`."""
+def drive_page(name: str, language: Language, base: str = "") -> str:
+    """Return the driving page of a run in a language; the paths of its data and its socket begin with `base`."""
     template = page_environment(LIVE).get_template("drive.html.jinja")
-    return template.render(base=base, language=language, words=WORDS[language])
+    return template.render(name=name, base=base, language=language, words=WORDS[language])
 
 
 def serve(

@@ -148,7 +148,8 @@ class StudyServer:
         if attendance.presence in ("waiting", "paused") and attendance.session is None:
             return self._rendered("waiting.html.jinja", **values)
         if step.trial is not None:
-            return HTMLResponse(drive_page(attendance.drive(step.trial).language, base))
+            name = f"{self.words['run']} {step.trial.number}"
+            return HTMLResponse(drive_page(name, attendance.drive(step.trial).language, base))
         if step.kind == "ask":
             asked = source.questionnaires[step.file]
             return self._rendered("questionnaire.html.jinja", **values, asked=asked)
@@ -191,7 +192,7 @@ class StudyServer:
             ]
             texts = {key: words[key] for key in ("continue", "probe", "paused", "over")}
             told = described(attendance.drive(step.trial))
-            told["name"], told["summary"] = f"{words['run']} {step.trial.number}", ""
+            told["summary"] = ""
             told["study"] = {"step": step.number, "words": texts, "queries": queries}
             told["study"] |= {"search": None if study.task is None else {"words": words["search"]}}
             return JSONResponse(told)

@@ -91,7 +91,6 @@ class Page {
     this.map = null;
     this.told = [];
     this.mute = [];
-    one("#name").textContent = document.title = about.name;
     one("#summary").textContent = about.watched ? words("watched") : about.summary;
     one("#keys").hidden = one("#go").hidden = one("#calibrate").hidden = about.watched;
     one("#touch").hidden = about.watched || !matchMedia("(pointer: coarse)").matches;
