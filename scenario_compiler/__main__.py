@@ -5,7 +5,6 @@ It imports little, so that an interruption during the import of the command line
 
 from __future__ import annotations
 
-import gc
 import os
 import sys
 
@@ -31,13 +30,11 @@ def main() -> None:
 
 
 def start_lightly() -> None:
-    """Turn off pydantic's search for plug-ins and most rounds of the garbage collector, which no command needs.
+    """Turn off pydantic's search for plug-ins and most rounds of the garbage collector, before modules are loaded."""
+    from scenario_compiler.garbage_collection import collect_seldom
 
-    Both take a noticeable part of the time of `validate` for one file, the collector already while modules are loaded.
-    A command keeps nearly everything that it loads until it ends, so collecting garbage frees little.
-    """
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    gc.set_threshold(100_000, 50, 50)
+    collect_seldom()
 
 
 def _say_interrupted() -> None:

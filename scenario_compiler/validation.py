@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -14,6 +13,7 @@ from scenario_compiler.compiler import Overrides, compile_expanded, compile_stud
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.files import MAX_BYTES
+from scenario_compiler.garbage_collection import collect_seldom, keep_loaded
 from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.languages import check_source, drop_allowed
 from scenario_compiler.plan.store import read_plan
@@ -225,8 +225,8 @@ def _was_lost(task: Future[list[list[Diagnostic]]]) -> bool:
 
 def _spare_collector() -> None:
     """Let the garbage collector of a process that checks files run seldom, and exempt everything loaded so far."""
-    gc.set_threshold(100_000, 50, 50)
-    gc.freeze()
+    collect_seldom()
+    keep_loaded()
 
 
 def _findings(

@@ -313,3 +313,14 @@ def test_run_says_which_criterion_is_broken_when_and_where(
         assert (place["road"], place["lane"]) == ("1", -1)
         told = f"at {one['when']:.2f} s, road 1, lane -1, s {place['s']:.2f} m: {one['why']}"
         assert line.split(maxsplit=2) == ["broken:", name, told]
+
+
+def test_commands_that_run_for_hours_collect_garbage_as_python_does() -> None:
+    steps = (
+        "import gc; before = gc.get_threshold()",
+        "from scenario_compiler.__main__ import start_lightly; start_lightly()",
+        "assert gc.get_threshold() != before",
+        "from scenario_compiler.cli import live; live.stay_small()",
+        "assert gc.get_threshold() == before",
+    )
+    subprocess.run([sys.executable, "-c", "\n".join(steps)], check=True)

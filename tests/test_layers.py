@@ -45,6 +45,7 @@ HALL = (
     "expressions",
     "files",
     "frames",
+    "garbage_collection",
     "interruption",
     "legible",
     "marker",

@@ -23,7 +23,6 @@ from scenario_compiler.cli.options import (
     has_errors,
     inputs_of,
     keep_inputs,
-    keep_loaded,
     new_sink,
     show,
     suggestion,
@@ -31,6 +30,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.terminal import put, put_table, tell
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.garbage_collection import keep_loaded
 from scenario_compiler.outputs import write_whole
 
 if TYPE_CHECKING:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, stay_small, suggestion
+from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, suggestion
 from scenario_compiler.cli.terminal import complain, flush_streams, put
+from scenario_compiler.garbage_collection import stay_small
 
 PORT = 2000
 """CARLA's default port."""

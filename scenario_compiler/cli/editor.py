@@ -6,8 +6,9 @@ import argparse
 import os
 import sys
 
-from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, add_templates, stay_small
+from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, add_templates
 from scenario_compiler.cli.terminal import put_raw
+from scenario_compiler.garbage_collection import stay_small
 
 
 def add(commands: Commands) -> None:

@@ -23,12 +23,12 @@ from scenario_compiler.cli.options import (
     is_filled,
     new_sink,
     show,
-    stay_small,
     text_stream,
     trust_of,
 )
 from scenario_compiler.cli.terminal import flush_streams, put
 from scenario_compiler.cli.worlds import add_world, note_findings, world_options
+from scenario_compiler.garbage_collection import stay_small
 
 if TYPE_CHECKING:
     from scenario_compiler.diagnostics import Diagnostics

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import gc
 import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
@@ -22,6 +21,7 @@ from scenario_compiler.diagnostics import (
     weighed,
 )
 from scenario_compiler.files import split_target
+from scenario_compiler.garbage_collection import keep_loaded
 from scenario_compiler.trust import Trust
 
 if TYPE_CHECKING:
@@ -30,9 +30,6 @@ if TYPE_CHECKING:
 
 PERCEPTIONS = ("camera", "ideal", "surrogate")
 """Sources of the lane confidence, as in `vocabulary.sensors.Perception`, which takes too long to load for help."""
-
-PYTHONS_THRESHOLDS = gc.get_threshold()
-"""Thresholds of the garbage collector, before the command line lets it run seldom."""
 
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
@@ -246,23 +243,6 @@ def settings_of(texts: Sequence[str]) -> dict[str, str]:
             raise WrongUse(f"--set needs NAME=VALUE, not '{text}'")
         settings[name.strip()] = value.strip()
     return settings
-
-
-def keep_loaded() -> None:
-    """Exempt everything loaded so far from garbage collection, which would take 40 ms or more as the process ends.
-
-    It is called before any code of the user's is loaded, so that the collector still closes what that leaves open.
-    """
-    gc.freeze()
-
-
-def stay_small() -> None:
-    """Restore Python's own thresholds of the garbage collector, for a command that runs until it is interrupted.
-
-    Everything loaded so far is exempt, so that a round only looks at what runs, requests and edits have made since.
-    """
-    keep_loaded()
-    gc.set_threshold(*PYTHONS_THRESHOLDS)
 
 
 def library_target(text: str) -> str:

@@ -18,16 +18,15 @@ from scenario_compiler.cli.options import (
     add_templates,
     add_trust,
     has_errors,
-    keep_loaded,
     new_sink,
     show,
-    stay_small,
     step_length,
     text_stream,
 )
 from scenario_compiler.cli.report import needing
 from scenario_compiler.cli.terminal import flush_streams, put, shown_progress
 from scenario_compiler.cli.worlds import add_world, world_options
+from scenario_compiler.garbage_collection import keep_loaded, stay_small
 from scenario_compiler.trust import Trust
 
 if TYPE_CHECKING:

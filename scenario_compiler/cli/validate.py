@@ -17,11 +17,11 @@ from scenario_compiler.cli.options import (
     add_templates,
     add_trust,
     judged,
-    keep_loaded,
     show,
 )
 from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostic, Severity
+from scenario_compiler.garbage_collection import keep_loaded
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.trust import Trust
 
