@@ -30,10 +30,16 @@ def main() -> None:
 
 
 def start_lightly() -> None:
-    """Turn off pydantic's search for plug-ins and most rounds of the garbage collector, before modules are loaded."""
+    """Turn off what makes commands slow, before modules are loaded.
+
+    These are pydantic's search for plug-ins, most rounds of the garbage collector, and the threads of numpy's linear
+    algebra. Those threads wait in loops that take the processor: where other programs use the cores too, a fit of the
+    confidence takes twenty times as long with two threads as with one, and its result depends on their number.
+    """
     from scenario_compiler.garbage_collection import collect_seldom
 
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     collect_seldom()
 
 

@@ -324,3 +324,15 @@ def test_commands_that_run_for_hours_collect_garbage_as_python_does() -> None:
         "assert gc.get_threshold() == before",
     )
     subprocess.run([sys.executable, "-c", "\n".join(steps)], check=True)
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="Linux alone lists the threads of a process there")
+def test_commands_start_no_threads_for_linear_algebra() -> None:
+    steps = (
+        "from scenario_compiler.__main__ import start_lightly; start_lightly()",
+        "import os, numpy, scipy.linalg",
+        "numpy.ones((500, 500)) @ numpy.ones((500, 500))",
+        "assert len(os.listdir('/proc/self/task')) == 1",
+    )
+    fresh = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    subprocess.run([sys.executable, "-c", "\n".join(steps)], check=True, env=fresh)
