@@ -21,7 +21,7 @@ from tests.test_cli import CONFLICT
 @pytest.fixture(scope="module")
 def conflict(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("live") / "it.xml"
-    file.write_text(CONFLICT)
+    file.write_text(CONFLICT, encoding="utf-8")
     return file
 
 
@@ -144,7 +144,7 @@ def picture(page: ClientConnection, seconds: int) -> dict[str, Any]:
 
 def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(tmp_path: Path) -> None:
     file = tmp_path / "open.xml"
-    file.write_text(OPEN)
+    file.write_text(OPEN, encoding="utf-8")
     with served("drive", file, "--perception", "ideal") as server, server.connected() as page:
         seated(page)
         page.send('{"kind": "start"}')
@@ -165,7 +165,7 @@ def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(tmp_path: P
 def test_the_end_of_a_run_does_not_wait_for_a_page_that_is_slow(tmp_path: Path) -> None:
     """A page that the screen does not show may keep pictures for as long as it is hidden."""
     file = tmp_path / "open.xml"
-    file.write_text(OPEN.replace('duration="600"', 'duration="3"'))
+    file.write_text(OPEN.replace('duration="600"', 'duration="3"'), encoding="utf-8")
     with served("drive", file, "--perception", "ideal") as server, server.connected() as page:
         seated(page)
         page.send('{"kind": "start"}')
