@@ -74,7 +74,7 @@ def put_at(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
         st.guide[i] = p.position_guide[k]
     if kind == PLACE_ON_LANE:
         lead_along(n, st, i, road, lane, s, offset, h)
-        place_scripted(n, p, st, i)
+        place_scripted(n, st, i)
     else:
         stand_free(st, i, x, y, z, h)
     note_arrival(n, p, st, i)
@@ -112,7 +112,7 @@ def start_at_random(n: RoadTables, p: Program, st: State, i: int, order: int) ->
     st.kept_off[i] = offset
     st.facing[i] = direction
     st.turn[i] = p.const[p.position_const[k] + slot.P_TURN]
-    place_scripted(n, p, st, i)
+    place_scripted(n, st, i)
     note_arrival(n, p, st, i)
 
 
@@ -167,7 +167,7 @@ def spawn_entity(
 
 
 @compiled
-def delete_entity(p: Program, st: State, i: int) -> None:
+def delete_entity(st: State, i: int) -> None:
     """Let an entity disappear; its trailer stays behind.
 
     It keeps its speed for when it appears again; its running actions continue to change it (esmini 3.6).

@@ -156,7 +156,7 @@ def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> 
 
 
 @compiled
-def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
+def place_scripted(n: RoadTables, st: State, i: int) -> None:
     """Evaluate the pose of a scripted entity on a road, and the lane that contains its reference point."""
     if st.road[i] < 0:
         return

@@ -81,7 +81,7 @@ def start_keep_aside(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 
 @compiled
-def shift_by(n: RoadTables, p: Program, st: State, i: int, left: float) -> None:
+def shift_by(n: RoadTables, st: State, i: int, left: float) -> None:
     """Move a scripted entity to the left within its lane; its heading does not change."""
     centre, _ = lane_centre(n, st.road[i], st.kept_lane[i], st.s[i])
     st.kept_off[i] += st.facing[i] * left
@@ -115,9 +115,9 @@ def step_keep_aside(n: RoadTables, p: Program, st: State, k: int, dt: float) -> 
     elif flags & op.FLAG_LIMITED != 0:
         drive_aside(n, p, st, k, error, dt)
     else:
-        shift_by(n, p, st, i, error)
+        shift_by(n, st, i, error)
         st.turn[i] = atan2(error, st.v[i] * dt) if abs(error) > op.TOLERANCE else 0.0
-        place_scripted(n, p, st, i)
+        place_scripted(n, st, i)
     return done
 
 
@@ -161,10 +161,10 @@ def drive_aside(n: RoadTables, p: Program, st: State, k: int, error: float, dt: 
     side = clip(speed * dt, -path, path)
     ahead = safe_sqrt(path * path - side * side)
     st.turn[i] = atan2(side, ahead) if abs(side) > op.TOLERANCE else 0.0
-    shift_by(n, p, st, i, side)
+    shift_by(n, st, i, side)
     glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
     st.moved[i] = 1
-    place_scripted(n, p, st, i)
+    place_scripted(n, st, i)
 
 
 def keep_lateral_distance_row(draft: ProgramDraft, word: LateralDistanceAction, actor: int) -> ActionRow:
