@@ -113,6 +113,26 @@ def test_wrong_use_exits_with_2(
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "calibrate -o out --jobs 0",
+        "library . --jobs -3",
+        "validate . --jobs none",
+        "drive obstacle_ahead --port 65536",
+        "serve-carla --port 65535",
+        "run obstacle_ahead --world carla --carla-port 0",
+        "sweep obstacle_ahead -o out --workers 0",
+        "sweep obstacle_ahead -o out --samples -1",
+        "sweep obstacle_ahead -o out --minimise minimum_distance --evaluations 0",
+    ],
+)
+def test_a_number_outside_its_limits_is_wrong_use(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    *_, option, value = words.split()
+    assert call(*words.split()) == 2
+    assert f"argument {option}: {value} is not a whole number from " in capsys.readouterr().err
+
+
 def test_faulty_input_exits_with_1_and_writes_nothing(
     conflict: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

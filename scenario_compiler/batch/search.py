@@ -187,7 +187,7 @@ def find_boundary(
         raise SweepError("a boundary is searched along one parameter")
     search = Search(target, spec, folder, f"boundary of {when} to {tolerance!r}", maps, sink, progress)
     ((name, (low, high)),) = search.ranges.items()
-    if tolerance <= 0 or high - low > tolerance * 2.0**60:
+    if not tolerance > 0 or high - low > tolerance * 2.0**60:
         raise SweepError(f"the tolerance {tolerance:g} is too small for the range")
     search.expected = 2 + math.ceil(math.log2(max((high - low) / tolerance, 1.0)))
     with search.opened(resume=resume):
@@ -240,6 +240,8 @@ def minimise(
 
     if measure not in {one.name for one in MEASURES}:
         raise SweepError(f"there is no measure '{measure}'")
+    if evaluations < 1:
+        raise SweepError(f"a search needs at least one run, not {evaluations}")
     search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps, sink, progress)
     search.expected = evaluations
     names = list(search.ranges)

@@ -69,6 +69,6 @@ class SweepSpec(BaseModel):
             return "", 0
         if kind == "all" and not count:
             return "all", 0
-        if kind in ("worst", "random") and count.isdigit() and int(count) > 0:
+        if kind in ("worst", "random") and re.fullmatch("[0-9]{1,9}", count) and int(count) > 0:
             return kind, int(count)
         raise SweepError(f"traces '{self.traces}': give worst:K, random:K or all")

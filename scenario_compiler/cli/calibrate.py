@@ -7,9 +7,8 @@ import sys
 import time
 from pathlib import Path
 
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, is_filled
+from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_jobs, is_filled, whole_number
 from scenario_compiler.cli.terminal import complain, put
-from scenario_compiler.cli.validate import available_cores
 from scenario_compiler.perception.detectors import DETECTORS, create_detector
 from scenario_compiler.resources import maps_folder
 
@@ -42,21 +41,16 @@ def add(commands: Commands) -> None:
         help="evaluate this map with a confidence fitted on all other maps; the tables then have such maps only",
     )
     parser.add_argument("--fit", action="store_true", help="fit the confidence, and write the fit beside the page")
-    parser.add_argument("--clips", type=_count, default=CLIPS, metavar="N", help="number of clips of each map")
+    count = whole_number(1, 100_000)
+    parser.add_argument("--clips", type=count, default=CLIPS, metavar="N", help="number of clips of each map")
     parser.add_argument(
         "--pictures",
-        type=_count,
+        type=count,
         default=PICTURES,
         metavar="N",
         help="number of pictures of each situation",
     )
-    parser.add_argument(
-        "--jobs",
-        type=int,
-        default=available_cores(),
-        metavar="N",
-        help="number of processes (default: one for each core)",
-    )
+    add_jobs(parser)
     parser.set_defaults(command=calibrate_command)
 
 
@@ -113,10 +107,3 @@ def _road_files(given: list[Path]) -> list[Path]:
 def _shown(done: int, total: int) -> None:
     if done % 50 == 0:
         complain(f"{done} of {total} parts are done")
-
-
-def _count(text: str) -> int:
-    number = int(text)
-    if not 1 <= number <= 100_000:
-        raise argparse.ArgumentTypeError(f"{text} is not a number from 1 to 100000")
-    return number

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -221,6 +222,15 @@ def test_a_road_that_comes_back_to_its_junction_continues(tmp_path: Path, stated
     assert isinstance(found["jump"], float)
     assert found["jump"] < 1.1
     assert export(tmp_path / "exported.xodr")[1] == data
+
+
+def test_a_connection_that_is_added_has_a_free_number(tmp_path: Path) -> None:
+    one = re.sub('<connection id="1".*?</connection>', "", loop("").decode()).replace(
+        'id="0" incoming', 'id="²" incoming'
+    )
+    (tmp_path / "loop.xodr").write_text(one, encoding="utf-8")
+    _, data = export(tmp_path / "loop.xodr")
+    assert re.findall('<connection id="(.*?)"', data.decode()) == ["²", "1"]
 
 
 LANE = """<lane id="{id}" type="driving"><link>{link}</link>
