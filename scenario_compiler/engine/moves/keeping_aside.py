@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.numbers import angle_between, clip, heading_in_circle, safe_sqrt
+from scenario_compiler.engine.columns.numbers import angle_between, clip, safe_sqrt
 from scenario_compiler.engine.columns.program import ENTITY, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ActionRow, ProgramDraft, flags_of, limits_of
 from scenario_compiler.engine.columns.state import State
@@ -25,6 +25,7 @@ from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
 from scenario_compiler.engine.moves.keeping_distance import limit_or, within_jerk
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import wrap_heading
 from scenario_compiler.roads.lanes import lane_centre
 from scenario_compiler.roads.tables import RoadTables
 
@@ -131,7 +132,7 @@ def steer_aside(p: Program, st: State, k: int, error: float, dt: float) -> None:
     most = limit_or(p, k, slot.A_ACCELERATION, p.const[p.entity_const[i] + slot.E_MAX_ACCELERATION])
     speed = st.v[i] * sin(angle_between(st.h[i], st.h[j])) - drift(st, j)
     turn = spring_acceleration(error, speed, most, most, most) * dt / st.v[i]
-    st.h[i] = heading_in_circle(st.h[i] + turn)
+    st.h[i] = wrap_heading(st.h[i] + turn)
 
 
 @compiled
