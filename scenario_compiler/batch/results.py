@@ -86,7 +86,7 @@ class ResultStore:
         self._manifest = {"format": FORMAT, **manifest}
 
     def open(self, *, resume: bool) -> None:
-        """Begin, or take up again, the sweep; raises as `check` and `begin` do."""
+        """Begin or continue the sweep; raises as `check` and `begin` do."""
         self.check(resume=resume)
         self.begin()
 
