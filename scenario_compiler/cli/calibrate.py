@@ -8,7 +8,9 @@ import time
 from pathlib import Path
 
 from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_jobs, is_filled, whole_number
-from scenario_compiler.cli.terminal import complain, put
+from scenario_compiler.cli.terminal import complain, put, put_raw
+from scenario_compiler.diagnostic_formats import formatted
+from scenario_compiler.diagnostics import CompileError
 from scenario_compiler.perception.detectors import DETECTORS, create_detector
 from scenario_compiler.resources import maps_folder
 
@@ -66,7 +68,11 @@ def calibrate_command(options: argparse.Namespace) -> int:
     maps = _road_files(options.maps)
     began = time.monotonic()
     progress = _shown if sys.stderr.isatty() else None
-    gathered = gather(options.detector, maps, options.clips, options.pictures, options.jobs, progress)
+    try:
+        gathered = gather(options.detector, maps, options.clips, options.pictures, options.jobs, progress)
+    except CompileError as error:
+        put_raw(formatted(error.diagnostics, "text"), sys.stderr)
+        return AT_FAULT
     missing = sorted(set(options.leave_out) - set(gathered.maps))
     if missing or not gathered.maps:
         complain(f"there is no driving lane in {', '.join(missing) or 'any map'}")
