@@ -13,6 +13,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
+from tests.command import call
 from tests.live.serving import Served, seated, served
 from tests.live.test_drive import OPEN
 from tests.test_cli import CONFLICT
@@ -194,6 +195,14 @@ def test_a_second_page_watches(own: Served) -> None:
             assert json.loads(other.recv(timeout=30)) == {"role": "viewer"}
             other.send('{"kind": "start"}')
             assert closes(other)
+
+
+def test_an_address_that_cannot_be_served_is_named(
+    own: Served, conflict: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    port = own.host.rpartition(":")[2]
+    assert call("drive", conflict, "--perception", "ideal", "--port", port) == 2
+    assert f"127.0.0.1:{port}: cannot be served: Address already in use" in capsys.readouterr().err
 
 
 def test_an_interrupted_server_ends_in_one_line(conflict: Path) -> None:
