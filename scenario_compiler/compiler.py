@@ -42,12 +42,12 @@ from scenario_compiler.vocabulary.driver import DriverModel, Person
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.sensors import Perception
-from scenario_compiler.vocabulary.takeover import Message, Takeover
+from scenario_compiler.vocabulary.takeover import Message
 from scenario_compiler.vocabulary.variation import Vary
+from scenario_compiler.vocabulary.weather import is_clear
 
 if TYPE_CHECKING:
     from scenario_compiler.source.study import Condition, Foil, Practice, SetParameter, StudyElement, StudyScenario
-from scenario_compiler.vocabulary.weather import is_clear
 
 
 @dataclass(frozen=True)
@@ -108,14 +108,15 @@ class Overrides:
         if self.controller is not None and ego is not None and (own is None or own.model != self.controller):
             named = Controller(model=self.controller).written_at(FilePlace("--controller"))
             changes["ego"] = ego.model_copy(update={"controller": named})
-        if self.driven_by is not None and isinstance(scenario.takeover.driver, DriverModel):
+        of_takeover: dict[str, object] = {}
+        driver = scenario.takeover.driver
+        if self.driven_by is not None and isinstance(driver, DriverModel):
             person = Person() if self.driven_by == "person" else None
-            driver = scenario.takeover.driver.model_copy(update={"by_person": person})
-            changes["takeover"] = scenario.takeover.model_copy(update={"driver": driver})
+            of_takeover["driver"] = driver.model_copy(update={"by_person": person})
         if self.messages is not None:
-            takeover = changes.get("takeover", scenario.takeover)
-            assert isinstance(takeover, Takeover)
-            changes["takeover"] = takeover.model_copy(update={"messages": self.messages})
+            of_takeover["messages"] = self.messages
+        if of_takeover:
+            changes["takeover"] = scenario.takeover.model_copy(update=of_takeover)
         return scenario.model_copy(update=changes)
 
 

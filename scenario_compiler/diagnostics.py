@@ -324,6 +324,10 @@ class CompileError(Exception):
         self.diagnostics = diagnostics
         super().__init__("\n".join(as_text(d) for d in diagnostics if d.severity is Severity.ERROR))
 
+    def __reduce__(self) -> tuple[type[CompileError], tuple[Diagnostics]]:
+        """Pickle with the diagnostics: a pool of processes never ends if it cannot unpickle an exception."""
+        return CompileError, (self.diagnostics,)
+
 
 MOST_COMPARED = 200
 """Greatest number of names with which a word is compared; if there are more, those with the same beginning."""

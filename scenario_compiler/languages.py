@@ -18,7 +18,7 @@ from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.openscenario.held import OpenScenario, parameter_kinds
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.aisa_file import AisaConfig, read_aisa
-from scenario_compiler.source.catalogs import CatalogElement, Catalogs, load_catalogs, read_catalog
+from scenario_compiler.source.catalogs import CatalogElement, load_catalogs, read_catalog
 from scenario_compiler.source.conflict import Library, LibraryElement, read_library
 from scenario_compiler.source.declared import Declaration, declared_in
 from scenario_compiler.source.expansion import around, catalog_driver, check_template, expand_scenario
@@ -93,7 +93,6 @@ def expand(
     name: str | None,
     arguments: Mapping[str, str],
     sink: Diagnostics,
-    catalogs: Catalogs | None = None,
 ) -> Scenario | None:
     """Return one expanded scenario of a file; None if too much of it is faulty.
 
@@ -104,7 +103,6 @@ def expand(
         name: Name of the scenario; None for a file's only one.
         arguments: Values of the scenario's parameters, as text in XML units.
         sink: Receives the diagnostics.
-        catalogs: Vehicles and drivers; None means the library's.
 
     Raises:
         ScenarioNameNeededError: The file contains several scenarios and no name is given.
@@ -121,8 +119,8 @@ def expand(
     if isinstance(source, OpenScenario):
         from scenario_compiler.openscenario.expansion import expand_openscenario
 
-        return _with_driver(expand_openscenario(source, chosen, arguments, sink), catalogs, sink)
-    catalogs = catalogs or load_catalogs(library_folder() / "catalogs", sink)
+        return _with_driver(expand_openscenario(source, chosen, arguments, sink), sink)
+    catalogs = load_catalogs(library_folder() / "catalogs", sink)
     if isinstance(source, AisaConfig):
         from scenario_compiler.source.aisa import expand_aisa
 
@@ -130,12 +128,12 @@ def expand(
     return expand_scenario(source.scenarios[chosen], arguments, sink, around(source, catalogs))
 
 
-def _with_driver(scenario: Scenario, catalogs: Catalogs | None, sink: Diagnostics) -> Scenario:
+def _with_driver(scenario: Scenario, sink: Diagnostics) -> Scenario:
     """Return a scenario with the model of its driver, or of the default driver, if it has an automated vehicle."""
     driver = scenario.takeover.driver
     if scenario.ego is None or not isinstance(driver, Driver):
         return scenario
-    catalogs = catalogs or load_catalogs(library_folder() / "catalogs", sink)
+    catalogs = load_catalogs(library_folder() / "catalogs", sink)
     takeover = scenario.takeover.model_copy(update={"driver": catalog_driver(driver, catalogs, sink)})
     return scenario.model_copy(update={"takeover": takeover})
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from hashlib import blake2b
-from math import cos, log, sqrt
+from math import cos, log, sqrt, tau
 from typing import TYPE_CHECKING
 
 from scenario_compiler.marker import compiled
@@ -72,4 +72,4 @@ def random_normal(seed: int, stream: int, entity: int, step: int) -> float:
     """Return a standard normal number for one draw during a run (Box and Muller 1958), from two `random_unit`."""
     first = random_unit(seed, stream, entity, 2 * step)
     second = random_unit(seed, stream, entity, 2 * step + 1)
-    return sqrt(max(-2.0 * log(max(first, 1.0e-12)), 0.0)) * cos(6.283185307179586 * second)
+    return sqrt(max(-2.0 * log(max(first, 1.0e-12)), 0.0)) * cos(tau * second)

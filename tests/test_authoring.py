@@ -80,8 +80,10 @@ def test_a_listed_conflict_can_be_run_by_its_target() -> None:
 
 
 def test_an_unreadable_file_is_reported_and_skipped(tmp_path: Path) -> None:
-    (tmp_path / "a.xml").write_text("<scenarios")
-    (tmp_path / "b.xml").write_text('<scenarios version="1"><template name="mine" summary="Mine"/></scenarios>')
+    (tmp_path / "a.xml").write_text("<scenarios", encoding="utf-8")
+    (tmp_path / "b.xml").write_text(
+        '<scenarios version="1"><template name="mine" summary="Mine"/></scenarios>', encoding="utf-8"
+    )
     sink = Diagnostics()
     assert [row.name for row in list_library(tmp_path, sink)] == ["mine"]
     assert [one.code.id for one in sink] == ["SC102"]
@@ -91,7 +93,8 @@ def test_openscenario_is_listed_with_what_it_varies(tmp_path: Path) -> None:
     road = '<RoadNetwork><LogicFile filepath="../maps/bends.xodr"/></RoadNetwork>'
     (tmp_path / "it.xosc").write_text(
         '<OpenSCENARIO><FileHeader revMajor="1" revMinor="2" date="2026-01-01T00:00:00" description="It" author="Us"/>'
-        f"{road}<Entities/><Storyboard/></OpenSCENARIO>"
+        f"{road}<Entities/><Storyboard/></OpenSCENARIO>",
+        encoding="utf-8",
     )
     single = (
         '<DeterministicSingleParameterDistribution parameterName="{}">{}</DeterministicSingleParameterDistribution>'
@@ -101,7 +104,8 @@ def test_openscenario_is_listed_with_what_it_varies(tmp_path: Path) -> None:
     (tmp_path / "values.xosc").write_text(
         '<OpenSCENARIO><FileHeader revMajor="1" revMinor="2" date="2026-01-01T00:00:00" description="" author=""/>'
         '<ParameterValueDistribution><ScenarioFile filepath="it.xosc"/>'
-        f"<Deterministic>{listed}{car}</Deterministic></ParameterValueDistribution></OpenSCENARIO>"
+        f"<Deterministic>{listed}{car}</Deterministic></ParameterValueDistribution></OpenSCENARIO>",
+        encoding="utf-8",
     )
     sink = Diagnostics()
     plain, values = list_library(tmp_path, sink)
@@ -114,7 +118,8 @@ def test_openscenario_is_listed_with_what_it_varies(tmp_path: Path) -> None:
 def test_a_conflict_is_listed_with_what_it_varies(tmp_path: Path) -> None:
     (tmp_path / "it.xml").write_text(
         '<scenarios version="1"><scenario name="it" map="town_grid"><parameter name="gap" type="time" default="2"/>'
-        '<vary><uniform parameter="gap" least="1" greatest="3"/></vary></scenario></scenarios>'
+        '<vary><uniform parameter="gap" least="1" greatest="3"/></vary></scenario></scenarios>',
+        encoding="utf-8",
     )
     (row,) = list_library(tmp_path, Diagnostics())
     assert row.varied == (("gap", "uniform(1, 3)"),)

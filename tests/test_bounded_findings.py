@@ -78,7 +78,7 @@ def test_a_message_that_repeats_a_long_text_is_cut() -> None:
 )
 def test_a_file_with_many_faults_gives_a_short_output(tmp_path: Path, name: str, text: str) -> None:
     file = tmp_path / name
-    file.write_text(text.format('<raod a="1"/>\n' * 20_000))
+    file.write_text(text.format('<raod a="1"/>\n' * 20_000), encoding="utf-8")
     sink = Diagnostics()
     validate_file(file, sink)
     found = list(sink)

@@ -61,6 +61,14 @@ def test_confident_and_wrong_boundaries_are_counted() -> None:
     assert found.outputs[0].area == pytest.approx(0.5 + 0.5 / 3.0)
 
 
+def test_a_file_that_is_not_a_map_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "no.xodr").write_text("<OpenDRIVE", encoding="utf-8")
+    arguments = [str(tmp_path / "no.xodr"), "-o", str(tmp_path / "out"), "--clips", "1", "--pictures", "1"]
+    assert main(["calibrate", *arguments, "--jobs", "1"]) == 1
+    assert "no.xodr:1:11: error[SC102]: not well-formed XML" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.slow
 def test_the_page_of_a_map(tmp_path: Path) -> None:
     road = find_map("highway_loop")

@@ -33,7 +33,7 @@ RUN_FOLDER = ["events.csv", "map.xodr", "outcome.json", "plan.json", "recording.
 @pytest.fixture
 def conflict(tmp_path: Path) -> Path:
     file = tmp_path / "mine.xml"
-    file.write_text(CONFLICT)
+    file.write_text(CONFLICT, encoding="utf-8")
     return file
 
 
@@ -51,7 +51,7 @@ def test_run_without_a_folder_writes_nothing(conflict: Path, tmp_path: Path, mon
 def test_run_keeps_a_folder_that_is_not_empty(conflict: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out"
     folder.mkdir()
-    (folder / "notes.txt").write_text("mine")
+    (folder / "notes.txt").write_text("mine", encoding="utf-8")
     assert call("run", conflict, "--perception", "ideal", "-o", folder) == 2
     assert [path.name for path in folder.iterdir()] == ["notes.txt"]
     assert call("run", conflict, "--perception", "ideal", "-o", folder, "--force") == 0
@@ -67,7 +67,7 @@ def test_a_plan_runs_as_its_scenario_does(conflict: Path, tmp_path: Path) -> Non
 
 def test_trajectory_has_the_contracts_columns_and_rows(conflict: Path, tmp_path: Path) -> None:
     call("run", conflict, "--perception", "ideal", "--trajectory", tmp_path / "out.csv", "--dt", "0.1")
-    rows = list(csv.DictReader((tmp_path / "out.csv").read_text().splitlines()))
+    rows = list(csv.DictReader((tmp_path / "out.csv").read_text(encoding="utf-8").splitlines()))
     assert list(rows[0]) == ["t", "name", "x", "y", "h", "v", "road", "lane", "s", "off"]
     assert [row["t"] for row in rows[:2]] == ["0", "0.1"]
     assert float(rows[-1]["t"]) >= 2.0 - 1e-6
@@ -85,7 +85,7 @@ def test_a_report_is_written_again_from_its_folder(conflict: Path, tmp_path: Pat
 
 def test_several_scenarios_need_a_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "two.xml"
-    file.write_text(TWO)
+    file.write_text(TWO, encoding="utf-8")
     assert call("run", file, "--perception", "ideal") == 2
     assert "fade, other" in capsys.readouterr().err
     assert call("run", f"{file}#other", "--perception", "ideal") == 0
@@ -113,10 +113,32 @@ def test_wrong_use_exits_with_2(
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "calibrate -o out --jobs 0",
+        "library . --jobs -3",
+        "validate . --jobs none",
+        "drive obstacle_ahead --port 65536",
+        "serve-carla --port 65535",
+        "run obstacle_ahead --world carla --carla-port 0",
+        "sweep obstacle_ahead -o out --workers 0",
+        "sweep obstacle_ahead -o out --samples -1",
+        "sweep obstacle_ahead -o out --minimise minimum_distance --evaluations 0",
+    ],
+)
+def test_a_number_outside_its_limits_is_wrong_use(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    *_, option, value = words.split()
+    assert call(*words.split()) == 2
+    assert f"argument {option}: {value} is not a whole number from " in capsys.readouterr().err
+
+
 def test_faulty_input_exits_with_1_and_writes_nothing(
     conflict: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    conflict.write_text(CONFLICT.replace("highway_loop", "highway_lop").replace("<no_collision/>", "<no_colision/>"))
+    conflict.write_text(
+        CONFLICT.replace("highway_loop", "highway_lop").replace("<no_collision/>", "<no_colision/>"), encoding="utf-8"
+    )
     assert call("run", conflict, "-o", tmp_path / "out") == 1
     said = capsys.readouterr().err
     assert "mine.xml:2:" in said
@@ -129,7 +151,8 @@ def test_a_criterion_that_fails_exits_with_3_when_strict(conflict: Path) -> None
     conflict.write_text(
         CONFLICT.replace("<no_collision/></criteria>", "<reach_destination/></criteria>").replace(
             "</ego>", '<destination><lane road="1" lane="-2" s="900"/></destination></ego>'
-        )
+        ),
+        encoding="utf-8",
     )
     assert call("run", conflict, "--perception", "ideal") == 0
     assert call("run", conflict, "--perception", "ideal", "--strict") == 3
@@ -137,7 +160,7 @@ def test_a_criterion_that_fails_exits_with_3_when_strict(conflict: Path) -> None
 
 @pytest.mark.parametrize("form", ["json", "sarif", "github"])
 def test_diagnostics_for_programs_go_to_stdout(conflict: Path, capsys: pytest.CaptureFixture[str], form: str) -> None:
-    conflict.write_text(CONFLICT.replace("$speed", "$sped"))
+    conflict.write_text(CONFLICT.replace("$speed", "$sped"), encoding="utf-8")
     assert call("validate", conflict, "--format", form) == 1
     out = capsys.readouterr().out
     if form == "github":
@@ -174,7 +197,7 @@ def test_stdout_is_one_document_for_programs_and_people_read_stderr(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: str, told: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("it.xml").write_text(CONFLICT)
+    Path("it.xml").write_text(CONFLICT, encoding="utf-8")
     if command == "report out":
         call("run", "it.xml", "--perception", "ideal", "-o", "out")
         capsys.readouterr()
@@ -200,7 +223,7 @@ def test_a_conflict_is_as_valid_after_an_export_beside_it(
 
 
 def test_warnings_can_be_allowed_or_made_errors(conflict: Path) -> None:
-    conflict.write_text(CONFLICT.replace(' duration="2"', ""))
+    conflict.write_text(CONFLICT.replace(' duration="2"', ""), encoding="utf-8")
     assert call("validate", conflict) == 0
     assert call("validate", conflict, "--strict") == 1
     assert call("validate", conflict, "--error", "SC601") == 1
@@ -297,15 +320,18 @@ def test_run_says_which_criterion_is_broken_when_and_where(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("it.xml").write_text("""<scenarios version="1"><scenario name="it" map="town_grid" duration="4">
+    Path("it.xml").write_text(
+        """<scenarios version="1"><scenario name="it" map="town_grid" duration="4">
       <ego speed="12"><start><lane road="1" lane="-1" s="20"/></start></ego>
       <static id="parked"><at><ahead_of entity="ego" distance="12"/></at></static>
       <takeover><driver preset="absent"/></takeover>
       <criteria><no_collision/><stay_on_road/><minimum_time_to_collision at_least="1"/></criteria>
-    </scenario></scenarios>""")
+    </scenario></scenarios>""",
+        encoding="utf-8",
+    )
     assert call("run", "it.xml", "--perception", "ideal", "-o", "out") == 0
     lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("broken: ")]
-    outcome = json.loads(Path("out/outcome.json").read_text())
+    outcome = json.loads(Path("out/outcome.json").read_text(encoding="utf-8"))
     broken = {one["criterion"]: one for one in outcome["criteria"] if not one["passed"]}
     assert list(broken) == ["no_collision", "minimum_time_to_collision"]
     for line, (name, one) in zip(lines, broken.items(), strict=True):

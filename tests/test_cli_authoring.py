@@ -69,7 +69,7 @@ def test_invalid_names_and_templates_of_a_new_conflict_are_reported(
 
 def test_an_empty_name_is_not_suggested(capsys: pytest.CaptureFixture[str]) -> None:
     Path("it.xml").write_text(
-        '<scenarios version="1"><scenario name="" map="a"/><scenario name="b" map="a"/></scenarios>'
+        '<scenarios version="1"><scenario name="" map="a"/><scenario name="b" map="a"/></scenarios>', encoding="utf-8"
     )
     assert call("run", "it.xml") == 2
     assert capsys.readouterr().err.rstrip().endswith("name one as FILE#name: b")
@@ -81,9 +81,9 @@ def test_brackets_are_printed_only_with_a_hint(capsys: pytest.CaptureFixture[str
 
 
 def test_a_new_conflict_does_not_overwrite() -> None:
-    Path("mine.xml").write_text("keep me")
+    Path("mine.xml").write_text("keep me", encoding="utf-8")
     assert call("new", "mine", "--from", "blocked_lane") == 2
-    assert Path("mine.xml").read_text() == "keep me"
+    assert Path("mine.xml").read_text(encoding="utf-8") == "keep me"
 
 
 @pytest.mark.parametrize(("file", "head"), [("plan.png", b"\x89PNG"), ("plan.svg", b"<?xml")])
@@ -146,7 +146,7 @@ SWEEP = ("sweep", "it.xml", "--perception", "ideal", "--vary", "speed=uniform(9,
 def test_a_sweep_gives_findings_the_chosen_severities(
     capsys: pytest.CaptureFixture[str], allowed: str, options: list[str], code: int, said: str
 ) -> None:
-    Path("it.xml").write_text(ENDLESS.format(allowed))
+    Path("it.xml").write_text(ENDLESS.format(allowed), encoding="utf-8")
     assert call(*SWEEP, "-o", "sweep", *options) == code
     err = capsys.readouterr().err
     assert said in err

@@ -17,7 +17,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a run, the same again, a faster one, and a longer one."""
     folder = tmp_path_factory.mktemp("runs")
     file = folder / "it.xml"
-    file.write_text(CONFLICT)
+    file.write_text(CONFLICT, encoding="utf-8")
     for name, *options in (
         ("one",),
         ("again", "--trajectory", folder / "again.csv"),
@@ -72,8 +72,8 @@ def test_recordings_and_trajectories_are_runs_too(runs: Path) -> None:
 def test_a_path_that_is_not_a_run_is_wrong_use(runs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bad = tmp_path / "bad"
     shutil.copytree(runs / "one", bad)
-    (bad / "outcome.json").write_text("{")
-    (tmp_path / "it.csv").write_text("a,b\n1,2\n")
+    (bad / "outcome.json").write_text("{", encoding="utf-8")
+    (tmp_path / "it.csv").write_text("a,b\n1,2\n", encoding="utf-8")
     for other in (tmp_path / "nowhere", tmp_path, runs / "it.xml", bad, tmp_path / "it.csv", tmp_path / "no.csv"):
         assert call("compare", runs / "one", other) == 2
         assert str(other) in capsys.readouterr().err

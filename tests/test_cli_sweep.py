@@ -66,7 +66,7 @@ SCENARIO = """\
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder to work in, with a scenario that has a parameter of each kind."""
     monkeypatch.chdir(tmp_path)
-    Path("it.xml").write_text(CONFLICT.format(""))
+    Path("it.xml").write_text(CONFLICT.format(""), encoding="utf-8")
     return tmp_path
 
 
@@ -143,15 +143,17 @@ def test_distributions_that_fit_the_type_are_run(vary: str) -> None:
 
 
 def test_a_faulty_variation_in_the_scenario_is_reported_there(capsys: pytest.CaptureFixture[str]) -> None:
-    Path("it.xml").write_text(CONFLICT.format('<vary><uniform parameter="number" least="1" greatest="5"/></vary>'))
+    Path("it.xml").write_text(
+        CONFLICT.format('<vary><uniform parameter="number" least="1" greatest="5"/></vary>'), encoding="utf-8"
+    )
     assert sweep() == 1
     assert "error[SC250]" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("name", "refused"), [("Number", True), ("Name", True), ("Speed", False)])
 def test_values_of_openscenario_are_checked_too(name: str, refused: bool, capsys: pytest.CaptureFixture[str]) -> None:
-    Path("varied.xosc").write_text(SCENARIO)
-    Path("values.xosc").write_text(VALUES.format(name))
+    Path("varied.xosc").write_text(SCENARIO, encoding="utf-8")
+    Path("values.xosc").write_text(VALUES.format(name), encoding="utf-8")
     sweep("--duration", "0.5", target="values.xosc")
     assert (f"'{name}' is of the type " in capsys.readouterr().err) == refused
 
@@ -181,7 +183,8 @@ def test_the_summary_agrees_with_the_table(capsys: pytest.CaptureFixture[str]) -
             "</scenario>",
             """
       <criteria><minimum_time_to_collision at_least="10"/></criteria></scenario>""",
-        )
+        ),
+        encoding="utf-8",
     )
     assert sweep("--vary", "speed=values(5, 20, 25, 60)", "--where", "speed > 1", "--samples", 2) == 0
     rows, _ = read_results(Path("out"))
@@ -194,7 +197,7 @@ def test_the_summary_agrees_with_the_table(capsys: pytest.CaptureFixture[str]) -
 
 @pytest.mark.parametrize("target", ["it.xml", "varied.xosc"])
 def test_requests_are_counted_for_automated_vehicles_only(target: str, capsys: pytest.CaptureFixture[str]) -> None:
-    Path("varied.xosc").write_text(SCENARIO)
+    Path("varied.xosc").write_text(SCENARIO, encoding="utf-8")
     name = "speed" if target == "it.xml" else "Speed"
     assert sweep("--vary", f"{name}=values(5, 6)", "--duration", "0.2", target=target) == 0
     assert ("without a request" in capsys.readouterr().out) == (target == "it.xml")
@@ -208,24 +211,26 @@ def test_every_draw_and_point_is_run_with_the_given_number_of_seeds() -> None:
     assert rows["parameter.number"][::2] == rows["parameter.number"][1::2]
 
 
-def test_a_repeat_s_command_runs_it_again(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_repeat_s_command_runs_it_again() -> None:
     assert sweep("--vary", "speed=values(5, 20)", "--repeat", 3, "--seed", 7, "--traces", "all") == 0
     folders = sorted(Path("out/traces").iterdir())
     assert len(folders) == 6
-    headers = [json.loads((folder / "outcome.json").read_text()) for folder in folders]
+    headers = [json.loads((folder / "outcome.json").read_text(encoding="utf-8")) for folder in folders]
     assert [(one["seed"], one["variant"]) for one in headers] == [(7 + k % 3, k) for k in range(6)]
     assert (
         call("run", "it.xml", "--perception", "ideal", "--set", "speed=20", "--seed", 9, "--variant", 5, "-o", "5") == 0
     )
-    again = json.loads(Path("5/outcome.json").read_text())
+    again = json.loads(Path("5/outcome.json").read_text(encoding="utf-8"))
     assert again["trajectory_hash"] == headers[5]["trajectory_hash"]
 
 
 def test_the_codebook_has_every_column_of_the_table() -> None:
-    Path("it.xml").write_text(CONFLICT.format("").replace('max="30"', 'max="30" summary="How fast it begins."'))
+    Path("it.xml").write_text(
+        CONFLICT.format("").replace('max="30"', 'max="30" summary="How fast it begins."'), encoding="utf-8"
+    )
     assert sweep("--vary", "speed=uniform(5, 20)", "--vary", "busy=choice(true, false)", "--samples", 3) == 0
     rows, about = read_results(Path("out"))
-    with Path("out/codebook.csv").open(newline="") as file:
+    with Path("out/codebook.csv").open(encoding="utf-8", newline="") as file:
         book = {row.pop("column"): row for row in csv.DictReader(file) if row["table"] == "results.parquet"}
     assert list(book) == list(rows)
     assert all(one["definition"].endswith(".") for one in book.values())

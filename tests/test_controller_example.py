@@ -69,7 +69,11 @@ def test_a_missing_network_is_a_finding_with_the_controllers_line(example: Path,
     (example / "lane_ahead.onnx").unlink()
     scenario, line = str(example / "keep_lane.xml"), "np.fromfile"
     done = called("run", scenario, "--trust", str(example / "steering.py"), "--duration", "0.2")
-    number = next(k for k, text in enumerate((example / "steering.py").read_text().splitlines(), 1) if line in text)
+    number = next(
+        k
+        for k, text in enumerate((example / "steering.py").read_text(encoding="utf-8").splitlines(), 1)
+        if line in text
+    )
     assert done.code == 1
     assert f"steering.py:{number}" in done.err
     assert "error[SC521]" in done.err

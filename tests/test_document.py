@@ -126,7 +126,7 @@ def test_unreadable_paths(tmp_path: Path, name: str) -> None:
 
 
 def test_a_missing_file_is_compared_with_its_neighbours(tmp_path: Path) -> None:
-    (tmp_path / "conflict.xml").write_text("<a/>")
+    (tmp_path / "conflict.xml").write_text("<a/>", encoding="utf-8")
     sink = Diagnostics()
     read_document(tmp_path / "conflcit.xml", sink)
     assert [one.hint for one in sink] == ["did you mean 'conflict.xml'?"]
@@ -144,7 +144,7 @@ def test_a_file_that_is_there_is_not_offered_for_itself(tmp_path: Path) -> None:
 
 
 def test_a_documents_folder_is_where_relative_paths_start(tmp_path: Path) -> None:
-    (tmp_path / "a.xml").write_text("<a/>")
+    (tmp_path / "a.xml").write_text("<a/>", encoding="utf-8")
     document = read_document(tmp_path / "a.xml", Diagnostics())
     assert document is not None
     assert document.folder == tmp_path

@@ -385,7 +385,7 @@ def test_a_stop_of_the_driver_is_a_standstill_of_its_own(tmp_path: Path) -> None
 def test_times_are_written_without_the_rounding_of_the_steps(tmp_path: Path) -> None:
     recording, outcome = played(compiled(tmp_path, camera=FAILS, duration=4))
     write_events(recording.events, tmp_path / "events.csv")
-    written = [line.split(",")[0] for line in (tmp_path / "events.csv").read_text().splitlines()[1:]]
+    written = [line.split(",")[0] for line in (tmp_path / "events.csv").read_text(encoding="utf-8").splitlines()[1:]]
     assert written
     assert max(map(len, written)) <= 4
     assert max(len(repr(interval.end)) for interval in outcome.timeline) <= 4

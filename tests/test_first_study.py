@@ -42,7 +42,7 @@ def test_the_tutorials_commands_do_what_it_says(folder: Path, capsys: pytest.Cap
     assert "2 files checked, 0 errors" in printed.out
     assert "sub-08 ses-01: practice conflicts.xml#blocked, " in printed.out
     assert "48 runs: pilot.csv" in printed.out
-    page = (folder / "pilot" / "expected.html").read_text()
+    page = (folder / "pilot" / "expected.html").read_text(encoding="utf-8")
     assert "why − what" in page
     for file in ("study.xml", "effort.xml"):
         etree.XMLSchema(etree.parse(schema_file("study.xsd"))).assertValid(etree.parse(folder / file))

@@ -123,7 +123,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
     compileall.compile_dir(str(Path(scenario_compiler.__file__).parent), quiet=1)  # writing byte code would be events
     folder = tmp_path_factory.mktemp("run")
-    (folder / "mine.xml").write_text(CONFLICT)
+    (folder / "mine.xml").write_text(CONFLICT, encoding="utf-8")
     assert call("run", folder / "mine.xml", "--perception", "ideal", "-o", folder / "made") == 0
     return folder / "made"
 
@@ -131,11 +131,11 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def place(tmp_path: Path, made: Path) -> Path:
     """A folder with what the commands read."""
-    (tmp_path / "mine.xml").write_text(CONFLICT)
-    (tmp_path / "aisa.xml").write_text(AISA)
+    (tmp_path / "mine.xml").write_text(CONFLICT, encoding="utf-8")
+    (tmp_path / "aisa.xml").write_text(AISA, encoding="utf-8")
     (tmp_path / "many").mkdir()
     for number in range(40):
-        (tmp_path / "many" / f"{number}.xml").write_text(CONFLICT)
+        (tmp_path / "many" / f"{number}.xml").write_text(CONFLICT, encoding="utf-8")
     (tmp_path / "made").mkdir()
     for file in made.iterdir():
         (tmp_path / "made" / file.name).write_bytes(file.read_bytes())

@@ -75,10 +75,11 @@ KEPT_APART = {
     "runtime": ("languages", "openscenario", "source"),  # a plan that comes from JSON runs without a front end
     "worlds": ("openscenario", "source"),
     "controllers": ("openscenario", "source"),
+    "source": ("engine", "plan", "recording", "roads"),  # a document is expanded without a map
     "report": ("languages", "openscenario", "source", "worlds"),
     "batch": ("worlds",),
 }
-"""Rooms below that a room may not import all the same."""
+"""Rooms below that a room may not import nevertheless."""
 
 HEAVY: dict[str, tuple[str, ...]] = {
     "av": ("report.video",),

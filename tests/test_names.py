@@ -32,7 +32,7 @@ def said(capsys: pytest.CaptureFixture[str], *command: object) -> tuple[int, lis
 def written(folder: Path, **changes: str) -> Path:
     """Write the scenario with some values and return its file."""
     file = folder / "s.xml"
-    file.write_text(SCENARIO.format(**(USUAL | changes)))
+    file.write_text(SCENARIO.format(**(USUAL | changes)), encoding="utf-8")
     return file
 
 
@@ -76,8 +76,8 @@ def test_a_faulty_duration_is_one_finding(tmp_path: Path, capsys: pytest.Capture
 def test_a_path_of_windows_is_written_with_slashes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = written(tmp_path, map="..\\\\maps\\\\town_grid.xodr".replace("\\\\", "\\"))
     assert "did you mean '../maps/town_grid.xodr'?" in said(capsys, "validate", file)[1][0]
-    text = file.read_text().replace("  <scenario", '  <include file="lib\\gone.xml"/>\n  <scenario')
-    file.write_text(text)
+    text = file.read_text(encoding="utf-8").replace("  <scenario", '  <include file="lib\\gone.xml"/>\n  <scenario')
+    file.write_text(text, encoding="utf-8")
     assert next(one for one in said(capsys, "validate", file)[1] if one.startswith("SC220")).endswith(
         "| write lib/gone.xml"
     )
@@ -148,9 +148,9 @@ def test_a_plan_that_uses_an_undeclared_parameter_is_an_error(
 ) -> None:
     plan = tmp_path / "plan.json"
     call("compile", written(tmp_path), "-o", plan)
-    content = json.loads(plan.read_text())
+    content = json.loads(plan.read_text(encoding="utf-8"))
     content["entities"][0]["speed"] = {"expr": "$speeed + $other"}
-    plan.write_text(json.dumps(content))
+    plan.write_text(json.dumps(content), encoding="utf-8")
     capsys.readouterr()
     for command in ("validate", "run"):
         code, found = said(capsys, command, plan)
@@ -165,11 +165,11 @@ def test_a_conflict_of_the_library_is_found_by_its_name(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert call("compile", "sensornoise", "-o", "plan.json") == 0
-    assert json.loads(Path("plan.json").read_text())["name"] == "sensornoise"
+    assert json.loads(Path("plan.json").read_text(encoding="utf-8"))["name"] == "sensornoise"
     assert call("run", "sensornoise", "--perception", "ideal", "--duration", "0.1") == 0
     assert call("compile", "sensornoize", "-o", "plan.json") == 2
     assert "did you mean 'sensornoise'?" in capsys.readouterr().err
-    Path("sensornoise").write_text("<config/>")
+    Path("sensornoise").write_text("<config/>", encoding="utf-8")
     assert call("run", "sensornoise") == 1, "a file of that name comes first"
 
 

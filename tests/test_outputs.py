@@ -34,7 +34,7 @@ AISA = '<config><scenarios><scenario name="it" town="highway_loop"/></scenarios>
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder to work in, with a scenario, a plan and a map."""
     monkeypatch.chdir(tmp_path)
-    Path("mine.xml").write_text(CONFLICT)
+    Path("mine.xml").write_text(CONFLICT, encoding="utf-8")
     road = find_map("highway_loop")
     shutil.copy(road, "road.xodr")
     shutil.copy(road.with_name("map.toml"), "map.toml")
@@ -99,17 +99,17 @@ def test_a_full_disk_leaves_no_half_file(words: tuple[str, ...], capsys: pytest.
 
 
 def test_a_file_that_cannot_be_replaced_stays_unchanged(capsys: pytest.CaptureFixture[str]) -> None:
-    Path("it.json").write_text("old")
+    Path("it.json").write_text("old", encoding="utf-8")
     with full_disk(100):
         assert call("compile", "mine.xml", "-o", "it.json") == 2
     assert told_in_one_line(capsys)
-    assert Path("it.json").read_text() == "old"
+    assert Path("it.json").read_text(encoding="utf-8") == "old"
 
 
 def test_a_conflict_a_conversion_and_a_report_that_cannot_be_written_are_reported_in_one_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    Path("toolkit.xml").write_text(AISA)
+    Path("toolkit.xml").write_text(AISA, encoding="utf-8")
     call(*RUN, "-o", "out")
     Path("out/report.html").unlink()
     capsys.readouterr()
@@ -122,7 +122,7 @@ def test_a_conflict_a_conversion_and_a_report_that_cannot_be_written_are_reporte
 
 
 def test_output_that_cannot_be_printed_is_reported_in_one_line() -> None:
-    with Path("/dev/full").open("w") as full:
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
         done = subprocess.run(
             [sys.executable, "-m", "scenario_compiler", "list"],
             stdout=full,
@@ -154,8 +154,8 @@ OVER: list[tuple[object, ...]] = [
 
 @pytest.mark.parametrize("words", OVER, ids=" ".join)
 def test_no_command_writes_over_what_it_reads(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
-    Path("toolkit.xml").write_text(AISA)
-    Path("on_road.xml").write_text(CONFLICT.replace('"highway_loop"', '"road.xodr"'))
+    Path("toolkit.xml").write_text(AISA, encoding="utf-8")
+    Path("on_road.xml").write_text(CONFLICT.replace('"highway_loop"', '"road.xodr"'), encoding="utf-8")
     before = {path: path.read_bytes() for path in Path().iterdir()}
     assert call(*words) == 2
     assert "would be written over" in told_in_one_line(capsys)
@@ -163,11 +163,11 @@ def test_no_command_writes_over_what_it_reads(words: tuple[str, ...], capsys: py
 
 
 def test_a_link_keeps_pointing_and_a_device_is_written_to() -> None:
-    Path("real.txt").write_text("old")
+    Path("real.txt").write_text("old", encoding="utf-8")
     Path("link.txt").symlink_to("real.txt")
     write_whole("link.txt", "new\n")
     assert Path("link.txt").is_symlink()
-    assert Path("real.txt").read_text() == "new\n"
+    assert Path("real.txt").read_text(encoding="utf-8") == "new\n"
     write_whole("/dev/null", b"gone")
     assert Path("/dev/null").is_char_device()
 

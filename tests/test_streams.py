@@ -26,8 +26,8 @@ def shell(command: str, folder: Path, **environment: str) -> subprocess.Complete
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    (tmp_path / "good.xml").write_text(GOOD)
-    (tmp_path / "bad.xml").write_text(BAD)
+    (tmp_path / "good.xml").write_text(GOOD, encoding="utf-8")
+    (tmp_path / "bad.xml").write_text(BAD, encoding="utf-8")
     return tmp_path
 
 
@@ -73,12 +73,12 @@ def test_output_to_a_closed_stdout_does_not_go_into_a_file(folder: Path) -> None
     """A file that is opened while stdout is closed must not get its number."""
     done = shell(f"{PROGRAM} compile good.xml -o plan.json >&-; {PROGRAM} new fresh --from cut_in >&-", folder)
     assert done.stderr.count(b"Traceback") == 0
-    assert (folder / "fresh.xml").read_text().startswith("<?xml")
+    assert (folder / "fresh.xml").read_text(encoding="utf-8").startswith("<?xml")
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
 def test_characters_that_the_encoding_lacks_are_escaped(folder: Path, encoding: str) -> None:
-    (folder / "straße–🚗.xml").write_text(BAD)
+    (folder / "straße–🚗.xml").write_text(BAD, encoding="utf-8")
     done = shell(f"{PROGRAM} validate *.xml", folder, PYTHONIOENCODING=encoding)
     assert done.returncode == 1
     assert b"Traceback" not in done.stderr
@@ -119,8 +119,8 @@ def test_file_names_are_escaped_in_logs(tmp_path: Path, form: str) -> None:
     folder.mkdir()
     names = [text.replace("/", "_") for name, text in HOSTILE.items() if "nul" not in name]
     for name in names:
-        (folder / f"{name}.xml").write_text(BAD)
-    (folder / "template.xml").write_text(GOOD.replace('"t"', '"&#10;::error::x&#x202e;"'))
+        (folder / f"{name}.xml").write_text(BAD, encoding="utf-8")
+    (folder / "template.xml").write_text(GOOD.replace('"t"', '"&#10;::error::x&#x202e;"'), encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-m", "scenario_compiler", "validate", ".", "--format", form],
         cwd=folder,

@@ -71,9 +71,9 @@ class Silent(Mine):
 
 def written(folder: Path, model: str, properties: str = "", code: str = STEERING) -> Path:
     """Write a scenario that names code, and the code beside it; return the scenario."""
-    (folder / "stranger.py").write_text(code)
+    (folder / "stranger.py").write_text(code, encoding="utf-8")
     file = folder / "named.xml"
-    file.write_text(NAMED.format(model=model, properties=properties))
+    file.write_text(NAMED.format(model=model, properties=properties), encoding="utf-8")
     return file
 
 
@@ -91,7 +91,7 @@ def configure(folder: Path, text: str) -> None:
     """Write the user's configuration file."""
     file = folder / "scenario-compiler" / "config.toml"
     file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(text)
+    file.write_text(text, encoding="utf-8")
 
 
 WATCHED = """
@@ -161,8 +161,10 @@ OPENSCENARIO_EGO = """\
 )
 def test_no_command_imports_what_a_file_names(tmp_path: Path, model: str) -> None:
     file = written(tmp_path, model, code=HOSTILE)
-    text = file.read_text().replace("    <ego", '    <parameter name="gap" type="length" default="1"/>\n    <ego')
-    file.write_text(text)
+    text = file.read_text(encoding="utf-8").replace(
+        "    <ego", '    <parameter name="gap" type="length" default="1"/>\n    <ego'
+    )
+    file.write_text(text, encoding="utf-8")
     codes = {
         f"validate {file}": 0,
         f"compile {file} -o {tmp_path}/plan.json": 0,
@@ -185,9 +187,9 @@ def test_no_command_imports_what_a_file_names(tmp_path: Path, model: str) -> Non
 
 
 def test_an_openscenario_file_cannot_run_code(tmp_path: Path) -> None:
-    (tmp_path / "stranger.py").write_text(HOSTILE)
+    (tmp_path / "stranger.py").write_text(HOSTILE, encoding="utf-8")
     file = tmp_path / "named.xosc"
-    file.write_text(OPENSCENARIO_EGO)
+    file.write_text(OPENSCENARIO_EGO, encoding="utf-8")
     watched(tmp_path, f"validate {file}", f"list {file}", f"run {file} --duration 0.1")
     assert not (tmp_path / "it_ran").exists()
 
@@ -197,7 +199,7 @@ def test_an_exported_conflict_cannot_run_code(tmp_path: Path) -> None:
     out = tmp_path / "out.xosc"
     exported, validated, ran = watched(tmp_path, f"export {file} -o {out}", f"validate {out}", f"run {out}")
     assert exported[0] == 0
-    assert "stranger:Mine" in out.read_text()
+    assert "stranger:Mine" in out.read_text(encoding="utf-8")
     assert (validated[0], "SC507" in validated[1]) == (0, True)
     assert ran[0] == 1
     assert not (tmp_path / "it_ran").exists()
@@ -207,7 +209,7 @@ def test_nothing_is_imported_from_the_current_folder(tmp_path: Path) -> None:
     """`python -m` looks there first, and another author's folder may contain modules of any name."""
     file = written(tmp_path, "lane_detection")
     for name in ("lxml", "pydantic", "numpy", "rich", "tomllib", "difflib", "argparse", "scenario_compiler_data"):
-        (tmp_path / f"{name}.py").write_text(HOSTILE)
+        (tmp_path / f"{name}.py").write_text(HOSTILE, encoding="utf-8")
     command = [sys.executable, "-m", "scenario_compiler", "validate", str(file)]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stdout) == (0, "1 file checked, 0 errors\n"), done.stderr
@@ -218,7 +220,7 @@ def test_a_module_that_the_command_line_names_is_found_in_the_current_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "here").mkdir()
-    (tmp_path / "here" / "elsewhere.py").write_text(STEERING)
+    (tmp_path / "here" / "elsewhere.py").write_text(STEERING, encoding="utf-8")
     monkeypatch.chdir(tmp_path / "here")
     assert call("run", written(tmp_path, "lane_detection"), "--controller", "elsewhere:Mine") == 0
     assert call("run", written(tmp_path, "elsewhere_else:Mine"), "--trust", tmp_path / "named.xml") == 1
@@ -234,7 +236,7 @@ def test_a_plan_cannot_run_code(tmp_path: Path) -> None:
     assert (compiled[0], exported[0]) == (0, 0)
     for left, told in refused:
         assert (left, "SC507" in told) == (1, True), told
-    content = json.loads(plan.read_text())
+    content = json.loads(plan.read_text(encoding="utf-8"))
     assert content["controller"]["model"] == "stranger:Mine"
 
 
@@ -260,7 +262,7 @@ def test_code_that_the_command_line_names_is_found_beside_the_scenario(
 def test_a_controller_of_the_command_line_is_trusted_and_found_beside_the_scenario(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "elsewhere.py").write_text(STEERING)
+    (tmp_path / "elsewhere.py").write_text(STEERING, encoding="utf-8")
     file = written(tmp_path, "lane_detection")
     monkeypatch.chdir("/")
     assert call("run", file, "--controller", "elsewhere:Mine") == 0
@@ -273,7 +275,7 @@ def test_a_trusted_scenario_file_does_not_import_modules_beside_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = written(tmp_path, "stranger_beside:Mine")
-    (tmp_path / "stranger_beside.py").write_text(STEERING)
+    (tmp_path / "stranger_beside.py").write_text(STEERING, encoding="utf-8")
     assert call("run", file, "--trust", file) == 1
     assert "SC503" in capsys.readouterr().err
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -296,7 +298,7 @@ def test_the_users_configuration_trusts_permanently(tmp_path: Path, no_configura
 
 def test_a_configuration_beside_the_scenario_is_ignored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = written(tmp_path, "stranger.py:Mine", code=HOSTILE)
-    (tmp_path / "config.toml").write_text('trust = ["stranger.py"]')
+    (tmp_path / "config.toml").write_text('trust = ["stranger.py"]', encoding="utf-8")
     configure(tmp_path, f'trust = ["{tmp_path}/stranger.py"]')
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CONFIG_HOME", ".")
@@ -319,7 +321,10 @@ def test_a_configuration_that_cannot_be_read_is_reported(
 def test_a_sweep_runs_trusted_code_in_its_processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = written(tmp_path, "stranger.py:Mine")
     file.write_text(
-        file.read_text().replace("    <ego", '    <parameter name="v" type="speed" default="5"/>\n    <ego')
+        file.read_text(encoding="utf-8").replace(
+            "    <ego", '    <parameter name="v" type="speed" default="5"/>\n    <ego'
+        ),
+        encoding="utf-8",
     )
     monkeypatch.chdir("/")
     command = ("sweep", file, "--vary", "v=values(5,6)", "--no-report", "--workers", "1", "--duration", "0.2")
@@ -362,7 +367,7 @@ def test_a_path_in_a_property_starts_from_the_scenarios_folder(
     assert found["message"].startswith(f"controller 'stranger.py:Mine', stranger.py:{line}: FileNotFoundError")
     assert str(tmp_path / "models" / "net.onnx") in found["message"]
     (tmp_path / "models").mkdir()
-    (tmp_path / "models" / "net.onnx").write_text("weights")
+    (tmp_path / "models" / "net.onnx").write_text("weights", encoding="utf-8")
     assert call("run", file, "--trust", file) == 0
 
 
@@ -385,7 +390,7 @@ def test_a_controller_that_fails_in_a_run_ends_it_and_keeps_the_recording(
     assert found["message"].startswith(f"controller 'stranger.py:{name}', stranger.py:")
     assert said in found["message"]
     assert "broke off" in err
-    outcome = json.loads((tmp_path / "out" / "outcome.json").read_text())
+    outcome = json.loads((tmp_path / "out" / "outcome.json").read_text(encoding="utf-8"))
     assert (outcome["result"], outcome["stop_reason"]) == ("error", "controller_failed")
     if name == "Failing":
         assert outcome["duration"] == pytest.approx(0.15)
@@ -424,10 +429,10 @@ class Deaf:
 
 def with_detector(folder: Path, name: str) -> Path:
     """Write a scenario that names an unknown author's detector, and its code; return the scenario."""
-    (folder / "stranger.py").write_text(LANES)
+    (folder / "stranger.py").write_text(LANES, encoding="utf-8")
     file = folder / "named.xml"
     text = NAMED.format(model="lane_detection", properties=f'<detector model="{name}"/>')
-    file.write_text(text)
+    file.write_text(text, encoding="utf-8")
     return file
 
 

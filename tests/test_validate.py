@@ -161,9 +161,12 @@ def test_a_fault_in_a_file_that_another_names_is_reported_once(tmp_path: Path) -
     study, asked = tmp_path / "study.xml", tmp_path / "effort.xml"
     study.write_text(
         '<study version="1" name="one" participants="1"><scenario name="a" target="obstacle_ahead"/>'
-        '<after_each><ask file="effort.xml"/></after_each></study>'
+        '<after_each><ask file="effort.xml"/></after_each></study>',
+        encoding="utf-8",
     )
-    asked.write_text('<questionnaire version="1" name="effort"><text_item name="more"/></questionnaire>')
+    asked.write_text(
+        '<questionnaire version="1" name="effort"><text_item name="more"/></questionnaire>', encoding="utf-8"
+    )
     done = _run("-m", "scenario_compiler", "validate", str(study), str(asked))
     assert done.stderr.count("SC107") == 1
     assert done.stdout == "2 files checked, 1 error, 1 file at fault\n"

@@ -104,7 +104,7 @@ def test_an_entity_without_a_start_moves_straight_on_beside_the_roads(tmp_path: 
     assert recording.x[-1, 0] == pytest.approx(8.0)
     assert set(recording.road[:, 0].tolist()) == {-1}
     write_trajectory(recording, tmp_path / "t.csv")
-    assert (tmp_path / "t.csv").read_text().splitlines()[1] == "0,nowhere,0,0,0,2,-1,0,0,0"
+    assert (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()[1] == "0,nowhere,0,0,0,2,-1,0,0,0"
 
 
 @pytest.mark.parametrize("actors", [(), (NOWHERE,), BOTH])
@@ -114,7 +114,7 @@ def test_the_report_says_nothing_of_takeovers(tmp_path: Path, actors: tuple[Dyna
     recording, outcome = ran(plan, network)
     assert outcome.duration == pytest.approx(4.0)
     write_run_folder(Run(plan, network, recording, outcome), tmp_path / "run")
-    page = (tmp_path / "run" / "report.html").read_text()
+    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
     assert "akeover" not in page.partition("<body")[2].replace("Request: time", "")
     draw_preview(plan, network, tmp_path / "preview.svg")
 

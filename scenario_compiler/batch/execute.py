@@ -93,7 +93,7 @@ class Sweep:
 
     Attributes:
         target: FILE, FILE#name or a plan's file.
-        spec: What it is asked to do.
+        spec: Its options.
         sampler: Samples the variants.
         families: The plans of the variants.
         form: How the variants are run.
@@ -183,7 +183,7 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
     Raises:
         CompileError: The scenario is at fault.
         ScenarioNameNeededError: The file has several scenarios and no name is given.
-        SweepError: The sweep is not possible as it is asked for.
+        SweepError: The sweep is not possible with these options.
     """
     axes = spec.axes
     spec.traces_wanted()
@@ -321,7 +321,7 @@ def run_sweep(
 
     Args:
         target: FILE, FILE#name or a plan's file.
-        spec: What it is asked to do.
+        spec: Its options.
         folder: Folder for the table, the chosen traces and the report.
         resume: Whether to finish the sweep in the folder.
         progress: Called with the progress whenever a part is done.

@@ -86,7 +86,7 @@ class ResultStore:
         self._manifest = {"format": FORMAT, **manifest}
 
     def open(self, *, resume: bool) -> None:
-        """Begin, or take up again, the sweep; raises as `check` and `begin` do."""
+        """Begin or continue the sweep; raises as `check` and `begin` do."""
         self.check(resume=resume)
         self.begin()
 
@@ -170,7 +170,7 @@ class ResultStore:
 
     def done(self) -> set[int]:
         """Return the numbers of the parts that exist."""
-        return {int(path.stem) for path in self._parts.glob("*.parquet") if path.stem.isdigit()}
+        return {int(path.stem) for path in self._parts.glob("*.parquet") if path.stem.isdecimal()}
 
     def write_part(self, number: int, columns: Columns) -> None:
         """Write the rows of a part; OSError if there is no room, and then no file is left."""

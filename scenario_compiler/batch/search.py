@@ -84,15 +84,15 @@ class Search:
         Args:
             target: FILE, FILE#name or a plan's file.
             spec: The parameters, each with a uniform distribution over the range that is searched, and the run.
-            folder: Where the evaluations go.
-            asked: What is searched for, so that a folder belongs to one search.
-            maps: Folders that maps are looked for in first.
-            sink: Where findings of the scenario go.
-            progress: Told how far the search is, before each run.
+            folder: Folder for the evaluations.
+            asked: Description of the search, because a folder belongs to one search.
+            maps: Folders in which maps are looked for first.
+            sink: Receives the diagnostics of the scenario.
+            progress: Called with the progress before each run.
 
         Raises:
             CompileError: The scenario is at fault.
-            SweepError: The search is not possible as it is asked for.
+            SweepError: The search is not possible with these options.
         """
         if spec.repeat > 1:
             raise SweepError("a search runs each value once, so it does not accept --repeat")
@@ -109,7 +109,7 @@ class Search:
 
     @contextmanager
     def opened(self, *, resume: bool) -> Iterator[None]:
-        """Begin, or take up again what the folder holds, and keep other searches out of it meanwhile."""
+        """Begin, or continue the search in the folder, and keep other searches out of it meanwhile."""
         self.store.check(resume=resume)
         with self.store.owned():
             self.store.open(resume=resume)
@@ -169,25 +169,26 @@ def find_boundary(
     Args:
         target: FILE, FILE#name or a plan's file.
         spec: The parameter as `name=uniform(low, high)`, and the run.
-        folder: Where the evaluations go.
+        folder: Folder for the evaluations.
         when: What happens: an expression over `collision`, `request`, `passed` and the measures, such as `collision` or
             `minimum_time_to_collision < 1`. It does not happen where a measure in it is not defined.
         tolerance: Greatest distance between the two values returned, in the parameter's unit.
-        resume: Take up the search that the folder holds.
-        maps: Folders that maps are looked for in first.
-        sink: Where findings of the scenario go.
-        progress: Told how far the search is, before each run.
+        resume: Whether to continue the search in the folder.
+        maps: Folders in which maps are looked for first.
+        sink: Receives the diagnostics of the scenario.
+        progress: Called with the progress before each run.
 
     Raises:
         CompileError: The scenario is at fault.
-        SweepError: It happens at both ends of the range or at neither, or the search is not possible as asked for.
+        SweepError: It happens at both ends of the range or at neither, or the search is not possible with these
+            options.
     """
     happens = _predicate(when)
     if len(spec.vary) != 1:
         raise SweepError("a boundary is searched along one parameter")
     search = Search(target, spec, folder, f"boundary of {when} to {tolerance!r}", maps, sink, progress)
     ((name, (low, high)),) = search.ranges.items()
-    if tolerance <= 0 or high - low > tolerance * 2.0**60:
+    if not tolerance > 0 or high - low > tolerance * 2.0**60:
         raise SweepError(f"the tolerance {tolerance:g} is too small for the range")
     search.expected = 2 + math.ceil(math.log2(max((high - low) / tolerance, 1.0)))
     with search.opened(resume=resume):
@@ -223,23 +224,26 @@ def minimise(
     Args:
         target: FILE, FILE#name or a plan's file.
         spec: The parameters as `name=uniform(low, high)`, and the run.
-        folder: Where the evaluations go.
+        folder: Folder for the evaluations.
         measure: Name of a measure, such as `minimum_time_to_collision`.
-        evaluations: Greatest number of runs, about.
-        optimizer: "direct" looks everywhere (Jones, Perttunen and Stuckman 1993), "nelder-mead" from the middle on.
-        resume: Take up the search that the folder holds.
-        maps: Folders that maps are looked for in first.
-        sink: Where findings of the scenario go.
-        progress: Told how far the search is, before each run.
+        evaluations: Approximate number of runs, at least 1.
+        optimizer: "direct" searches the whole range (Jones, Perttunen and Stuckman 1993), "nelder-mead" starts in its
+            middle.
+        resume: Whether to continue the search in the folder.
+        maps: Folders in which maps are looked for first.
+        sink: Receives the diagnostics of the scenario.
+        progress: Called with the progress before each run.
 
     Raises:
         CompileError: The scenario is at fault.
-        SweepError: The measure is defined nowhere, or the search is not possible as it is asked for.
+        SweepError: The measure is defined nowhere, or the search is not possible with these options.
     """
     from scipy import optimize
 
     if measure not in {one.name for one in MEASURES}:
         raise SweepError(f"there is no measure '{measure}'")
+    if evaluations < 1:
+        raise SweepError(f"a search needs at least one run, not {evaluations}")
     search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps, sink, progress)
     search.expected = evaluations
     names = list(search.ranges)

@@ -23,19 +23,21 @@ class SweepSpec(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     vary: tuple[str, ...] = Field(description="NAME=DISTRIBUTION of each parameter that varies.")
-    method: Method = Field(default="random", description="How the distributions are sampled.")
+    method: Method = Field(default="random", description="Way to sample the distributions.")
     samples: int = Field(default=1, ge=1, description="Number of samples; at each point of the grid axes, if any.")
     repeat: int = Field(default=1, ge=1, description="Number of runs of each sample, each with the next seed.")
     seed: int = Field(default=1, description="Seed of the samples and, with a variant's index, of its first run.")
     where: tuple[str, ...] = Field(default=(), description="Expressions that every variant fulfils.")
     settings: dict[str, str] = Field(default={}, description="Fixed values of other parameters.")
-    perception: Perception | None = Field(default=None, description="In place of what the lane confidence comes from.")
-    controller: str | None = Field(default=None, description="In place of the scenario's controller.")
-    step: float | None = Field(default=None, description="In place of the scenario's time step, s.")
-    duration: float | None = Field(default=None, description="In place of the scenario's duration, s.")
+    perception: Perception | None = Field(
+        default=None, description="Lane confidence's source, in place of the scenario's."
+    )
+    controller: str | None = Field(default=None, description="Controller, in place of the scenario's.")
+    step: float | None = Field(default=None, description="Time step, in place of the scenario's, s.")
+    duration: float | None = Field(default=None, description="Duration, in place of the scenario's, s.")
     trust: tuple[str, ...] = Field(default=(), description="Code that the scenario may name; see `Trust`.")
-    traces: str = Field(default="", description="Which variants' traces are kept: worst:K, random:K, all or none.")
-    errors: tuple[str, ...] = Field(default=(), description="Codes of warnings that are errors, `all` for every one.")
+    traces: str = Field(default="", description="Variants whose traces are kept: worst:K, random:K, all or none.")
+    errors: tuple[str, ...] = Field(default=(), description="Codes of warnings that are errors; `all`: every warning.")
     allowed: tuple[str, ...] = Field(default=(), description="Codes of warnings that stay warnings nevertheless.")
     time_limit: float | None = Field(default=None, gt=0, description="Greatest time that a variant may take, s.")
     interpreted: bool = Field(default=False, description="Run variants without a camera in the interpreted engine.")
@@ -69,6 +71,6 @@ class SweepSpec(BaseModel):
             return "", 0
         if kind == "all" and not count:
             return "all", 0
-        if kind in ("worst", "random") and count.isdigit() and int(count) > 0:
+        if kind in ("worst", "random") and re.fullmatch("[0-9]{1,9}", count) and int(count) > 0:
             return kind, int(count)
         raise SweepError(f"traces '{self.traces}': give worst:K, random:K or all")

@@ -81,8 +81,8 @@ class Families:
             target: FILE, FILE#name or a plan's file.
             spec: The sweep.
             first: The first variant's values; they stand in for defaults that are missing.
-            sink: Where findings of the first compilation go.
-            maps: Folders that maps are looked for in first.
+            sink: Receives the diagnostics of the first compilation.
+            maps: Folders in which maps are looked for first.
 
         Raises:
             CompileError: The scenario is at fault.

@@ -143,7 +143,6 @@ class Stage:
         self._up = np.empty(0)
         self._limits: dict[tuple[int, int], float] = {}
         self.groups = groups_of(town.network)
-        self.lights_changed = False
         self.spectator = self.add(
             Actor(0, Blueprint("spectator", "spectator"), {}, [0, "spectator", []], CarlaTransform(0, 0, 50, 0, 0, 0))
         )

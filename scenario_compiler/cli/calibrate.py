@@ -7,9 +7,10 @@ import sys
 import time
 from pathlib import Path
 
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, is_filled
-from scenario_compiler.cli.terminal import complain, put
-from scenario_compiler.cli.validate import available_cores
+from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_jobs, is_filled, whole_number
+from scenario_compiler.cli.terminal import complain, put, put_raw
+from scenario_compiler.diagnostic_formats import formatted
+from scenario_compiler.diagnostics import CompileError
 from scenario_compiler.perception.detectors import DETECTORS, create_detector
 from scenario_compiler.resources import maps_folder
 
@@ -42,21 +43,16 @@ def add(commands: Commands) -> None:
         help="evaluate this map with a confidence fitted on all other maps; the tables then have such maps only",
     )
     parser.add_argument("--fit", action="store_true", help="fit the confidence, and write the fit beside the page")
-    parser.add_argument("--clips", type=_count, default=CLIPS, metavar="N", help="number of clips of each map")
+    count = whole_number(1, 100_000)
+    parser.add_argument("--clips", type=count, default=CLIPS, metavar="N", help="number of clips of each map")
     parser.add_argument(
         "--pictures",
-        type=_count,
+        type=count,
         default=PICTURES,
         metavar="N",
         help="number of pictures of each situation",
     )
-    parser.add_argument(
-        "--jobs",
-        type=int,
-        default=available_cores(),
-        metavar="N",
-        help="number of processes (default: one for each core)",
-    )
+    add_jobs(parser)
     parser.set_defaults(command=calibrate_command)
 
 
@@ -72,7 +68,11 @@ def calibrate_command(options: argparse.Namespace) -> int:
     maps = _road_files(options.maps)
     began = time.monotonic()
     progress = _shown if sys.stderr.isatty() else None
-    gathered = gather(options.detector, maps, options.clips, options.pictures, options.jobs, progress)
+    try:
+        gathered = gather(options.detector, maps, options.clips, options.pictures, options.jobs, progress)
+    except CompileError as error:
+        put_raw(formatted(error.diagnostics, "text"), sys.stderr)
+        return AT_FAULT
     missing = sorted(set(options.leave_out) - set(gathered.maps))
     if missing or not gathered.maps:
         complain(f"there is no driving lane in {', '.join(missing) or 'any map'}")
@@ -113,10 +113,3 @@ def _road_files(given: list[Path]) -> list[Path]:
 def _shown(done: int, total: int) -> None:
     if done % 50 == 0:
         complain(f"{done} of {total} parts are done")
-
-
-def _count(text: str) -> int:
-    number = int(text)
-    if not 1 <= number <= 100_000:
-        raise argparse.ArgumentTypeError(f"{text} is not a number from 1 to 100000")
-    return number

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, suggestion
+from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, suggestion, whole_number
 from scenario_compiler.cli.terminal import complain, flush_streams, put
 from scenario_compiler.garbage_collection import stay_small
 
@@ -18,7 +18,9 @@ TOWN = "town_grid"
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("serve-carla", help="run a server for CARLA clients (needs the extra 'carla')")
-    parser.add_argument("--port", type=int, default=PORT, help="port for calls; sensor streams use the next port")
+    parser.add_argument(
+        "--port", type=whole_number(0, 65534), default=PORT, help="port for calls; sensor streams use the next port"
+    )
     parser.add_argument("--map", default=TOWN, metavar="NAME", help="map that is loaded at the start")
     parser.add_argument(
         "--host",
@@ -53,8 +55,6 @@ def serve_command(options: argparse.Namespace) -> int:
         if missing.name != "msgpack":
             raise
         raise WrongUse("the server needs msgpack: pip install 'scenario-compiler[carla]'") from None
-    if not 0 <= options.port < 65535:
-        raise WrongUse(f"--port is {options.port}: the calls and the streams need two ports from 1 to 65535")
     towns = known_towns(options.maps)
     if options.map not in towns and options.map.removesuffix("_Opt") not in towns:
         raise WrongUse(f"there is no map '{options.map}'{suggestion(options.map, towns)}")

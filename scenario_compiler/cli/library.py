@@ -13,15 +13,16 @@ from scenario_compiler.cli.options import (
     Commands,
     WrongUse,
     add_diagnostics,
+    add_jobs,
     add_maps,
     add_templates,
     is_filled,
     new_sink,
     show,
     text_stream,
+    whole_number,
 )
 from scenario_compiler.cli.terminal import put, put_table, shown_progress
-from scenario_compiler.cli.validate import available_cores
 
 if TYPE_CHECKING:
     from scenario_compiler.survey.survey import Survey
@@ -39,7 +40,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     parser.add_argument(
         "--runs",
-        type=_count,
+        type=whole_number(0, 10_000),
         default=0,
         metavar="N",
         help="run each scenario N times with ideal perception",
@@ -57,13 +58,7 @@ def add(commands: Commands) -> None:
         default="ideal",
         help="source of the lane confidence in the runs of --separation",
     )
-    parser.add_argument(
-        "--jobs",
-        type=int,
-        default=available_cores(),
-        metavar="N",
-        help="number of processes (default: one for each core)",
-    )
+    add_jobs(parser)
     add_maps(parser)
     add_templates(parser)
     add_diagnostics(parser)
@@ -135,10 +130,3 @@ def _separate(found: Survey, options: argparse.Namespace) -> None:
     apart = sum(one.separates for one in separated)
     put(f"{apart} of {len(separated)} fail for the slow or the absent driver", text_stream(options))
     put(f"page: {options.separation}", text_stream(options))
-
-
-def _count(text: str) -> int:
-    number = int(text)
-    if not 0 <= number <= 10_000:
-        raise argparse.ArgumentTypeError(f"{text} is not a number of runs from 0 to 10000")
-    return number

@@ -25,6 +25,7 @@ from scenario_compiler.cli.options import (
     show,
     text_stream,
     trust_of,
+    whole_number,
 )
 from scenario_compiler.cli.terminal import flush_streams, put
 from scenario_compiler.cli.worlds import add_world, note_findings, world_options
@@ -74,7 +75,13 @@ def add_address(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="address to listen on; if other machines can reach it, the page needs the token that is printed",
     )
-    parser.add_argument("--port", type=int, default=8000, metavar="N", help="port of the page; 0 chooses a free one")
+    parser.add_argument(
+        "--port",
+        type=whole_number(0, 65535),
+        default=8000,
+        metavar="N",
+        help="port of the page; 0 chooses a free one",
+    )
 
 
 def drive_command(options: argparse.Namespace) -> int:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, TypeAlias
 
@@ -191,6 +192,36 @@ def code_or_all(text: str) -> str:
 def new_sink(options: argparse.Namespace) -> Diagnostics:
     """Return a sink that keeps the warnings that --error names, even if the file allows them."""
     return Diagnostics(insisted=frozenset(options.error))
+
+
+MOST_PROCESSES = 1024
+"""Greatest number of processes that an option can ask for."""
+
+
+def add_jobs(parser: argparse.ArgumentParser) -> None:
+    """Add the option for the number of processes."""
+    parser.add_argument(
+        "--jobs",
+        type=whole_number(1, MOST_PROCESSES),
+        default=len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1,
+        metavar="N",
+        help="number of processes (default: one for each core)",
+    )
+
+
+def whole_number(least: int, greatest: int) -> Callable[[str], int]:
+    """Return a function that returns a whole number within limits that an option gives."""
+
+    def number(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            value = None
+        if value is None or not least <= value <= greatest:
+            raise argparse.ArgumentTypeError(f"{text} is not a whole number from {least} to {greatest}")
+        return value
+
+    return number
 
 
 def positive(text: str) -> float:

@@ -15,6 +15,7 @@ from scenario_compiler.cli.options import (
     CRITERIA_FAILED,
     FINE,
     INTERRUPTED,
+    MOST_PROCESSES,
     Commands,
     WrongUse,
     add_diagnostics,
@@ -28,6 +29,7 @@ from scenario_compiler.cli.options import (
     settings_of,
     show,
     text_stream,
+    whole_number,
 )
 from scenario_compiler.cli.terminal import complain, put, tell
 from scenario_compiler.diagnostics import CompileError, Diagnostics
@@ -39,6 +41,9 @@ if TYPE_CHECKING:
     from scenario_compiler.batch.tally import OnProgress, Progress, Stage, Tally
     from scenario_compiler.vocabulary.variation import Vary
 
+MOST_SAMPLES = 1_000_000_000
+"""Greatest number of draws, repetitions or runs of a search that an option can ask for."""
+
 METHODS = ("random", "grid", "latin", "sobol")
 
 
@@ -47,6 +52,33 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser("sweep", help="run many variants of a scenario")
     add_target(parser, "FILE[#name]|NAME|PLAN.json")
     parser.add_argument("-o", dest="output", type=Path, required=True, metavar="DIR", help="folder of the sweep")
+    _add_variants(parser)
+    parser.add_argument(
+        "--traces", default="", metavar="worst:K|random:K|all", help="variants whose recordings are kept"
+    )
+    parser.add_argument("--resume", action="store_true", help="finish an interrupted sweep")
+    parser.add_argument(
+        "--workers",
+        type=whole_number(1, MOST_PROCESSES),
+        metavar="N",
+        help="number of processes (default: chosen by the work there is)",
+    )
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="run the variants through this Dask scheduler")
+    _add_search(parser)
+    parser.add_argument("--no-report", action="store_false", dest="report", help="write the table without a report")
+    parser.add_argument(
+        "--pass-rate", type=share, metavar="SHARE", help="exit with 3 if a smaller share of the variants passes"
+    )
+    parser.add_argument("--time-limit", type=positive, metavar="S", help="longest computing time of a variant, s")
+    add_scenario(parser)
+    add_maps(parser)
+    add_templates(parser)
+    add_diagnostics(parser)
+    parser.set_defaults(command=sweep_command)
+
+
+def _add_variants(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say which variants there are."""
     parser.add_argument(
         "--vary",
         action="append",
@@ -56,10 +88,17 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--method", choices=METHODS, default="random", help="way to sample the distributions")
     parser.add_argument(
-        "--samples", type=int, metavar="N", help="number of draws (default: that of the scenario, else 1)"
+        "--samples",
+        type=whole_number(1, MOST_SAMPLES),
+        metavar="N",
+        help="number of draws (default: that of the scenario, else 1)",
     )
     parser.add_argument(
-        "--repeat", type=int, default=1, metavar="N", help="runs of each draw or listed point, with successive seeds"
+        "--repeat",
+        type=whole_number(1, MOST_SAMPLES),
+        default=1,
+        metavar="N",
+        help="runs of each draw or listed point, with successive seeds",
     )
     parser.add_argument(
         "--where",
@@ -71,14 +110,10 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--seed", type=int, metavar="N", help="seed of the draws (default: that of the scenario, else 1)"
     )
-    parser.add_argument(
-        "--traces", default="", metavar="worst:K|random:K|all", help="variants whose recordings are kept"
-    )
-    parser.add_argument("--resume", action="store_true", help="finish an interrupted sweep")
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="number of processes (default: chosen by the work there is)"
-    )
-    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="run the variants through this Dask scheduler")
+
+
+def _add_search(parser: argparse.ArgumentParser) -> None:
+    """Add the options of a search for a boundary or for the least value of a measure."""
     search = parser.add_mutually_exclusive_group()
     search.add_argument(
         "--boundary",
@@ -94,18 +129,12 @@ def add(commands: Commands) -> None:
         help="width of the interval to which a boundary is narrowed down",
     )
     parser.add_argument(
-        "--evaluations", type=int, default=100, metavar="N", help="approximate number of runs of a minimisation"
+        "--evaluations",
+        type=whole_number(1, MOST_SAMPLES),
+        default=100,
+        metavar="N",
+        help="approximate number of runs of a minimisation",
     )
-    parser.add_argument("--no-report", action="store_false", dest="report", help="write the table without a report")
-    parser.add_argument(
-        "--pass-rate", type=share, metavar="SHARE", help="exit with 3 if a smaller share of the variants passes"
-    )
-    parser.add_argument("--time-limit", type=positive, metavar="S", help="longest computing time of a variant, s")
-    add_scenario(parser)
-    add_maps(parser)
-    add_templates(parser)
-    add_diagnostics(parser)
-    parser.set_defaults(command=sweep_command)
 
 
 def sweep_command(options: argparse.Namespace) -> int:
@@ -188,8 +217,8 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
     if options.report:
         put(f"report: {result.folder / 'report.html'}", text_stream(options))
     if tally.broken_off:
-        share = "all" if tally.broken_off == tally.runs else f"{tally.broken_off} of {tally.runs}"
-        complain(f"{share} variants broke off; the most frequent reason: {result.commonest}")
+        how_many = "all" if tally.broken_off == tally.runs else f"{tally.broken_off} of {tally.runs}"
+        complain(f"{how_many} variants broke off; the most frequent reason: {result.commonest}")
     if tally.broken_off == tally.runs:
         return AT_FAULT
     return FINE if options.pass_rate is None else _gate(tally, options)

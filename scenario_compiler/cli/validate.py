@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from scenario_compiler.cli.options import (
     Commands,
     WrongUse,
     add_diagnostics,
+    add_jobs,
     add_maps,
     add_templates,
     add_trust,
@@ -24,11 +24,6 @@ from scenario_compiler.diagnostics import Diagnostic, Severity
 from scenario_compiler.garbage_collection import keep_loaded
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.trust import Trust
-
-
-def available_cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def add(commands: Commands) -> None:
@@ -49,13 +44,7 @@ def add(commands: Commands) -> None:
         "OpenSCENARIO files by ASAM's own checker and its rules (needs the extra 'asam')",
     )
     parser.add_argument("--strict", action="store_true", dest="strict_warnings", help="treat warnings as errors")
-    parser.add_argument(
-        "--jobs",
-        type=int,
-        default=available_cores(),
-        metavar="N",
-        help="number of processes (default: one for each core)",
-    )
+    add_jobs(parser)
     parser.set_defaults(command=validate_command)
 
 

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from scenario_compiler.cli.options import WrongUse, suggestion
+from scenario_compiler.cli.options import WrongUse, suggestion, whole_number
 
 if TYPE_CHECKING:
     from scenario_compiler.diagnostics import Diagnostics
@@ -30,7 +30,12 @@ def add_world(parser: argparse.ArgumentParser) -> None:
     )
     carla = parser.add_argument_group("with --world carla (needs the extra 'carla')")
     carla.add_argument("--carla-host", metavar="HOST", help="address of the CARLA server (default: 127.0.0.1)")
-    carla.add_argument("--carla-port", type=int, metavar="PORT", help="port of the CARLA server (default: 2000)")
+    carla.add_argument(
+        "--carla-port",
+        type=whole_number(1, 65535),
+        metavar="PORT",
+        help="port of the CARLA server (default: 2000)",
+    )
     carla.add_argument(
         "--ego",
         choices=("physics", "kinematic"),

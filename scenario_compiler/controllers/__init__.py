@@ -1,8 +1,8 @@
 """Controllers, which drive the ego from Python at control steps, and the table of their names.
 
-In: camera images, speed and the vehicle's state. Out: throttle, steer and brake. Imports perception, the plan and the
-hall. A user's own controller or lane detector is named `package.module:Class` or `file.py:Class`; it is imported only
-if `Trust` allows it.
+In: camera images, speed and the vehicle's state. Out: throttle, steer and brake. Imports perception, recordings, the
+plan, the vocabulary and the hall. A user's own controller or lane detector is named `package.module:Class` or
+`file.py:Class`; it is imported only if `Trust` allows it.
 """
 
 from __future__ import annotations

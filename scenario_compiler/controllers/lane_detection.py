@@ -275,13 +275,9 @@ class _Middle:
         self.left, self.right, self.share, self.width = left, right, share, width
 
     def __call__(self, x: float) -> float:
-        from_left = _y(self.left, x) - self.width / 2.0
-        from_right = _y(self.right, x) + self.width / 2.0
+        from_left = float(self.left.y(x)) - self.width / 2.0
+        from_right = float(self.right.y(x)) + self.width / 2.0
         return self.share * from_left + (1.0 - self.share) * from_right
-
-
-def _y(boundary: Boundary, x: float) -> float:
-    return boundary.y0 + boundary.slope * x + 0.5 * boundary.curvature * x * x
 
 
 def _to_world(path: list[Point], vehicle: VehicleState) -> list[Point]:

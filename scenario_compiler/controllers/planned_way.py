@@ -71,10 +71,6 @@ def _stretch(way: Sequence[Point]) -> list[Point]:
     return found
 
 
-def _at(boundary: Boundary, x: float) -> float:
-    return boundary.y0 + boundary.slope * x + 0.5 * boundary.curvature * x * x
-
-
 def _apart(boundary: Boundary, x: float, y: float, begin: Point) -> float:
     """Return the distance by which the boundary has moved to the left of the route since the beginning, m."""
-    return _at(boundary, x) - _at(boundary, begin[0]) - (y - begin[1])
+    return float(boundary.y(x) - boundary.y(begin[0])) - (y - begin[1])

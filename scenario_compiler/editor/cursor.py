@@ -10,8 +10,6 @@ from scenario_compiler.editor.draft import Draft, Tag
 
 CursorPlace = Literal["element", "attribute", "value", "end"]
 
-_NAME_BEFORE = re.compile(r"[^\s=\"'<>/]*\Z")
-
 
 @dataclass(frozen=True, slots=True)
 class Cursor:

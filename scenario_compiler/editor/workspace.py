@@ -30,7 +30,7 @@ class Workspace:
 
     Attributes:
         folders: The folders.
-        maps: Folders that maps are looked for in first.
+        maps: Folders in which maps are looked for first.
         texts: The texts.
         found: What was last found of each text, and the text that it was found of.
     """

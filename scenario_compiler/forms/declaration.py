@@ -138,9 +138,9 @@ def index(of: Of) -> Allowed:
     return Allowed(of)
 
 
-def index_or_none(of: Of, *, least: int = -1) -> Allowed:
+def index_or_none(of: Of) -> Allowed:
     """Return the allowed values of a column of indices in which -1 means none."""
-    return Allowed(of, least)
+    return Allowed(of, least=-1)
 
 
 @dataclass(frozen=True)

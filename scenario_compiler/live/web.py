@@ -158,7 +158,7 @@ def listening_at(host: str, port: int) -> socket.socket:
     """Return a socket that listens at an address; port 0 for a free one.
 
     Raises:
-        OSError: The address cannot be served.
+        OSError: The address cannot be served; the error names it.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     listening = socket.socket(family, socket.SOCK_STREAM)
@@ -166,9 +166,9 @@ def listening_at(host: str, port: int) -> socket.socket:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listening.bind((host, port))
         listening.listen(64)
-    except OSError:
+    except OSError as fault:
         listening.close()
-        raise
+        raise OSError(fault.errno, f"cannot be served: {fault.strerror}", f"{bracketed(host)}:{port}") from None
     return listening
 
 

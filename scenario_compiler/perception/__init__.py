@@ -4,8 +4,9 @@ In: a `roads.network.Network` (as the quads of `roads.mesh`), the pose of the ve
 and sigma of the sensor noise. Out: BGR images (`road_camera.RoadCamera`), lane boundaries, each with a probability
 (`lane_detector.LaneDetector`), and the picture in reports (`overlay.compose`). `__init__.pyi` lists the public names.
 
-May import `roads`, the hall, numpy and OpenCV, but no plan, engine or controller. Nothing here keeps state between
-frames: an image depends only on the scene, the pose, the weather, the seed and the frame index.
+Imports the packages below it: `stage` imports the plan, and other modules import the engine's laws of haze and noise,
+so that pictures and the engine agree. Nothing here keeps state between frames: an image depends only on the scene, the
+pose, the weather, the seed and the frame index.
 """
 
 from __future__ import annotations

@@ -220,7 +220,7 @@ def _panel(along: Span, y: float, up: Span, tone: Colour | None, *, group: int =
     return _Face(corners, tone, NO_BULB, None, group, detail)
 
 
-def _wheels(axles: tuple[float, ...], radius: Span, group: int = 0) -> Iterator[_Face]:
+def _wheels(axles: tuple[float, ...], radius: Span) -> Iterator[_Face]:
     """Yield the discs of wheels on both sides: six corners each, with a rim. The radius is given along and up."""
     along, up = radius
     for x in axles:
@@ -231,18 +231,18 @@ def _wheels(axles: tuple[float, ...], radius: Span, group: int = 0) -> Iterator[
                     [x + flip * side * half * along, y, z * up]
                     for side, half, z in ((-1, foot, low), (1, foot, low), (1, head, high), (-1, head, high))
                 ]
-                yield _Face(np.array(corners), TYRE, group=group, detail=True)
-            yield _panel((x - 0.45 * along, x + 0.45 * along), 1.004 * y, (0.55 * up, 1.45 * up), RIM, group=group)
+                yield _Face(np.array(corners), TYRE, detail=True)
+            yield _panel((x - 0.45 * along, x + 0.45 * along), 1.004 * y, (0.55 * up, 1.45 * up), RIM)
 
 
-def _tail(up: Span, width: Span = (0.26, 0.47), x: float = -0.506, group: int = 0) -> Iterator[_Face]:
+def _tail(up: Span, width: Span = (0.26, 0.47)) -> Iterator[_Face]:
     """Yield the rear lamps of both sides: tail, brake, blinker."""
     inner, outer = width
     step = (outer - inner) / 3.0
     for side, blinker in ((1.0, _LEFT), (-1.0, _RIGHT)):
         for k, bulb in enumerate((_STOP, _REAR, blinker)):
             a, b = sorted((side * (inner + k * step), side * (inner + (k + 1) * step)))
-            yield _pane(x, (a, b), up, RED, bulb=bulb, group=group, detail=bulb is not _REAR)
+            yield _pane(-0.506, (a, b), up, RED, bulb=bulb, detail=bulb is not _REAR)
 
 
 def _front(up: Span, width: Span = (0.28, 0.46), x: float = 0.506, group: int = 0) -> Iterator[_Face]:

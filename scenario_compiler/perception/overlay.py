@@ -72,24 +72,22 @@ def compose(
     path: ArrayLike | None,
     caption: Caption,
     *,
-    driver: Camera = DRIVER,
     sensor: Camera | None = None,
 ) -> Image:
     """Return the composed picture, with the size of `view_image`; the arguments are not changed.
 
     Args:
-        view_image: The driver's view, BGR.
+        view_image: The driver's view (`DRIVER`), BGR.
         camera_image: The lane detector's image, BGR.
         lane: The detected lane, in the sensor's ground frame.
         path: (n, 2) points of the predicted path, in the sensor's ground frame, m.
         caption: The text.
-        driver: The camera of `view_image`.
         sensor: The camera of `camera_image`, the default camera if None.
     """
     sensor = sensor if sensor is not None else Camera()
     picture, inset = view_image.copy(), camera_image.copy()
-    apart = sensor.x - driver.x, sensor.y - driver.y
-    for image, camera, shift in ((picture, driver, apart), (inset, sensor, (0.0, 0.0))):
+    apart = sensor.x - DRIVER.x, sensor.y - DRIVER.y
+    for image, camera, shift in ((picture, DRIVER, apart), (inset, sensor, (0.0, 0.0))):
         draw_seen(image, camera, lane, path, shift)
     _set_in(picture, inset)
     _write(picture, lane, caption)
@@ -170,25 +168,24 @@ def write_above(image: Image, corner: tuple[int, int], text: str, colour: Colour
     _text(image, text, (left, max(corner[1] - 6, 14)), colour, scale)
 
 
-def encode_webp(image: Image, quality: int = 60) -> bytes:
-    """Return the image as a WebP file with a quality from 1 to 100; with one OpenCV equal images give equal bytes."""
-    good, data = cv2.imencode(".webp", image, [cv2.IMWRITE_WEBP_QUALITY, quality])
-    if not good:
-        raise ValueError(f"an image of shape {image.shape} cannot be encoded")
-    return data.tobytes()
+def encode_webp(image: Image) -> bytes:
+    """Return the image as a WebP file; with one version of OpenCV equal images give equal bytes."""
+    return _encoded(image, ".webp", cv2.IMWRITE_WEBP_QUALITY, 60)
 
 
-def encode_jpeg(image: Image, quality: int = 80) -> bytes:
-    """Return the image as a JPEG file with a quality from 1 to 100; five times as fast as WebP, and twice as large."""
-    good, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
-    if not good:
-        raise ValueError(f"an image of shape {image.shape} cannot be encoded")
-    return data.tobytes()
+def encode_jpeg(image: Image) -> bytes:
+    """Return the image as a JPEG file, which is made five times as fast as a WebP file and is twice as large."""
+    return _encoded(image, ".jpg", cv2.IMWRITE_JPEG_QUALITY, 80)
 
 
 def encode_png(image: Image) -> bytes:
-    """Return the image as a PNG file; equal images give equal bytes with one version of OpenCV."""
-    good, data = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 6])
+    """Return the image as a PNG file; with one version of OpenCV equal images give equal bytes."""
+    return _encoded(image, ".png", cv2.IMWRITE_PNG_COMPRESSION, 6)
+
+
+def _encoded(image: Image, suffix: str, setting: int, value: int) -> bytes:
+    """Return the image as a file of the format with this suffix, with one setting of OpenCV's encoder."""
+    good, data = cv2.imencode(suffix, image, [setting, value])
     if not good:
         raise ValueError(f"an image of shape {image.shape} cannot be encoded")
     return data.tobytes()

@@ -8,6 +8,7 @@ then its signals.
 from __future__ import annotations
 
 import math
+import re
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -582,7 +583,7 @@ def _sign_look(signal: Signal) -> tuple[Floats, Colour, Colour]:
         return _DOWNWARDS, RED, WHITE
     if kind == "306":
         return _DIAMOND, WHITE, YELLOW
-    if not kind.isdigit():
+    if not re.fullmatch("[0-9]{1,9}", kind):
         return (_ROUND, RED, WHITE if signal.country.lower() != "se" else YELLOW) if kind == "c" else _PLATE
     number = int(kind)
     if 101 <= number < 200:

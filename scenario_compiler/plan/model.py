@@ -118,7 +118,7 @@ class Plan(PlanPart):
     controller: Controller | None = Field(
         default=None, description="What drives the ego vehicle; none without an automated vehicle."
     )
-    perception: Perception = Field(description="What the lane confidence comes from.")
+    perception: Perception = Field(description="Source of the lane confidence.")
     destination: LanePositionWord | None = Field(default=None, description="Where the run ends.")
     route: tuple[RouteLeg, ...] = Field(default=(), description="The ego vehicle's way to the destination.")
     markings: tuple[Markings, ...] = Field(default=(), description="Where the paint differs from the map's.")

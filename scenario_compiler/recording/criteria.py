@@ -312,7 +312,7 @@ def _offset_found(recording: Recording, traces: Traces, when: float | None, limi
 
 
 def _avoidable_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
-    del recording
+    del recording, when
     if np.isnan(traces.times["collision"]):
         return "nothing was touched"
     would = "would have avoided it" if limit > 0.0 else "would not have avoided it"

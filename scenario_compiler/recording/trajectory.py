@@ -61,7 +61,14 @@ def read_trajectory(path: Path) -> Recording:
             rows.setdefault(_finite(row["t"]), {})[cell_text(row["name"])] = row
         return _recorded(path.stem, rows)
     except (csv.Error, KeyError, TypeError, ValueError, OverflowError) as problem:
-        raise TrajectoryError(f"{path} does not contain trajectories: {problem!r}") from problem
+        raise TrajectoryError(f"{path} does not contain trajectories: {_reason(problem)}") from problem
+
+
+def _reason(problem: Exception) -> str:
+    """Return what is wrong with a file, for its author."""
+    if isinstance(problem, UnicodeDecodeError):
+        return "it is not text in UTF-8"
+    return f"it has no column {problem.args[0]}" if isinstance(problem, KeyError) else str(problem)
 
 
 def _recorded(name: str, rows: dict[float, dict[str, dict[str, str]]]) -> Recording:

@@ -152,7 +152,7 @@ def shrunk(image: NDArray[np.uint8], times: int) -> NDArray[np.uint8]:
     return (np.round(means / GREYS) * GREYS).clip(0, 255).astype(np.uint8)
 
 
-def write_gallery(cards: Iterable[Card], path: Path, *, title: str = "Conflicts") -> None:
+def write_gallery(cards: Iterable[Card], path: Path) -> None:
     """Write the page: one file without external resources."""
     groups: dict[str, list[Card]] = {}
     for card in cards:
@@ -160,7 +160,6 @@ def write_gallery(cards: Iterable[Card], path: Path, *, title: str = "Conflicts"
     held = [card for group in groups.values() for card in group]
     environment = page_environment()
     page = environment.get_template(TEMPLATE).render(
-        title=title,
         groups=groups,
         count=len(held),
         maps=sorted({card.map for card in held}),

@@ -10,6 +10,7 @@ from lxml import etree
 from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.structure.walk import local_name
 from scenario_compiler.vocabulary.actions.dynamics import AtRate, OverDistance
 from scenario_compiler.vocabulary.conditions import ElementStateCondition, SimulationTimeCondition
 from scenario_compiler.vocabulary.grammar import AttributeRule, grammar_of
@@ -151,19 +152,15 @@ def _name(word: Word) -> str:
     element = _element_of_openscenario(word)
     if element is None:
         return word.tag().replace("_", " ")
-    return _local(element).removesuffix("Action").removesuffix("Condition")
+    return local_name(element).removesuffix("Action").removesuffix("Condition")
 
 
 def _element_of_openscenario(word: Word) -> etree._Element | None:
     """Return the OpenSCENARIO element from which a word was read; None for a word of the conflict language."""
     origin = word.origin
-    if isinstance(origin, Origin) and _local(origin.document.root).lower() == "openscenario":
+    if isinstance(origin, Origin) and local_name(origin.document.root).lower() == "openscenario":
         return origin.element
     return None
-
-
-def _local(element: etree._Element) -> str:
-    return str(element.tag).rpartition("}")[2]
 
 
 def _dynamics(dynamics: AtRate | OverDistance | None, values: Mapping[str, Value]) -> str:

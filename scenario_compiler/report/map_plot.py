@@ -84,6 +84,12 @@ _MARK_COLOURS = {
     mesh.Paint.VIOLET: "#7b4b94",
     mesh.Paint.BLACK: "#101010",
 }
+SIZE = 11.0
+"""Longer side of a picture, inches."""
+
+DPI = 130.0
+"""Pixels per inch of a PNG."""
+
 _JUNCTION = "#cc5f9b"
 _SPAWN = "#d55e00"
 _ARROW = "#20303c"
@@ -95,9 +101,6 @@ def plot_map(
     *,
     window: Window | None = None,
     spawn_points: Mapping[str, NamedPosition] | None = None,
-    title: str | None = None,
-    size: float = 11.0,
-    dpi: float = 130.0,
 ) -> None:
     """Write a picture of a network, or of a window of it.
 
@@ -106,25 +109,22 @@ def plot_map(
         path: Path of the picture; its suffix (.png or .svg) determines the format.
         window: The part to show; None for everything.
         spawn_points: Named places to mark (`roads.spawn_points.read_spawn_points`).
-        title: Text above; None for the network's name, number of roads and length.
-        size: Longer side of the picture, inches.
-        dpi: Pixels per inch of a PNG.
 
     Raises:
         ValueError: The suffix is neither .png nor .svg.
         OSError: The file cannot be written.
     """
     shown = window if window is not None else extent_of(network)
-    width, height = _figure_size(shown, size)
+    width, height = _figure_size(shown)
     with mpl.rc_context(
         {"svg.hashsalt": "scenario-compiler", "font.family": "DejaVu Sans", "path.simplify": True, **LETTERING}
     ):
-        figure = Figure(figsize=(width, height), dpi=dpi, facecolor="white")
+        figure = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
         FigureCanvasAgg(figure)
         below = 0.62 / height
         axes = figure.add_axes((0.15 / width, below, 1.0 - 0.3 / width, 1.0 - below - 0.38 / height))
         handles = draw_map(axes, network, shown, spawn_points=spawn_points)
-        axes.set_title(legible(title if title is not None else _title(network)), fontsize=10, loc="left", pad=5)
+        axes.set_title(legible(_title(network)), fontsize=10, loc="left", pad=5)
         columns = max(1, min(len(handles), int(width / 1.75)))
         figure.legend(handles=handles, loc="lower center", ncols=columns, fontsize=7, frameon=False, borderpad=0.2)
         save_picture(figure, path)
@@ -180,7 +180,7 @@ def draw_map(
     for spine in axes.spines.values():
         spine.set_color("#b0b4b8")
     shapes = lane_shapes(network, shown)
-    _draw_lanes(axes, network, shapes)
+    _draw_lanes(axes, shapes)
     paints = _draw_marks(axes, network, shown, scale)
     hulls = junction_hulls(network, shapes, shown)
     _draw_junctions(axes, hulls)
@@ -217,13 +217,13 @@ def _fitted(window: Window, width: float, height: float) -> Window:
     return Window(x - wide / 2.0, y - high / 2.0, x + wide / 2.0, y + high / 2.0)
 
 
-def _figure_size(window: Window, size: float) -> tuple[float, float]:
+def _figure_size(window: Window) -> tuple[float, float]:
     """Return width and height in inches, with the window's proportions limited to 1:3 and 1:1."""
     wide = window.x_max - window.x_min
     ratio = (window.y_max - window.y_min) / wide if wide > 0.0 else 1.0
     if ratio <= 1.0:
-        return size, max(ratio, 1.0 / 3.0) * size + 1.0
-    return max(1.0 / ratio, 0.55) * size, size + 1.0
+        return SIZE, max(ratio, 1.0 / 3.0) * SIZE + 1.0
+    return max(1.0 / ratio, 0.55) * SIZE, SIZE + 1.0
 
 
 def _title(network: Network) -> str:
@@ -236,7 +236,7 @@ def _title(network: Network) -> str:
     return f"{network.name}: {roads}, {kilometres:.2f} km, {junctions}"
 
 
-def _draw_lanes(axes: Axes, network: Network, shapes: list[LaneShape]) -> None:
+def _draw_lanes(axes: Axes, shapes: list[LaneShape]) -> None:
     for order, look in enumerate(reversed(LOOKS)):
         outlines = [shape.outline for shape in shapes if _LOOK_OF_TYPE[shape.type] is look]
         axes.add_collection(

@@ -33,6 +33,12 @@ from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import LanePosition
 from scenario_compiler.vocabulary.scenario import parameter_values
 
+WIDTH = 11.0
+"""Width of a picture, inches."""
+
+DPI = 110.0
+"""Pixels per inch of a PNG."""
+
 SPACING = 4.0
 """Distance between two points of the route ahead, m."""
 
@@ -54,7 +60,7 @@ AWAY = 12.6
 COLOURS = {"ego": BLUE, "static": VERMILION, "dynamic": ORANGE}
 
 
-def draw_preview(plan: Plan, network: Network, path: Path, *, size: float = 11.0, dpi: float = 110.0) -> None:
+def draw_preview(plan: Plan, network: Network, path: Path) -> None:
     """Draw a plan into a PNG or SVG file: the part of the map with actors and route, and the triggers over time.
 
     Raises:
@@ -65,10 +71,10 @@ def draw_preview(plan: Plan, network: Network, path: Path, *, size: float = 11.0
     rows = max(1, len(happenings))
     window = section_of(plan, network)
     share = (window.y_max - window.y_min) / (window.x_max - window.x_min)
-    map_height = min(max(share, 0.28), 0.8) * size
+    map_height = min(max(share, 0.28), 0.8) * WIDTH
     height = map_height + 0.34 * rows + 1.5
     with _style():
-        figure = Figure(figsize=(size, height), dpi=dpi, facecolor="white")
+        figure = Figure(figsize=(WIDTH, height), dpi=DPI, facecolor="white")
         FigureCanvasAgg(figure)
         top = 0.45 / height
         axes = figure.add_axes((0.01, 1.0 - top - map_height / height, 0.98, map_height / height))
@@ -80,7 +86,7 @@ def draw_preview(plan: Plan, network: Network, path: Path, *, size: float = 11.0
         save_picture(figure, path)
 
 
-def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, dpi: float = 110.0) -> None:
+def draw_route(plan: Plan, network: Network, path: Path) -> None:
     """Draw the ego's route on the map into a PNG or SVG file.
 
     Raises:
@@ -90,7 +96,7 @@ def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, 
     window = _around(way_ahead(plan, network)) or extent_of(network)
     share = (window.y_max - window.y_min) / (window.x_max - window.x_min)
     with _style():
-        figure = Figure(figsize=(size, min(max(share, 0.3), 1.0) * size + 0.6), dpi=dpi, facecolor="white")
+        figure = Figure(figsize=(WIDTH, min(max(share, 0.3), 1.0) * WIDTH + 0.6), dpi=DPI, facecolor="white")
         FigureCanvasAgg(figure)
         axes = figure.add_axes((0.01, 0.02, 0.98, 0.9))
         draw_section(axes, plan, network, window)

@@ -10,12 +10,11 @@ Pitch and roll follow ISO 8855: pitch is positive nose down, roll is positive wi
 left side up.
 """
 
-from math import atan, atan2, cos, pi, sin, sqrt
+from math import atan, atan2, cos, pi, sin, sqrt, tau
 
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, RoadTables
 
-TAU = 2.0 * pi
 GAUSS_NODE = sqrt(0.6)
 GAUSS_OUTER = 5.0 / 18.0
 GAUSS_INNER = 8.0 / 18.0
@@ -26,10 +25,10 @@ MIN_SPEED = 1e-12
 @compiled
 def wrap_heading(h: float) -> float:
     """Return an angle in [0, 2 pi); nearly all are there already."""
-    if h >= 0.0 and h < TAU:
+    if h >= 0.0 and h < tau:
         return h + 0.0  # -0.0 becomes 0.0, as by the modulo
-    w = h % TAU
-    if w >= TAU:
+    w = h % tau
+    if w >= tau:
         w = 0.0
     return w
 
@@ -37,7 +36,7 @@ def wrap_heading(h: float) -> float:
 @compiled
 def wrap_angle(a: float) -> float:
     """Return an angle in [-pi, pi)."""
-    return (a + pi) % TAU - pi
+    return (a + pi) % tau - pi
 
 
 @compiled

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 
 from lxml import etree
@@ -119,7 +120,7 @@ def _entries(network: Network) -> Iterator[tuple[int, int, int, int]]:
 def _connections_text(
     connections: dict[tuple[str, str, str], list[tuple[int, int]]], children: list[etree._Element]
 ) -> str:
-    taken = [int(one.get("id", "0")) for one in children if one.get("id", "0").isdigit()]
+    taken = [int(one.get("id", "")) for one in children if re.fullmatch("[0-9]{1,9}", one.get("id", ""))]
     texts = []
     for number, (key, lanes) in enumerate(connections.items(), max(taken, default=0) + 1):
         attributes = {"id": str(number), **dict(zip(_NAMES, key, strict=True))}

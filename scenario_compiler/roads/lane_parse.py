@@ -167,7 +167,7 @@ class LaneReader:
             n.lane_speed.append(len(n.speed_s))
             n.lane_mark.append(len(n.mark_s))
         n.section_lane.append(len(n.lane_id))
-        self._widths(outwards, first, span[1])
+        self._widths(outwards, first)
 
     def _side(self, side: PlainElement | None, sign: int) -> list[tuple[int, PlainElement]]:
         """Return the usable lanes of a side from the centre outwards."""
@@ -242,7 +242,7 @@ class LaneReader:
                 if (lane > 0 and left) or (lane < 0 and right):
                     links[row][:] = [lane]
 
-    def _widths(self, lanes: list[tuple[int, PlainElement | None, float]], first: int, end: float) -> None:
+    def _widths(self, lanes: list[tuple[int, PlainElement | None, float]], first: int) -> None:
         """Append the widths of a section's lanes; borders become widths by subtracting the next border inside."""
         n = self._n
         ranges = [(0, 0)] * len(lanes)

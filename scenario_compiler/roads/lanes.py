@@ -3,11 +3,10 @@
 Left and right are as seen along increasing s. A width below 0 counts as 0.
 """
 
-from math import atan, cos, sin
+from math import atan, cos, sin, tau
 
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import (
-    TAU,
     cubic_slope,
     cubic_value,
     piece_point,
@@ -297,7 +296,7 @@ def row_place(
     heading = h
     if slope != 0.0:
         heading = h + atan(slope)
-    if heading <= 0.0 or heading >= TAU:
+    if heading <= 0.0 or heading >= tau:
         heading = wrap_heading(heading)
     c = n.piece_cos[piece]
     w = n.piece_sin[piece]

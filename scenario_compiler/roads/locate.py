@@ -5,10 +5,10 @@ lies in one piece of the reference line and one lane section, so a point is proj
 form on lines and arcs, by Newton's method on spirals and polynomials.
 """
 
-from math import atan2, cos, floor, sin, sqrt
+from math import atan2, cos, floor, sin, sqrt, tau
 
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import TAU, lateral_axis, piece_point, road_piece_at
+from scenario_compiler.roads.geometry import lateral_axis, piece_point, road_piece_at
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import row_at, section_at
 from scenario_compiler.roads.tables import ARC, AT_START, LINE, RoadTables
@@ -98,7 +98,7 @@ def project_on_piece(n: RoadTables, piece: int, low: float, high: float, x: floa
         across = 1.0 - k * v
         q = sqrt(k * k * u * u + across * across)
         d = atan2(k * u, across) / k
-        turn = TAU / abs(k)
+        turn = tau / abs(k)
         if turn > 0.0:
             d = d + turn * floor((0.5 * (low + high) - start - d) / turn + 0.5)
         return start + d, (2.0 * v - k * (u * u + v * v)) / (1.0 + q)

@@ -74,14 +74,14 @@ class _Walk:
             attribute = declaration.attributes.get(name)
             if attribute is None:
                 if not name.startswith(_XSI):
-                    self._unknown_attribute(element, name, declaration, minor)
+                    self._unknown_attribute(element, name, declaration)
             elif attribute.kind and (attribute.kind, value, minor) not in self._fine:
                 self.value(element, name, value, attribute, minor)
         for name, attribute in declaration.attributes.items():
             if attribute.required and name not in given:
                 self._missing_attribute(element, name, declaration)
 
-    def _unknown_attribute(self, element: etree._Element, name: str, declaration: Declaration, minor: int) -> None:
+    def _unknown_attribute(self, element: etree._Element, name: str, declaration: Declaration) -> None:
         tag = local_name(element)
         code, hint = self.faults.unknown_attribute, ""
         if self._names_other_versions(code):
@@ -138,7 +138,7 @@ class _Walk:
             self.findings.report(self.faults.blank, message, element)
 
     def unknown_element(
-        self, child: etree._Element, parent: etree._Element, declaration: Declaration, minor: int
+        self, child: etree._Element, parent: etree._Element, declaration: Declaration
     ) -> tuple[str, int] | None:
         """Report a child that is not known here; return its declaration and version when another version has it."""
         tag = local_name(child)
@@ -225,7 +225,7 @@ class _Children:
             tag = child.tag
             name = self.content.declaration(tag)
             if name is None:
-                other = self.walk.unknown_element(child, self.element, self.declaration, self.minor)
+                other = self.walk.unknown_element(child, self.element, self.declaration)
                 if other is not None:
                     self.found.append((child, *other))
             else:

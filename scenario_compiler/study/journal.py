@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from scenario_compiler.outputs import make_folder
+from scenario_compiler.study.keeping import StudyError
 
 Record = dict[str, Any]
 """A line of a journal: `kind` is the kind of event, `step` the step of the session."""
@@ -20,8 +21,22 @@ def read_journal(path: Path) -> list[Record]:
     """Return the records of a journal; none if there is no file.
 
     An incomplete last line, as after a power failure, is left out.
+
+    Raises:
+        StudyError: A whole line is not a record.
     """
-    return [json.loads(line) for line in _whole_lines(path).split(b"\n") if line]
+    lines = _whole_lines(path).split(b"\n")
+    return [_record(line, f"{path}:{number}") for number, line in enumerate(lines, 1) if line]
+
+
+def _record(line: bytes, place: str) -> Record:
+    try:
+        found = json.loads(line)
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict) or not isinstance(found.get("kind"), str) or type(found.get("step")) is not int:
+        raise StudyError(f"{place}: the journal is damaged: this line is not a record")
+    return found
 
 
 def _whole_lines(path: Path) -> bytes:

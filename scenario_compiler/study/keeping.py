@@ -36,19 +36,38 @@ def manifest_of(compilation: StudyCompilation, *, pilot: bool) -> dict[str, Any]
     }
 
 
+def kept_manifest(root: Path) -> dict[str, Any] | None:
+    """Return the manifest in the folder of a study's data; None if it has none.
+
+    Raises:
+        StudyError: The file is damaged.
+    """
+    file = root / MANIFEST
+    if not file.is_file():
+        return None
+    try:
+        found = json.loads(file.read_bytes())
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict) or not isinstance(found.get("study"), str):
+        raise StudyError(f"{file} is damaged: it does not describe a study")
+    return found
+
+
 @contextmanager
 def study_folder(root: Path, compilation: StudyCompilation, *, pilot: bool) -> Iterator[None]:
     """Own the folder of a study's data in this context; existing data are continued.
 
     Raises:
-        StudyError: The folder contains something else, another study, or is in use.
+        StudyError: The folder contains something else, another study or a damaged one, or is in use.
         OSError: It cannot be written.
     """
     manifest = manifest_of(compilation, pilot=pilot)
     file = root / MANIFEST
     make_folder(root)
-    if file.is_file():
-        if json.loads(file.read_text(encoding="utf-8")) != manifest:
+    kept = kept_manifest(root)
+    if kept is not None:
+        if kept != manifest:
             raise StudyError(f"{root} holds the data of another study, or of this one before it was changed")
     elif any(root.iterdir()):
         raise StudyError(f"{root} is not empty and contains no study")

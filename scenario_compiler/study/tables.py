@@ -12,10 +12,13 @@ from typing import Any
 from scenario_compiler.batch.codebook import Column
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.recording.cells import text_cell
-from scenario_compiler.study.keeping import MANIFEST, StudyError
+from scenario_compiler.study.keeping import StudyError, kept_manifest
 
 PLACES = ("", "before.", "trial.", "after.")
 """Prefixes for the columns of a questionnaire in the tidy table, if it is asked at several places."""
+
+KEYS = ("participant_id", "session_id", "run")
+"""Columns that say to which run a row belongs."""
 
 MISSING = "n/a"
 """Text for a missing value in a table, after BIDS."""
@@ -40,12 +43,29 @@ def _cell(value: Any) -> str:
     return text_cell(" ".join(str(value).split()))
 
 
-def read_table(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a tab-separated table; none if there is no file."""
+def read_table(path: Path, columns: Sequence[str] = ()) -> list[dict[str, str]]:
+    """Return the rows of a tab-separated table; none if there is no file.
+
+    Args:
+        path: The table.
+        columns: Columns that it must have, if it has rows.
+
+    Raises:
+        StudyError: It is damaged: it is not text in UTF-8, a row is not as long as the first line, or a column is
+            missing.
+    """
     if not path.is_file():
         return []
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file, delimiter="\t"))
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            head, *lines = csv.reader(file, delimiter="\t")
+            rows = [dict(zip(head, line, strict=True)) for line in lines]
+    except (ValueError, csv.Error):
+        raise StudyError(f"{path} is damaged: it is not a table of a study") from None
+    missing = [one for one in columns if rows and one not in head]
+    if missing:
+        raise StudyError(f"{path} is damaged: it has no column {', '.join(missing)}")
+    return rows
 
 
 def tidy_rows(root: Path) -> list[dict[str, str]]:
@@ -56,21 +76,21 @@ def tidy_rows(root: Path) -> list[dict[str, str]]:
     as in `sickness.before.nausea`.
 
     Raises:
-        StudyError: The folder contains no study.
+        StudyError: The folder contains no study, or a damaged one.
     """
-    if not (root / MANIFEST).is_file():
-        raise StudyError(f"{root} contains no study")
+    own_task = _task(root)
     tables: dict[str, list[dict[str, str]]] = {}
     for file in sorted(root.glob("sub-*/ses-*/beh/*_beh.tsv")):
         task = file.stem.split("_task-")[1].removesuffix("_beh")
-        tables.setdefault(task, []).extend(read_table(file))
-    rows = tables.pop(_task(root), [])
+        needed = KEYS if task == own_task else (*KEYS, "when")
+        tables.setdefault(task, []).extend(read_table(file, needed))
+    rows = tables.pop(own_task, [])
     for task, answers in sorted(tables.items()):
         places = sorted({one["when"] for one in answers})
         for place in places:
             prefix = task if len(places) == 1 else f"{task}.{place}"
             given = {_key(one): one for one in answers if one["when"] == place}
-            told = [name for name in answers[0] if name not in ("participant_id", "session_id", "run", "when")]
+            told = [name for name in answers[0] if name not in (*KEYS, "when")]
             for row in rows:
                 own = given.get(_key(row) if place == "trial" else (*_key(row)[:2], MISSING))
                 row |= {f"{prefix}.{name}": MISSING if own is None else own[name] for name in told}
@@ -78,12 +98,16 @@ def tidy_rows(root: Path) -> list[dict[str, str]]:
 
 
 def _task(root: Path) -> str:
-    """Return the task of the tables with the runs: the name of the study."""
-    return str(json.loads((root / MANIFEST).read_text(encoding="utf-8"))["study"])
+    """Return the task of the tables with the runs: the name of the study; StudyError if the folder contains none."""
+    kept = kept_manifest(root)
+    if kept is None:
+        raise StudyError(f"{root} contains no study")
+    return str(kept["study"])
 
 
 def _key(row: Mapping[str, str]) -> tuple[str, str, str]:
-    return row["participant_id"], row["session_id"], row["run"]
+    participant, session, run = KEYS
+    return row[participant], row[session], row[run]
 
 
 def write_tidy(root: Path, output: Path) -> int:
@@ -92,7 +116,7 @@ def write_tidy(root: Path, output: Path) -> int:
     A JSON file beside it describes the columns.
 
     Raises:
-        StudyError: The folder contains no study, or no run yet.
+        StudyError: The folder contains no study, a damaged one, or no run yet.
         OSError: The table cannot be written.
     """
     rows = tidy_rows(root)
@@ -101,14 +125,14 @@ def write_tidy(root: Path, output: Path) -> int:
     lines = [list(rows[0]), *([value if value != MISSING else "" for value in row.values()] for row in rows)]
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(lines)
-    write_whole(output, text.getvalue())
     book, own = {}, _task(root)
-    for one in read_table(root / "codebook.tsv"):
+    for one in read_table(root / "codebook.tsv", ("table", "column", "kind", "unit", "definition", "missing")):
         task = one["table"].removeprefix("task-").removesuffix("_beh")
         column = one["column"]
         names = (column,) if task == own else (f"{task}.{place}{column}" for place in PLACES)
         for name in names:
             if name in rows[0]:
                 book[name] = {key: one[key] for key in ("kind", "unit", "definition", "missing") if one[key] != MISSING}
+    write_whole(output, text.getvalue())
     write_whole(output.with_suffix(".json"), json.dumps(book, indent=1, ensure_ascii=False) + "\n")
     return len(rows)

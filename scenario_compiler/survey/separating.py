@@ -95,7 +95,7 @@ def separate_all(
     Args:
         targets: FILE#name of each.
         processes: Number of processes to spread them over.
-        maps: Folders that maps are looked for in first.
+        maps: Folders in which maps are looked for first.
         perception: What tells the automation of its lane.
         progress: Called with how many are done, and of how many.
     """

@@ -93,7 +93,7 @@ def survey(
         sink: Where faults go.
         runs: Number of runs of each scenario, with ideal perception and the seeds from 1 on.
         processes: Number of processes that the scenarios are spread over.
-        maps: Folders that maps are looked for in first.
+        maps: Folders in which maps are looked for first.
         progress: Called with how many scenarios are done, and of how many.
     """
     targets = [one.target for one in list_library(folder, sink) if one.kind == "conflict"]

@@ -236,7 +236,7 @@ def test_a_case_is_repeated_from_its_command_line(conflict: Path, tmp_path: Path
     assert again.measures["minimum_distance"].value == rows["minimum_distance"][2]
 
 
-@pytest.mark.parametrize("text", ["worst", "worst:0", "best:3", "all:3", "random:x"])
+@pytest.mark.parametrize("text", ["worst", "worst:0", "best:3", "all:3", "random:x", "random:²"])
 def test_an_invalid_value_of_traces_is_refused(text: str) -> None:
     with pytest.raises(SweepError, match="give worst:K"):
         _spec(traces=text).traces_wanted()

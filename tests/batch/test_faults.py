@@ -247,7 +247,7 @@ DAMAGES: dict[str, Callable[[Path], object]] = {
     "empty": lambda path: path.write_bytes(b""),
     "a bit": _flip,
     "other columns": lambda path: pq.write_table(pa.table({"x": [1.0]}), path),
-    "text": lambda path: path.write_text("variant,result"),
+    "text": lambda path: path.write_text("variant,result", encoding="utf-8"),
 }
 
 

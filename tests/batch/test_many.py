@@ -21,7 +21,7 @@ from tests.test_cli import CONFLICT
 @pytest.fixture(scope="module")
 def plan(tmp_path_factory: pytest.TempPathFactory) -> Plan:
     file = tmp_path_factory.mktemp("many") / "it.xml"
-    file.write_text(CONFLICT)
+    file.write_text(CONFLICT, encoding="utf-8")
     return compile_scenario(file, overrides=Overrides(perception="ideal"))
 
 
@@ -68,7 +68,9 @@ def test_a_report_plays_in_a_notebook(plan: Plan, network: Network, tmp_path: Pa
         recording = run(plan, world)
     shown = Report([Run(plan, network, recording, judge(plan, recording))])._repr_html_()
     notebook = tmp_path / "notebook.html"
-    notebook.write_text(f"<!DOCTYPE html><html><head><meta charset='utf-8'></head><body>{shown}</body></html>")
+    notebook.write_text(
+        f"<!DOCTYPE html><html><head><meta charset='utf-8'></head><body>{shown}</body></html>", encoding="utf-8"
+    )
     with opened_page(browser, notebook.as_uri()) as page:
         frame = page.frame_locator("iframe")
         frame.locator(".player.ready").wait_for()

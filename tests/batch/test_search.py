@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -49,6 +50,8 @@ def test_a_missing_boundary_is_reported(conflict: Path, tmp_path: Path) -> None:
             find_boundary(conflict, spec, tmp_path / text, when=when, tolerance=1.0)
     with pytest.raises(SweepError, match="needs a range"):
         find_boundary(conflict, _spec("distance=normal(1, 2)"), tmp_path / "n", when="collision", tolerance=1.0)
+    with pytest.raises(SweepError, match="too small"):
+        find_boundary(conflict, spec, tmp_path / "nan", when="collision", tolerance=math.nan)
 
 
 @pytest.mark.parametrize("optimizer", ["direct", "nelder-mead"])
@@ -64,3 +67,5 @@ def test_the_least_distance_is_found(conflict: Path, tmp_path: Path, optimizer: 
     assert again == found
     with pytest.raises(SweepError, match="no measure"):
         minimise(conflict, spec, tmp_path / "other", measure="beauty", evaluations=3)
+    with pytest.raises(SweepError, match="at least one run"):
+        minimise(conflict, spec, tmp_path / "none", measure="minimum_distance", evaluations=0)

@@ -72,7 +72,7 @@ def driven(browser: Browser, target: str, perception: str, seconds: float, folde
             page.wait_for_timeout(RELEASED)
         page.evaluate("page.say({kind: 'stop'})")
         page.wait_for_function("document.querySelector('#ended').textContent !== ''")
-    return Driven(target, perception, at, json.loads((out / "drive-001" / "live.json").read_text()))
+    return Driven(target, perception, at, json.loads((out / "drive-001" / "live.json").read_text(encoding="utf-8")))
 
 
 def main() -> None:

@@ -49,10 +49,10 @@ def main(count: int, size: str) -> None:
     """Let participants drive, and print what their runs have recorded."""
     with tempfile.TemporaryDirectory() as folder:
         study = made.study(Path(folder))
-        text = study.read_text().replace('participants="2"', f'participants="{count}"')
+        text = study.read_text(encoding="utf-8").replace('participants="2"', f'participants="{count}"')
         head, _, rest = text.replace('from="0.5" to="1.5"', 'from="900" to="900"').partition("  <before>")
-        study.write_text(head + rest.partition("</before>\n")[2])
-        study.with_name("conflicts.xml").write_text(ENDLESS)
+        study.write_text(head + rest.partition("</before>\n")[2], encoding="utf-8")
+        study.with_name("conflicts.xml").write_text(ENDLESS, encoding="utf-8")
         data = study.parent / "data"
         with served("study", study, "--perception", "ideal", "--size", size, "-o", data) as server:
             people = range(1, count + 1)
@@ -68,7 +68,7 @@ def main(count: int, size: str) -> None:
             while len(found := sorted(data.glob("sourcedata/*/*/*/live.json"))) < count:
                 time.sleep(0.1)
         for one, file in zip(people, found, strict=True):
-            print(one, json.loads(file.read_text()))
+            print(one, json.loads(file.read_text(encoding="utf-8")))
 
 
 if __name__ == "__main__":

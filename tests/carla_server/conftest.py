@@ -55,7 +55,7 @@ def served(folder: Path, *arguments: str) -> Iterator[Served]:
         assert process.stdout is not None
         line = process.stdout.readline()
         found = re.search(r":(\d+) ", line)
-        assert found is not None, (line, Path(log.name).read_text())
+        assert found is not None, (line, Path(log.name).read_text(encoding="utf-8"))
         yield Served(int(found.group(1)), process, folder)
     finally:
         gc.collect()  # clients that nobody holds any more end before their server does
@@ -68,7 +68,7 @@ def served(folder: Path, *arguments: str) -> Iterator[Served]:
         log.close()
         if process.stdout is not None:
             process.stdout.close()
-    told = Path(log.name).read_text()
+    told = Path(log.name).read_text(encoding="utf-8")
     assert code == 0, told
     assert "Traceback" not in told, told[told.find("Traceback") - 200 :][:4000]
     assert "a tick failed" not in told, told[-3000:]

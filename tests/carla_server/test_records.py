@@ -90,7 +90,7 @@ def test_nothing_is_written_or_read_outside_the_served_folder(server: Served, na
 
 
 def test_a_file_that_is_not_a_recording_is_refused(server: Served) -> None:
-    (server.files / "text.log").write_text("nothing of ours")
+    (server.files / "text.log").write_text("nothing of ours", encoding="utf-8")
     with pytest.raises(RuntimeError, match="is not a recording of this server"):
         server.client().show_recorder_file_info("text.log", False)
     with pytest.raises(RuntimeError, match="not found"):

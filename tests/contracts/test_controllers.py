@@ -101,7 +101,8 @@ def test_a_users_own_controller_is_named_by_module_and_class(tmp_path: Path, mon
                 def control(self, sensor_data, speed, vehicle):
                     return Control(throttle=self.params.throttle, steer=0.0, brake=0.0)
             """
-        )
+        ),
+        encoding="utf-8",
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     written = Controller(model="mine:Straight", properties=(Property(name="throttle", value="0.7"),))

@@ -36,6 +36,8 @@ def test_answers_are_those_recorded(path: Path, request: pytest.FixtureRequest) 
 
 def test_every_request_has_cases() -> None:
     asked = {
-        part.partition("\n")[0].partition(" ")[0] for path in CASES for part in path.read_text().split("\n--- ")[1:]
+        part.partition("\n")[0].partition(" ")[0]
+        for path in CASES
+        for part in path.read_text(encoding="utf-8").split("\n--- ")[1:]
     }
     assert asked == set(ANSWERS)

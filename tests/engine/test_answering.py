@@ -33,7 +33,8 @@ def program_of(tmp_path: Path) -> Callable[..., Program]:
         file.write_text(
             f'<scenarios version="1"><scenario name="s" map="town_grid" duration="10">{declared}'
             '<ego speed="10"><start><lane road="1" lane="-1" s="20"/></start></ego>'
-            f'<takeover budget="{budget}">{takeover}</takeover></scenario></scenarios>'
+            f'<takeover budget="{budget}">{takeover}</takeover></scenario></scenarios>',
+            encoding="utf-8",
         )
         sink = Diagnostics()
         done = compile_target(file, {}, sink)

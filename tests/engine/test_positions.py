@@ -61,7 +61,7 @@ EGO = LanePositionWord(road="1", lane=-1, s=100.0)
 ONCOMING = LanePositionWord(road="1", lane=1, s=100.0)
 
 
-def at_time(time: float, number: int, *actions: Action, actor: str = "b") -> Event:
+def at_time(time: float, number: int, *actions: Action) -> Event:
     """Return an event that does actions from a time on, in its own words' place in the manoeuvre."""
     begin = TriggerCondition(condition=SimulationTimeCondition(after=time))
     return Event(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import get_args
 
 import pytest
@@ -194,7 +193,7 @@ def test_a_posed_ego_is_left_to_another_program() -> None:
     assert build_program(plan_on(network), network, posed=True).entity_motion[0] == op.MOTION_POSED
 
 
-def test_a_plan_for_another_map_is_refused(tmp_path: Path) -> None:
+def test_a_plan_for_another_map_is_refused() -> None:
     network = highway()
     plan = plan_on(network).model_copy(update={"destination": LanePositionWord(road="9", lane=-1, s=1.0)})
     with pytest.raises(KeyError):

@@ -98,7 +98,7 @@ def test_boxes_that_overlap_are_in_contact(simulation: Simulation) -> None:
     assert simulation.contacts() == []
 
 
-def test_a_vehicle_stands_on_the_slope_below_it(town: Network, simulation: Simulation) -> None:
+def test_a_vehicle_stands_on_the_slope_below_it(town: Network) -> None:
     steep = max(
         ((road, s) for road in town.road_ids for s in (10.0, 30.0) if s < town.road(road).length),
         key=lambda at: abs(town.grade(*at)),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 import os
 import shutil
 import subprocess
@@ -10,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from scenario_compiler.forms.language import FunctionSource, marked_functions
 from scenario_compiler.forms.machine_code import library, why_interpreted
 from scenario_compiler.forms.making import BuildError, NoCompilerError, build, compiler
 from scenario_compiler.forms.note import PACKAGE, Note, source_files
@@ -27,6 +30,21 @@ def test_a_library_is_made_of_all_marked_modules() -> None:
     assert note is not None
     assert set(note.sources) == {path.relative_to(PACKAGE).as_posix() for path in source_files()}
     assert {"engine/story/step.py", "roads/locate.py", "forms/engine.h", "randomness.py"} <= set(note.sources)
+
+
+def test_a_library_depends_on_every_module_that_a_marked_function_names() -> None:
+    """Its numbers are written into the C, so a change in one of these modules makes the library stale."""
+    named = set()
+    for function in marked_functions():
+        home = Path(inspect.getfile(function))
+        used = {node.id for node in ast.walk(FunctionSource.of(function).tree) if isinstance(node, ast.Name)}
+        for node in ast.walk(ast.parse(home.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and used & {one.asname or one.name for one in node.names}:
+                named.add(str(node.module))
+    ours = {name.partition(".")[2].replace(".", "/") for name in named if name.startswith(f"{PACKAGE.name}.")}
+    sources = {path.relative_to(PACKAGE).as_posix() for path in source_files()}
+    assert "vocabulary/horizon" in ours
+    assert [name for name in sorted(ours) if not {f"{name}.py", f"{name}/__init__.py"} & sources] == []
 
 
 def test_a_changed_source_makes_a_library_stale() -> None:

@@ -98,7 +98,7 @@ def chain(folder: Path, length: int) -> Path:
     for number in range(length):
         include = f'<include file="{number + 1}.xml"/>' if number + 1 < length else ""
         (folder / f"{number}.xml").write_text(
-            f'<scenarios version="1">{include}<template name="t{number}"/></scenarios>'
+            f'<scenarios version="1">{include}<template name="t{number}"/></scenarios>', encoding="utf-8"
         )
     return folder / "0.xml"
 
@@ -138,7 +138,7 @@ MOST_MEMORY = 1_500 * 1024
 @pytest.mark.parametrize("name", LARGE)
 def test_a_large_file_takes_bounded_memory_and_words(tmp_path: Path, name: str) -> None:
     file = tmp_path / name
-    file.write_text(LARGE[name]())
+    file.write_text(LARGE[name](), encoding="utf-8")
     program = (
         "import resource, sys\nfrom scenario_compiler.cli import main\n"
         "code = main(sys.argv[1:])\n"
@@ -186,7 +186,8 @@ def whole_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = folder / "s.xml"
     file.write_text(
         '<scenarios version="1"><scenario name="s" map="town_grid" duration="0.3"><ego speed="10"><start>'
-        '<lane road="1" lane="-1" s="20"/></start></ego></scenario></scenarios>'
+        '<lane road="1" lane="-1" s="20"/></start></ego></scenario></scenarios>',
+        encoding="utf-8",
     )
     assert call("run", file, "--perception", "ideal", "-o", folder / "out") == 0
     return folder / "out"

@@ -34,17 +34,17 @@ CONDITIONS = 10
 
 def written(folder: Path, participants: int, runs: int, duration: float = 0.4) -> Path:
     """Write a study of short runs, so many for each participant, and its conflicts; return its file."""
-    (folder / "conflicts.xml").write_text(SHORT.format(duration=duration))
+    (folder / "conflicts.xml").write_text(SHORT.format(duration=duration), encoding="utf-8")
     conditions = CONDITIONS if runs % CONDITIONS == 0 else 1
     scenarios = "".join(f'<scenario name="short{k}" target="conflicts.xml#short"/>' for k in range(conditions))
     study = STUDY.format(participants=participants, repetitions=runs // conditions, scenarios=scenarios)
-    (folder / "study.xml").write_text(study)
+    (folder / "study.xml").write_text(study, encoding="utf-8")
     return folder / "study.xml"
 
 
 def resident(server: Served) -> float:
     """Return the memory that a server's process holds, MiB."""
-    text = Path(f"/proc/{server.process.pid}/status").read_text()
+    text = Path(f"/proc/{server.process.pid}/status").read_text(encoding="utf-8")
     return next(float(line.split()[1]) / 1024.0 for line in text.splitlines() if line.startswith("VmRSS"))
 
 

@@ -33,7 +33,7 @@ def carla(tmp_path: Path, client_version: str) -> Iterator[conftest.Served]:
 
 def test_a_person_takes_over_and_brakes_in_carla(tmp_path: Path, carla: conftest.Served) -> None:
     scenario, out = tmp_path / "soon.xml", tmp_path / "out"
-    scenario.write_text(SOON)
+    scenario.write_text(SOON, encoding="utf-8")
     words = ("drive", scenario, "--perception", "ideal", "--world", "carla", "--carla-port", carla.port, "-o", out)
     with (
         served(*words) as server,
@@ -70,8 +70,12 @@ def test_a_person_takes_over_and_brakes_in_carla(tmp_path: Path, carla: conftest
 def test_a_participant_of_a_study_takes_over_in_carla(tmp_path: Path, carla: conftest.Served) -> None:
     study, data = made.study(tmp_path), tmp_path / "data"
     conflicts = tmp_path / "conflicts.xml"
-    lasting = conflicts.read_text().replace('duration="8"', 'duration="600"').replace('after="60"', 'after="600"')
-    conflicts.write_text(lasting)
+    lasting = (
+        conflicts.read_text(encoding="utf-8")
+        .replace('duration="8"', 'duration="600"')
+        .replace('after="60"', 'after="600"')
+    )
+    conflicts.write_text(lasting, encoding="utf-8")
     words = (*serving(study), "--world", "carla", "--carla-port", carla.port)
     with served(*words) as server, opened_browser() as browser:
         started(browser, server, 1)

@@ -75,14 +75,14 @@ UNEVEN = """
 @pytest.fixture
 def soon(tmp_path: Path) -> Path:
     file = tmp_path / "soon.xml"
-    file.write_text(SOON)
+    file.write_text(SOON, encoding="utf-8")
     return file
 
 
 @pytest.fixture
 def open_road(tmp_path: Path) -> Path:
     file = tmp_path / "open.xml"
-    file.write_text(OPEN)
+    file.write_text(OPEN, encoding="utf-8")
     return file
 
 
@@ -140,9 +140,11 @@ def test_a_person_takes_over_by_keys_drives_and_is_repeated_bit_for_bit(
     assert recording.stop_reason == "user"
     by_hand = recording.control == next(code for code, name in SOURCES.items() if name == "person")
     assert recording.person_brake[by_hand].max() > 0.5
-    inputs = [json.loads(line) for line in (out / "drive-001" / "inputs.jsonl").read_text().splitlines()]
+    inputs = [
+        json.loads(line) for line in (out / "drive-001" / "inputs.jsonl").read_text(encoding="utf-8").splitlines()
+    ]
     assert [one["brake"] for one in inputs] == recording.person_brake[1:].tolist()
-    figures = json.loads((out / "drive-001" / "live.json").read_text())
+    figures = json.loads((out / "drive-001" / "live.json").read_text(encoding="utf-8"))
     assert figures["latency_count"] > 0
     assert 0 < figures["latency_median_ms"] <= figures["latency_p95_ms"]
     duration = f"{recording.t[-1]:.2f}"
@@ -208,7 +210,7 @@ def test_a_vehicle_whose_person_leaves_stops_and_nothing_is_lost(
 
 def seconds_since_leaving(inputs: Path) -> float:
     """Return the time of the run since its person left, s, as far as the file of the inputs goes; 0 before."""
-    complete = inputs.read_text().rpartition("\n")[0].splitlines()
+    complete = inputs.read_text(encoding="utf-8").rpartition("\n")[0].splitlines()
     rows = [json.loads(line) for line in complete]
     left = [row["t"] for row in rows if row["wish"] == "leave"]
     return float(rows[-1]["t"] - left[0]) if left else 0.0
@@ -216,7 +218,7 @@ def seconds_since_leaving(inputs: Path) -> float:
 
 def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path, browser: Browser) -> None:
     file, out = tmp_path / "soon.xml", tmp_path / "out"
-    file.write_text(TOLD)
+    file.write_text(TOLD, encoding="utf-8")
     with (
         served("drive", file, "--perception", "ideal", "-o", out) as server,
         opened_page(browser, server.address, bypass_csp=True) as page,

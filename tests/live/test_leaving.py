@@ -36,7 +36,7 @@ TOLD = '<when><time after="2"/><do>{}</do></when>'
 
 def written(folder: Path, told: str = "", duration: int = 600) -> Path:
     file = folder / "left.xml"
-    file.write_text(LEFT_IN.format(told=TOLD.format(told) if told else "", duration=duration))
+    file.write_text(LEFT_IN.format(told=TOLD.format(told) if told else "", duration=duration), encoding="utf-8")
     return file
 
 
@@ -81,7 +81,7 @@ def test_a_browser_that_is_killed_leaves_a_whole_run(
         assert recording.v[-1, 0] == pytest.approx(0.0, abs=0.1)
     else:
         assert recording.stop_reason == "duration"
-    rows = len((out / "drive-001" / "inputs.jsonl").read_text().splitlines())
+    rows = len((out / "drive-001" / "inputs.jsonl").read_text(encoding="utf-8").splitlines())
     assert rows == len(recording.t) - 1
 
 
@@ -99,7 +99,10 @@ def test_who_is_killed_before_the_start_leaves_the_wheel_to_the_next(tmp_path: P
 @pytest.mark.slow
 def test_a_questionnaire_outlives_the_browser(tmp_path: Path, browser: Browser) -> None:
     study = made.study(tmp_path)
-    study.write_text(study.read_text().replace('<page file="welcome.md"/>', '<ask file="effort.xml"/>'))
+    study.write_text(
+        study.read_text(encoding="utf-8").replace('<page file="welcome.md"/>', '<ask file="effort.xml"/>'),
+        encoding="utf-8",
+    )
     with served(*serving(study)) as server:
         started(browser, server, 1)
         address = f"{server.address}participant/1"

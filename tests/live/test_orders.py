@@ -18,14 +18,14 @@ pytestmark = pytest.mark.slow
 @pytest.fixture
 def open_road(tmp_path: Path) -> Path:
     file = tmp_path / "open.xml"
-    file.write_text(OPEN)
+    file.write_text(OPEN, encoding="utf-8")
     return file
 
 
 @pytest.fixture
 def told(tmp_path: Path) -> Path:
     file = tmp_path / "told.xml"
-    file.write_text(TOLD)
+    file.write_text(TOLD, encoding="utf-8")
     return file
 
 

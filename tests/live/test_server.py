@@ -13,6 +13,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
+from tests.command import call
 from tests.live.serving import Served, seated, served
 from tests.live.test_drive import OPEN
 from tests.test_cli import CONFLICT
@@ -21,7 +22,7 @@ from tests.test_cli import CONFLICT
 @pytest.fixture(scope="module")
 def conflict(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("live") / "it.xml"
-    file.write_text(CONFLICT)
+    file.write_text(CONFLICT, encoding="utf-8")
     return file
 
 
@@ -144,7 +145,7 @@ def picture(page: ClientConnection, seconds: int) -> dict[str, Any]:
 
 def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(tmp_path: Path) -> None:
     file = tmp_path / "open.xml"
-    file.write_text(OPEN)
+    file.write_text(OPEN, encoding="utf-8")
     with served("drive", file, "--perception", "ideal") as server, server.connected() as page:
         seated(page)
         page.send('{"kind": "start"}')
@@ -165,7 +166,7 @@ def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(tmp_path: P
 def test_the_end_of_a_run_does_not_wait_for_a_page_that_is_slow(tmp_path: Path) -> None:
     """A page that the screen does not show may keep pictures for as long as it is hidden."""
     file = tmp_path / "open.xml"
-    file.write_text(OPEN.replace('duration="600"', 'duration="3"'))
+    file.write_text(OPEN.replace('duration="600"', 'duration="3"'), encoding="utf-8")
     with served("drive", file, "--perception", "ideal") as server, server.connected() as page:
         seated(page)
         page.send('{"kind": "start"}')
@@ -194,6 +195,14 @@ def test_a_second_page_watches(own: Served) -> None:
             assert json.loads(other.recv(timeout=30)) == {"role": "viewer"}
             other.send('{"kind": "start"}')
             assert closes(other)
+
+
+def test_an_address_that_cannot_be_served_is_named(
+    own: Served, conflict: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    port = own.host.rpartition(":")[2]
+    assert call("drive", conflict, "--perception", "ideal", "--port", port) == 2
+    assert f"127.0.0.1:{port}: cannot be served: Address already in use" in capsys.readouterr().err
 
 
 def test_an_interrupted_server_ends_in_one_line(conflict: Path) -> None:

@@ -19,7 +19,7 @@ from tests.live.test_drive import OPEN
 @pytest.fixture(scope="module")
 def compiled(tmp_path_factory: pytest.TempPathFactory) -> Compilation:
     file = tmp_path_factory.mktemp("session") / "open.xml"
-    file.write_text(OPEN)
+    file.write_text(OPEN, encoding="utf-8")
     overrides = Overrides(perception="ideal", step=0.02, duration=1.0)
     done = compile_target(file, {}, Diagnostics(), overrides=overrides)
     assert done is not None

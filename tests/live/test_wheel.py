@@ -91,10 +91,10 @@ def test_inputs_are_written_as_they_happen(tmp_path: Path) -> None:
     steps = int(1.0 / 0.02) + 1
     for k in range(steps):
         wheel.act(k * 0.02, "manual")
-    on_disk = [json.loads(line) for line in file.read_text().splitlines()]
+    on_disk = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
     assert on_disk[-1]["t"] >= 1.0 - KEPT_EVERY
     wheel.close()
-    kept = [json.loads(line) for line in file.read_text().splitlines()]
+    kept = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
     assert len(kept) == steps
     assert kept[3] == {"t": 0.06, "throttle": 0.25, "brake": 0.0, "steer": 0.0, "wish": ""}
 
@@ -114,7 +114,7 @@ def test_a_run_does_not_wait_for_a_disk_that_is_busy(tmp_path: Path, monkeypatch
         wheel.act(KEPT_EVERY + k * 0.02, "manual")
     free.set()
     wheel.close()
-    assert len((tmp_path / "inputs.jsonl").read_text().splitlines()) == 101
+    assert len((tmp_path / "inputs.jsonl").read_text(encoding="utf-8").splitlines()) == 101
 
 
 def acted_for_ever(wheel: Wheel) -> None:

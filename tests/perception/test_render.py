@@ -221,7 +221,9 @@ def test_a_town_costs_no_more_than_what_is_near(corpus: Path) -> None:
 def test_a_map_far_out_looks_the_same(repository: Path, tmp_path: Path) -> None:
     """Where a map of southern Germany lies in UTM coordinates; single precision resolves 0.5 m there."""
     path = repository / "maps/town_grid/town_grid.xodr"
-    (tmp_path / "far.xodr").write_text(shifted(path.read_text(encoding="utf-8"), 500_000.0, 5_400_000.0))
+    (tmp_path / "far.xodr").write_text(
+        shifted(path.read_text(encoding="utf-8"), 500_000.0, 5_400_000.0), encoding="utf-8"
+    )
     here, there = load_network(path), load_network(tmp_path / "far.xodr", cache=False)
     assert here is not None
     assert there is not None

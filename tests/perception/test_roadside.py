@@ -217,6 +217,12 @@ def test_a_sign_faces_the_traffic_that_it_is_meant_for(
     assert float(board[..., 2].min()) == pytest.approx(2.0, abs=0.06)
 
 
+@pytest.mark.parametrize("kind", ["²", "٣", "9" * 5000])
+def test_a_sign_whose_type_is_not_a_number_is_a_board(kind: str, tmp_path: Path) -> None:
+    board, unknown = (beside(tmp_path, signal(one)).uprights for one in ("unknown", kind))
+    assert np.array_equal(unknown.quads, board.quads)
+
+
 def test_a_signal_stands_on_a_post_unless_it_hangs_over_the_road(tmp_path: Path) -> None:
     beside_it, over_it = (beside(tmp_path, signal("274", t=t, zOffset=z)).uprights for t, z in ((-5, 2), (-1.75, 5.5)))
     assert (beside_it.tag == Tag.POLE).any()

@@ -49,7 +49,7 @@ def tilted(grade: float, bank: float) -> str:
 
 def read(folder: Path, text: str) -> tuple[Network, Terrain]:
     path = folder / "ground.xodr"
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     network = load_network(path, cache=False)
     return network, Terrain(road_surface(network))
 

@@ -176,21 +176,22 @@ def test_a_trajectory_is_compared_by_its_columns_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "reason"),
     [
-        "",
-        "t,name\n",
-        "t,name,x,y,h,v,road,lane,s,off\n",
-        "t,name,x,y,h,v,road,lane,s,off\n0,a,1,2\n",
-        "t,name,x,y,h,v,road,lane,s,off\n0,a,1,2,0,nan,1,-1,0,0\n",
-        "t,name,x,y,h,v,road,lane,s,off\n0,a,1,2,0,0,1,left,0,0\n",
-        "t,name,x,y,h,v,road,lane,s,off\n0,a,1,2,0,0,1,99999999999999999999,0,0\n",
-        't,name,x,y,h,v,road,lane,s,off\n"0,a',
-        "t,name,x,y,h,v,road,lane,s,off\n0,a,1,2,0,0,1,-1,0,0,7\n\xff\0",
+        ("", "it has no row"),
+        ("t,name\n", "it has no row"),
+        ("name,x\na,1\n", "it has no column road"),
+        ("t,name,x,y,h,v,road,lane,s,off\n", "it has no row"),
+        ("t,name,x,y,h,v,road,lane,s,off\n0,a,1,2\n", "the row of 0 s is incomplete"),
+        ("t,name,x,y,h,v,road,lane,s,off\n0,a,1,2,0,nan,1,-1,0,0\n", "nan is not a finite number"),
+        ("t,name,x,y,h,v,road,lane,s,off\n0,a,1,2,0,0,1,left,0,0\n", "invalid literal"),
+        ("t,name,x,y,h,v,road,lane,s,off\n0,a,1,2,0,0,1,99999999999999999999,0,0\n", "too large"),
+        ('t,name,x,y,h,v,road,lane,s,off\n"0,a', "unexpected end of data"),
+        ("t,name,x,y,h,v,road,lane,s,off\n0,a,1,2,0,0,1,-1,0,0,7\n\xff\0", "it is not text in UTF-8"),
     ],
 )
-def test_a_file_without_trajectories_is_refused(tmp_path: Path, text: str) -> None:
+def test_a_file_without_trajectories_is_refused(tmp_path: Path, text: str, reason: str) -> None:
     file = tmp_path / "it.csv"
     file.write_bytes(text.encode("latin-1"))
-    with pytest.raises(TrajectoryError, match=r"it\.csv"):
+    with pytest.raises(TrajectoryError, match=rf"it\.csv does not contain trajectories: .*{reason}"):
         read_trajectory(file)

@@ -118,11 +118,11 @@ def test_an_undefined_measure_is_null_and_says_why(tmp_path: Path) -> None:
     measure = read_outcome(tmp_path / "o.json").measures["takeover_time"]
     assert measure.value is None
     assert measure.undefined == "there was no request, or no response to it"
-    assert "null" in (tmp_path / "o.json").read_text()
+    assert "null" in (tmp_path / "o.json").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("text", ["", "{", "{}", "[1]", '{"format": "other"}'])
 def test_a_file_that_is_not_an_outcome_is_refused(tmp_path: Path, text: str) -> None:
-    (tmp_path / "o.json").write_text(text)
+    (tmp_path / "o.json").write_text(text, encoding="utf-8")
     with pytest.raises(OutcomeError, match="not an outcome"):
         read_outcome(tmp_path / "o.json")

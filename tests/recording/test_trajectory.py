@@ -37,7 +37,7 @@ def test_the_trajectory_file(tmp_path: Path) -> None:
     columns["present"][1] = 1
     builder.append(0.1)
     write_trajectory(builder.finish("duration"), tmp_path / "t.csv")
-    assert (tmp_path / "t.csv").read_text() == (
+    assert (tmp_path / "t.csv").read_text(encoding="utf-8") == (
         "t,name,x,y,h,v,road,lane,s,off\n"
         "0,ego,0.1,-2,5.283185307179586,10,12,-1,20,0.25\n"
         "0.1,ego,0.1,-2,5.283185307179586,10,12,-1,20,0.25\n"

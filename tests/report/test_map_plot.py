@@ -50,7 +50,7 @@ def test_equal_maps_give_equal_bytes(town: Network, tmp_path: Path) -> None:
 def test_a_map_names_its_roads_junctions_and_spawn_points(town: Network, tmp_path: Path) -> None:
     points = read_spawn_points(town.path, Diagnostics())
     plot_map(town, tmp_path / "town.svg", spawn_points=points)
-    found = texts((tmp_path / "town.svg").read_text())
+    found = texts((tmp_path / "town.svg").read_text(encoding="utf-8"))
     roads = [name for name in town.road_ids if town.road(name).junction is None]
     assert set(roads) <= set(found)
     assert {f"J {name}" for name in town.junction_ids} <= set(found)
@@ -62,7 +62,7 @@ def test_a_map_names_its_roads_junctions_and_spawn_points(town: Network, tmp_pat
 def test_a_window_shows_what_lies_in_it(town: Network, tmp_path: Path) -> None:
     pose = town.lane_pose("1", -1, 200.0)
     plot_map(town, tmp_path / "part.svg", window=Window(pose.x - 40, pose.y - 20, pose.x + 40, pose.y + 20))
-    found = texts((tmp_path / "part.svg").read_text())
+    found = texts((tmp_path / "part.svg").read_text(encoding="utf-8"))
     assert "1" in found
     assert not {"9", "J 101"} & set(found)
 
@@ -129,7 +129,7 @@ def test_axes_of_another_plot_take_the_map(town: Network) -> None:
 
 def test_a_spawn_point_off_the_map_is_left_out(town: Network, tmp_path: Path) -> None:
     plot_map(town, tmp_path / "town.svg", spawn_points={"nowhere": NamedPosition("1", -1, 1e6, "")})
-    assert "nowhere" not in texts((tmp_path / "town.svg").read_text())
+    assert "nowhere" not in texts((tmp_path / "town.svg").read_text(encoding="utf-8"))
 
 
 def test_an_unknown_ending_is_refused(town: Network, tmp_path: Path) -> None:

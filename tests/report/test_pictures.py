@@ -48,7 +48,7 @@ CONFLICT = """\
 def rain(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A short run in which rain begins."""
     file = tmp_path_factory.mktemp("rain") / "rain.xml"
-    file.write_text(CONFLICT)
+    file.write_text(CONFLICT, encoding="utf-8")
     compiled = compile_target(str(file), {}, Diagnostics(), overrides=Overrides(perception="ideal"))
     assert compiled is not None
     plan, network = compiled.plan, compiled.network

@@ -114,7 +114,7 @@ def test_a_folder_of_somebody_else_is_not_used(folder: Path, path: Path) -> None
     assert file.read_bytes() == b"planted"
 
 
-def test_its_name_covers_all_code_that_reads(folder: Path, path: Path) -> None:
+def test_its_name_covers_all_code_that_reads() -> None:
     """A change in any module that is loaded to read a road file makes another name."""
     probe = """
 import sys

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -125,10 +126,10 @@ def test_joints_of_new_roads_are_closed(corpus: Path, tmp_path: Path) -> None:
                     there = after.lane_pose(
                         after.road_ids[far], n.lane_id[other], n.link_contact[link] * n.road_length[far]
                     )
-                    assert math.dist(here[:2], there[:2]) < 2e-4 + 0.5 * _width_step(before, after, road, row, other)
+                    assert math.dist(here[:2], there[:2]) < 2e-4 + 0.5 * _width_step(after, road, row, other)
 
 
-def _width_step(before: Network, after: Network, road: int, row: int, other: int) -> float:
+def _width_step(after: Network, road: int, row: int, other: int) -> float:
     """How much the widths of two linked lanes differ, m: the file itself joins lanes of unlike widths."""
     n = after.tables
     far = n.section_road[n.lane_section[other]]
@@ -139,7 +140,7 @@ def _width_step(before: Network, after: Network, road: int, row: int, other: int
 def test_all_other_lines_stay_as_they_are(corpus: Path) -> None:
     path = corpus / CUSTOM_MAP
     _, data = export(path)
-    before, after = path.read_text().splitlines(), data.decode().splitlines()
+    before, after = path.read_text(encoding="utf-8").splitlines(), data.decode().splitlines()
     kept = sum(
         block.size for block in difflib.SequenceMatcher(None, before, after, autojunk=False).get_matching_blocks()
     )
@@ -221,6 +222,15 @@ def test_a_road_that_comes_back_to_its_junction_continues(tmp_path: Path, stated
     assert isinstance(found["jump"], float)
     assert found["jump"] < 1.1
     assert export(tmp_path / "exported.xodr")[1] == data
+
+
+def test_a_connection_that_is_added_has_a_free_number(tmp_path: Path) -> None:
+    one = re.sub('<connection id="1".*?</connection>', "", loop("").decode()).replace(
+        'id="0" incoming', 'id="²" incoming'
+    )
+    (tmp_path / "loop.xodr").write_text(one, encoding="utf-8")
+    _, data = export(tmp_path / "loop.xodr")
+    assert re.findall('<connection id="(.*?)"', data.decode()) == ["²", "1"]
 
 
 LANE = """<lane id="{id}" type="driving"><link>{link}</link>
@@ -363,7 +373,7 @@ def read(text: str) -> tuple[Document, Network]:
     return document, Network("text.xodr", "", parsed)
 
 
-def test_edits_keep_quotes_comments_and_encoding(tmp_path: Path) -> None:
+def test_edits_keep_quotes_comments_and_encoding() -> None:
     text = "<?xml version='1.0'?>\n<a  b = 'x>y'><!-- <c/> --><c d='1'  /><e>é</e></a>\n"
     document = parse_document(text.encode(), "text.xml", Diagnostics())
     assert document is not None

@@ -120,7 +120,7 @@ def test_text_form_holds_the_same_as_the_binary_one(town: Network, tmp_path: Pat
     export_mesh(town, tmp_path / "town.glb")
     export_mesh(town, tmp_path / "town.gltf")
     document, data = read_glb((tmp_path / "town.glb").read_bytes())
-    text = json.loads((tmp_path / "town.gltf").read_text())
+    text = json.loads((tmp_path / "town.gltf").read_text(encoding="utf-8"))
     uri = text["buffers"][0].pop("uri")
     assert base64.b64decode(uri.removeprefix("data:application/octet-stream;base64,")) == data
     assert text == document
@@ -175,7 +175,7 @@ def test_quality_of_marks_becomes_steps_of_opacity(town: Network, tmp_path: Path
 def test_obj_has_the_same_triangles(town: Network, tmp_path: Path) -> None:
     files = export_mesh(town, tmp_path / "town.obj")
     assert [path.name for path in files] == ["town.obj", "town.mtl"]
-    lines = [line.split() for line in files[0].read_text().splitlines()]
+    lines = [line.split() for line in files[0].read_text(encoding="utf-8").splitlines()]
     points = np.array([line[1:] for line in lines if line[0] == "v"], np.float64)
     faces = np.array([line[1:] for line in lines if line[0] == "f"], np.int64) - 1
     groups = build_groups(town)
@@ -184,7 +184,9 @@ def test_obj_has_the_same_triangles(town: Network, tmp_path: Path) -> None:
     area = sum(ground_areas(group.points[group.triangles].astype(np.float64)).sum() for group in groups)
     assert ground_areas(points[faces]).sum() == pytest.approx(area, rel=1e-3)
     used = [line[1] for line in lines if line[0] == "usemtl"]
-    assert used == [line.split()[1] for line in files[1].read_text().splitlines() if line.startswith("newmtl")]
+    assert used == [
+        line.split()[1] for line in files[1].read_text(encoding="utf-8").splitlines() if line.startswith("newmtl")
+    ]
 
 
 @pytest.mark.parametrize("ending", FORMATS)

@@ -211,7 +211,7 @@ def test_a_map_far_out_has_the_same_mesh_from_its_origin(tmp_path: Path) -> None
     bend = {"shape": '<arc curvature="0.01"/>', "elevation": '<elevation s="0" a="3" b="0.05" c="0" d="0"/>'}
     near = network(tmp_path, **bend)
     path = tmp_path / "far.xodr"
-    path.write_text(shifted((tmp_path / "road.xodr").read_text(), *UTM), encoding="utf-8")
+    path.write_text(shifted((tmp_path / "road.xodr").read_text(encoding="utf-8"), *UTM), encoding="utf-8")
     far = load_network(path, cache=False)
     assert far is not None
     assert mesh_origin(near).tolist() == [0.0, 0.0, 0.0]

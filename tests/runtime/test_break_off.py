@@ -29,7 +29,7 @@ CONFLICT = """\
 @pytest.fixture
 def conflict(tmp_path: Path) -> Path:
     file = tmp_path / "s.xml"
-    file.write_text(CONFLICT)
+    file.write_text(CONFLICT, encoding="utf-8")
     return file
 
 
@@ -38,9 +38,9 @@ def test_a_run_that_breaks_off_gives_the_reason_and_keeps_its_recording(
 ) -> None:
     plan, out = tmp_path / "plan.json", tmp_path / "out"
     assert call("compile", conflict, "--perception", "ideal", "-o", plan) == 0
-    content = json.loads(plan.read_text())
+    content = json.loads(plan.read_text(encoding="utf-8"))
     content["parameters"][0]["default"] = "1e18"
-    plan.write_text(json.dumps(content))
+    plan.write_text(json.dumps(content), encoding="utf-8")
     assert call("run", plan, "-o", out) == 1
     assert "error[SC523]: 'lead' has the speed 1e+18 m/s at 0 s" in capsys.readouterr().err
     recording = read_recording(out / "recording.parquet")

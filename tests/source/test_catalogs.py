@@ -25,15 +25,15 @@ def _codes(entries: str) -> list[str]:
 
 
 def test_entries_of_a_folder_come_by_name(tmp_path: Path) -> None:
-    (tmp_path / "cars.xml").write_text(_catalog(CAR))
-    (tmp_path / "people.xml").write_text(_catalog(DRIVER))
-    (tmp_path / "notes.txt").write_text("no catalog")
+    (tmp_path / "cars.xml").write_text(_catalog(CAR), encoding="utf-8")
+    (tmp_path / "people.xml").write_text(_catalog(DRIVER), encoding="utf-8")
+    (tmp_path / "notes.txt").write_text("no catalog", encoding="utf-8")
     catalogs = load_catalogs(tmp_path, Diagnostics())
     assert (list(catalogs.vehicles), list(catalogs.drivers), catalogs.complete) == (["our.car"], ["ours"], True)
 
 
 def test_a_catalogs_faults_are_reported_each_time(tmp_path: Path) -> None:
-    (tmp_path / "cars.xml").write_text(_catalog(CAR.replace('"4"', '"-4"')))
+    (tmp_path / "cars.xml").write_text(_catalog(CAR.replace('"4"', '"-4"')), encoding="utf-8")
     for _ in range(2):
         sink = Diagnostics()
         assert load_catalogs(tmp_path, sink).vehicles == {}
@@ -54,13 +54,13 @@ def test_later_catalogs_win() -> None:
 
 
 def test_a_faulty_entry_is_not_reported_as_missing(tmp_path: Path) -> None:
-    (tmp_path / "fleet.xml").write_text(_catalog(CAR.replace('"4"', '"four"')))
+    (tmp_path / "fleet.xml").write_text(_catalog(CAR.replace('"4"', '"four"')), encoding="utf-8")
     text = library_text(head='<include file="fleet.xml"/>', ego=EGO.replace("<ego", '<ego model="our.car"'))
     assert codes_of(text, tmp_path / "made.xml") == ["SC111"]
 
 
 def _driver_of(tmp_path: Path, word: str, entry: str) -> DriverModel:
-    (tmp_path / "people.xml").write_text(_catalog(entry))
+    (tmp_path / "people.xml").write_text(_catalog(entry), encoding="utf-8")
     text = library_text(head='<include file="people.xml"/>', items=f"<takeover>{word}</takeover>")
     driver = expanded(text, tmp_path / "made.xml").takeover.driver
     assert isinstance(driver, DriverModel)

@@ -218,11 +218,13 @@ def test_an_include_brings_templates_and_catalogs(tmp_path: Path) -> None:
     (shared / "parts.xml").write_text(
         '<scenarios version="1"><include file="fleet.xml"/><template name="parked">'
         '<static id="it" model="our.van"><at><ahead_of entity="ego" distance="30"/></at></static></template>'
-        "</scenarios>"
+        "</scenarios>",
+        encoding="utf-8",
     )
     (shared / "fleet.xml").write_text(
         '<catalog version="1">'
-        '<vehicle name="our.van" length="5" width="2" height="2" wheelbase="3" center="1.5"/></catalog>'
+        '<vehicle name="our.van" length="5" width="2" height="2" wheelbase="3" center="1.5"/></catalog>',
+        encoding="utf-8",
     )
     text = library_text('<use template="parked"/>', head='<include file="shared/parts.xml"/>')
     scenario = expanded(text, tmp_path / "made.xml")
@@ -236,15 +238,17 @@ def test_an_include_brings_templates_and_catalogs(tmp_path: Path) -> None:
 @pytest.mark.parametrize("content", ["<scenarios", "<OpenSCENARIO/>", None])
 def test_an_include_that_cannot_be_used(tmp_path: Path, content: str | None) -> None:
     if content is not None:
-        (tmp_path / "parts.xml").write_text(content)
+        (tmp_path / "parts.xml").write_text(content, encoding="utf-8")
     text = library_text(head='<include file="parts.xml"/>')
     assert codes_of(text, tmp_path / "made.xml") == ["SC220"]
 
 
 def test_includes_in_a_circle_are_read_once(tmp_path: Path) -> None:
     text = library_text(head='<include file="other.xml"/>')
-    (tmp_path / "other.xml").write_text('<scenarios version="1"><include file="made.xml"/></scenarios>')
-    (tmp_path / "made.xml").write_text(text)
+    (tmp_path / "other.xml").write_text(
+        '<scenarios version="1"><include file="made.xml"/></scenarios>', encoding="utf-8"
+    )
+    (tmp_path / "made.xml").write_text(text, encoding="utf-8")
     assert codes_of(text, tmp_path / "made.xml") == []
 
 

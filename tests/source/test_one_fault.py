@@ -16,7 +16,10 @@ from scenario_compiler.validation import validate_file, validate_files
 
 HERE = Path(__file__).resolve().parent
 CONFLICTS = sorted((library_folder() / "conflicts").glob("*.xml"))
-FILES = [*(path for path in CONFLICTS if path.read_text().count("</scenario>") == 1), HERE / "every_word.xml"]
+FILES = [
+    *(path for path in CONFLICTS if path.read_text(encoding="utf-8").count("</scenario>") == 1),
+    HERE / "every_word.xml",
+]
 
 FREE = {"text", "summary", "source", "scheme", "situation", "urgency", "response", "predictability", "criticality"}
 """Attributes that hold any text."""

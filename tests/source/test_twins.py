@@ -27,7 +27,7 @@ INSIDE = {
 
 def twins(path: Path, text: str) -> list[tuple[int, list[int]]]:
     """Return the line of each finding of a name that is taken, and the lines of the twins that it names."""
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     sink = Diagnostics()
     validate_file(path, sink)
     return [(one.place.line, [other.place.line for other in one.related]) for one in sink if one.code.id == "SC216"]
@@ -65,7 +65,7 @@ def test_two_vehicles_of_a_catalog(tmp_path: Path) -> None:
 def test_two_entities_in_openscenario(tmp_path: Path) -> None:
     case = Path(__file__).parent.parent / "cases" / "SC749_duplicate_storyboard_element.xosc"
     path = tmp_path / "a.xosc"
-    path.write_text(case.read_text())
+    path.write_text(case.read_text(encoding="utf-8"), encoding="utf-8")
     sink = Diagnostics()
     validate_file(path, sink)
     (found,) = [one for one in sink if one.code.id == "SC749"]

@@ -27,13 +27,17 @@ ANSWERS = {"hard": "3", "calm": "5", "first": "sound", "more": ""}
 
 def compiled(folder: Path, **changes: str) -> StudyCompilation:
     study = made.study(folder)
-    text = study.read_text()
+    text = study.read_text(encoding="utf-8")
     for old, new in changes.items():
         text = text.replace(f'{old}="2"', f'{old}="{new}"')
-    study.write_text(text.replace('<probe from="0.5" to="1.5">', '<probe from="0.2" to="0.4">'))
+    study.write_text(text.replace('<probe from="0.5" to="1.5">', '<probe from="0.2" to="0.4">'), encoding="utf-8")
     conflicts = folder / "conflicts.xml"
-    short = conflicts.read_text().replace('duration="8"', 'duration="0.8"').replace('distance="80"', 'distance="76"')
-    conflicts.write_text(short)
+    short = (
+        conflicts.read_text(encoding="utf-8")
+        .replace('duration="8"', 'duration="0.8"')
+        .replace('distance="80"', 'distance="76"')
+    )
+    conflicts.write_text(short, encoding="utf-8")
     read = read_source(study, Diagnostics())
     assert read is not None
     assert isinstance(read[1], StudyFile)

@@ -56,10 +56,15 @@ def test_a_server_that_is_killed_loses_at_most_a_second(tmp_path: Path) -> None:
         records = read_journal(source / "journal.jsonl")
         assert attempts_at(records, 0) == cut
         assert records[-1]["kind"] == "begun"
-        lines = (source / f"run-01_attempt-{cut}" / "inputs.jsonl").read_text().rpartition("\n")[0].splitlines()
+        lines = (
+            (source / f"run-01_attempt-{cut}" / "inputs.jsonl")
+            .read_text(encoding="utf-8")
+            .rpartition("\n")[0]
+            .splitlines()
+        )
         kept = json.loads(lines[-1])["t"] if lines else 0.0
         assert last - kept <= LOST
     assert not list(source.glob("*/outcome.json"))
     with served(*words) as server:
         ordered(server, participant=1, action="start")
-        assert json.loads((data / "sourcedata" / "study.json").read_text())["study"] == "soak"
+        assert json.loads((data / "sourcedata" / "study.json").read_text(encoding="utf-8"))["study"] == "soak"

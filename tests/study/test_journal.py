@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from scenario_compiler.study.journal import Journal, attempts_at, read_journal, step_reached
+from scenario_compiler.study.keeping import StudyError
 
 
 def test_what_is_written_is_there_at_once(tmp_path: Path) -> None:
@@ -33,6 +36,14 @@ def test_a_journal_goes_on_behind_its_last_whole_line(tmp_path: Path) -> None:
         records = read_journal(file)
         assert [one["kind"] for one in records] == ["done"] * lines + ["begun"]
         assert attempts_at(records, lines) == 1
+
+
+@pytest.mark.parametrize("line", ["{", "5", '{"kind": "done"}', '{"kind": 1, "step": 1}', "\udcff", "[" * 100_000])
+def test_a_damaged_line_is_reported_with_its_place(tmp_path: Path, line: str) -> None:
+    file = tmp_path / "journal.jsonl"
+    file.write_bytes(b'{"kind": "done", "step": 0}\n' + line.encode("utf-8", "surrogateescape") + b"\n")
+    with pytest.raises(StudyError, match=r"journal\.jsonl:2: the journal is damaged"):
+        read_journal(file)
 
 
 def test_of_an_empty_journal_the_first_step_is_reached(tmp_path: Path) -> None:

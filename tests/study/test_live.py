@@ -32,16 +32,20 @@ LONG = """\
 def short(tmp_path: Path) -> Path:
     study = made.study(tmp_path)
     conflicts = tmp_path / "conflicts.xml"
-    conflicts.write_text(conflicts.read_text().replace('duration="8"', 'duration="2"'))
+    conflicts.write_text(
+        conflicts.read_text(encoding="utf-8").replace('duration="8"', 'duration="2"'), encoding="utf-8"
+    )
     return study
 
 
 @pytest.fixture
 def endless(tmp_path: Path) -> Path:
     study = made.study(tmp_path)
-    (tmp_path / "conflicts.xml").write_text(LONG)
-    head, _, rest = study.read_text().partition("  <before>")
-    study.write_text(head + rest.partition("</before>\n")[2].replace('from="0.5" to="1.5"', 'from="900" to="900"'))
+    (tmp_path / "conflicts.xml").write_text(LONG, encoding="utf-8")
+    head, _, rest = study.read_text(encoding="utf-8").partition("  <before>")
+    study.write_text(
+        head + rest.partition("</before>\n")[2].replace('from="0.5" to="1.5"', 'from="900" to="900"'), encoding="utf-8"
+    )
     return study
 
 
@@ -263,7 +267,10 @@ def test_an_open_page_goes_on_by_itself_when_the_server_is_there_again(endless: 
 @pytest.mark.slow
 def test_answers_given_before_a_pause_stand_in_the_form_again(tmp_path: Path, browser: Browser) -> None:
     study = made.study(tmp_path)
-    study.write_text(study.read_text().replace('<page file="welcome.md"/>', '<ask file="effort.xml"/>'))
+    study.write_text(
+        study.read_text(encoding="utf-8").replace('<page file="welcome.md"/>', '<ask file="effort.xml"/>'),
+        encoding="utf-8",
+    )
     with (
         served(*serving(study)) as server,
         opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk,

@@ -24,9 +24,9 @@ pytestmark = pytest.mark.slow
 def driving(tmp_path: Path) -> Path:
     """A study that begins with a run, which ends only when somebody ends it."""
     study = made.study(tmp_path)
-    (tmp_path / "conflicts.xml").write_text(LONG)
-    head, _, rest = study.read_text().partition("  <before>")
-    study.write_text(head + rest.partition("</before>\n")[2])
+    (tmp_path / "conflicts.xml").write_text(LONG, encoding="utf-8")
+    head, _, rest = study.read_text(encoding="utf-8").partition("  <before>")
+    study.write_text(head + rest.partition("</before>\n")[2], encoding="utf-8")
     return study
 
 
@@ -117,7 +117,9 @@ def test_a_press_on_a_picture_that_is_answered_is_not_sent(driving: Path, browse
 
 def test_answers_whose_page_was_not_received_stand_in_the_form_again(tmp_path: Path, browser: Browser) -> None:
     study = made.study(tmp_path)
-    study.write_text(study.read_text().replace("<before>", '<before><ask file="effort.xml"/>'))
+    study.write_text(
+        study.read_text(encoding="utf-8").replace("<before>", '<before><ask file="effort.xml"/>'), encoding="utf-8"
+    )
     with served(*serving(study)) as server:
         started(browser, server, 1)
         page = free_page(browser)

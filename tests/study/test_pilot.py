@@ -31,7 +31,7 @@ def piloted(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_each_participant_has_their_files_in_the_form_of_bids(piloted: Path) -> None:
     data = piloted / "data"
-    about = json.loads((data / "dataset_description.json").read_text())
+    about = json.loads((data / "dataset_description.json").read_text(encoding="utf-8"))
     assert about["BIDSVersion"] == "1.9.0"
     assert [row["participant_id"] for row in read_table(data / "participants.tsv")] == ["sub-01", "sub-02"]
     for person in ("sub-01", "sub-02"):
@@ -47,7 +47,10 @@ def test_each_participant_has_their_files_in_the_form_of_bids(piloted: Path) -> 
             assert row["probe_asked"] == "2"
             assert [one["cause"] for one in events if one["trial_type"] == "probe"] == ["speed", "driver"]
     about = {"TaskName", "TaskDescription"}
-    assert set(json.loads((data / "task-short_beh.json").read_text())) == {one.column for one in TRIAL_COLUMNS} | about
+    assert (
+        set(json.loads((data / "task-short_beh.json").read_text(encoding="utf-8")))
+        == {one.column for one in TRIAL_COLUMNS} | about
+    )
 
 
 def test_the_codebook_has_every_column_of_every_table(piloted: Path) -> None:
@@ -59,7 +62,7 @@ def test_the_codebook_has_every_column_of_every_table(piloted: Path) -> None:
         "task-short_events": data / "sub-01/ses-01/beh/sub-01_ses-01_task-short_run-01_events.tsv",
     }
     for table, file in tables.items():
-        assert {(table, name) for name in file.read_text().splitlines()[0].split("\t")} <= book
+        assert {(table, name) for name in file.read_text(encoding="utf-8").splitlines()[0].split("\t")} <= book
 
 
 def test_answers_are_scored(piloted: Path) -> None:
@@ -80,7 +83,9 @@ def test_a_pilot_is_the_same_each_time_and_is_not_done_again(piloted: Path, tmp_
 
 def test_another_study_does_not_go_on_in_its_folder(piloted: Path, capsys: pytest.CaptureFixture[str]) -> None:
     other = piloted / "other.xml"
-    other.write_text((piloted / "study.xml").read_text().replace('seed="3"', 'seed="4"'))
+    other.write_text(
+        (piloted / "study.xml").read_text(encoding="utf-8").replace('seed="3"', 'seed="4"'), encoding="utf-8"
+    )
     assert call("study", other, "--pilot", "--perception", "ideal", "-o", piloted / "data") == 2
     assert "another study" in capsys.readouterr().err
 
@@ -92,12 +97,12 @@ def test_export_makes_one_tidy_table(piloted: Path) -> None:
         rows = list(csv.DictReader(file))
     assert len(rows) == 8
     assert all(row["effort.effort"] for row in rows)
-    assert set(rows[0]) == set(json.loads(table.with_suffix(".json").read_text()))
+    assert set(rows[0]) == set(json.loads(table.with_suffix(".json").read_text(encoding="utf-8")))
     assert call("study", "export", piloted, "-o", table) == 2
 
 
 def test_the_page_of_expected_effects_names_its_conditions(piloted: Path) -> None:
-    page = (piloted / "data" / "expected.html").read_text()
+    page = (piloted / "data" / "expected.html").read_text(encoding="utf-8")
     for text in ("blocked-tone", "blocked-text", "tone − text", "takeover time, s"):
         assert text in page
 
@@ -124,7 +129,7 @@ def test_a_file_that_is_not_a_study_and_a_missing_folder(tmp_path: Path, capsys:
     assert call("study", tmp_path / "effort.xml", "--pilot", "-o", tmp_path / "x") == 2
     assert "is not a study" in capsys.readouterr().err
     (tmp_path / "full").mkdir()
-    (tmp_path / "full" / "thesis.txt").write_text("mine")
+    (tmp_path / "full" / "thesis.txt").write_text("mine", encoding="utf-8")
     assert call("study", tmp_path / "study.xml", "--pilot", "-o", tmp_path / "full") == 2
     assert "contains no study" in capsys.readouterr().err
 
@@ -216,10 +221,10 @@ SICKNESS = """\
 def asked_twice(tmp_path: Path) -> Path:
     """The data of a pilot whose participants are asked the same before and after."""
     study = made.study(tmp_path)
-    (tmp_path / "sickness.xml").write_text(SICKNESS)
+    (tmp_path / "sickness.xml").write_text(SICKNESS, encoding="utf-8")
     ask = '<ask file="sickness.xml"/>'
-    text = study.read_text().replace("</before>", f"{ask}</before>")
-    study.write_text(text.replace("</study>", f"<after>{ask}</after></study>"))
+    text = study.read_text(encoding="utf-8").replace("</before>", f"{ask}</before>")
+    study.write_text(text.replace("</study>", f"<after>{ask}</after></study>"), encoding="utf-8")
     assert call("study", study, "--pilot", "--perception", "ideal", "-o", tmp_path / "data") == 0
     return tmp_path / "data"
 
@@ -231,7 +236,7 @@ def test_answers_before_and_after_are_distinguished(asked_twice: Path) -> None:
         assert [row[f"sickness.{one['when']}.nausea"] for one in given] == [one["nausea"] for one in given]
         assert row["effort.hard"] != "n/a"
     assert call("study", "export", asked_twice, "-o", asked_twice / "table.csv") == 0
-    assert "sickness.before.nausea" in json.loads((asked_twice / "table.json").read_text())
+    assert "sickness.before.nausea" in json.loads((asked_twice / "table.json").read_text(encoding="utf-8"))
 
 
 @pytest.mark.slow

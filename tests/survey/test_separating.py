@@ -71,7 +71,7 @@ def test_the_command_writes_the_page(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 
 @pytest.mark.slow
-def test_with_the_camera_the_same_drivers_fail(tmp_path: Path) -> None:
+def test_with_the_camera_the_same_drivers_fail() -> None:
     """The camera asks a little later: it follows paint that ideal perception finds too worn already."""
     target = f"{CONFLICTS / 'markings_missing.xml'}#markings_missing"
     seen, ideal = (separate(target, perception=perception) for perception in ("camera", "ideal"))
@@ -88,7 +88,9 @@ def test_the_library_separates_drivers(repository: Path) -> None:
     found = re.search(r"\*\*(\d+) of (\d+) scenarios fail .* 0 for the reference driver", page.replace(" and ", " "))
     assert found is not None
     failing, count = (int(number) for number in found.groups())
-    names = re.findall(r"<scenario name=\"(\w+)\"", "".join(path.read_text() for path in CONFLICTS.glob("*.xml")))
+    names = re.findall(
+        r"<scenario name=\"(\w+)\"", "".join(path.read_text(encoding="utf-8") for path in CONFLICTS.glob("*.xml"))
+    )
     assert count == len(names)
     assert all(f"#{name}`" in page or f"| `{name}`" in page for name in names)
     assert 3 * failing >= count

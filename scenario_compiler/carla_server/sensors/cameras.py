@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import struct
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -178,7 +179,7 @@ def signals_of(stage: Stage) -> Mapping[str, str]:
 def _colour_of(body: Body) -> tuple[int, int, int]:
     """Return a body's colour (blue, green, red): that of its attribute, else one that its id decides."""
     parts = body.attributes.get("color", "").split(",")
-    if len(parts) == 3 and all(part.strip().isdigit() for part in parts):
+    if len(parts) == 3 and all(re.fullmatch(" *[0-9]{1,9} *", part) for part in parts):
         red, green, blue = (min(int(part), 255) for part in parts)
         return blue, green, red
     mixed = zlib.crc32(str(body.id).encode())

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from math import atan2, exp, pi, sqrt
+from math import atan2, exp, pi, sqrt, tau
 
 from scenario_compiler.marker import compiled
 
-CIRCLE = 2.0 * pi
 LARGEST = 1.0e15
 """Bound of every meaningful number: NaN or a greater absolute value is a fault."""
 
@@ -58,22 +57,11 @@ def length_of(x: float, y: float) -> float:
 
 
 @compiled
-def heading_in_circle(h: float) -> float:
-    """Return an angle reduced to [0, 2 pi); nearly all are there already."""
-    if h >= 0.0 and h < CIRCLE:
-        return h + 0.0  # -0.0 becomes 0.0, as by the modulo
-    around = h % CIRCLE
-    if around >= CIRCLE:
-        return 0.0
-    return around
-
-
-@compiled
 def angle_between(a: float, b: float) -> float:
     """Return a - b reduced to (-pi, pi]."""
-    around = (a - b) % CIRCLE
+    around = (a - b) % tau
     if around > pi:
-        return around - CIRCLE
+        return around - tau
     return around
 
 

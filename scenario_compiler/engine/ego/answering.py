@@ -8,12 +8,12 @@ the standard deviation of takeover times grows with their mean: r = 0.82 over th
 
 from __future__ import annotations
 
-from math import cos, exp, log
+from math import cos, exp, log, tau
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import log_event
-from scenario_compiler.engine.columns.numbers import CIRCLE, clip, logistic, ratio, safe_sqrt
+from scenario_compiler.engine.columns.numbers import clip, logistic, ratio, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
@@ -52,7 +52,7 @@ def drawn_unit(st: State, what: int) -> float:
 @compiled
 def drawn_normal(st: State, what: int) -> float:
     """Return the present request's standard normal number for a purpose (`DRAW_...`; Box and Muller 1958)."""
-    return safe_sqrt(-2.0 * log(max(drawn_unit(st, what), 1.0e-12))) * cos(CIRCLE * drawn_unit(st, what + 1))
+    return safe_sqrt(-2.0 * log(max(drawn_unit(st, what), 1.0e-12))) * cos(tau * drawn_unit(st, what + 1))
 
 
 @compiled

@@ -508,7 +508,7 @@ def begin_braking(st: State, distance: float) -> None:
 
 
 @compiled
-def waits_behind(p: Program, st: State, i: int, blocker: int) -> int:
+def waits_behind(st: State, i: int, blocker: int) -> int:
     """Return 1 if what blocks the path was followed until just now, and the ego can stop behind it comfortably.
 
     Such a leader is followed to its standstill like any other.
@@ -524,7 +524,7 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
         go_on_evading(p, st, i, blocker)
         return
-    if blocker >= 0 and waits_behind(p, st, i, blocker) == 1:
+    if blocker >= 0 and waits_behind(st, i, blocker) == 1:
         st.manoeuvre[0] = op.MANOEUVRE_KEEP
         return
     if blocker >= 0 and reacts_to(p, st, blocker) == 1:

@@ -12,7 +12,7 @@ A lane that is seen again is used after the time RECOGNISED, but not while a req
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, pi, sin
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -21,7 +21,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.limits import control_period
-from scenario_compiler.engine.motion.path import HALF_TURN, section_holds
+from scenario_compiler.engine.motion.path import section_holds
 from scenario_compiler.engine.motion.steering import aim, path_point, preview_distance
 from scenario_compiler.marker import compiled
 from scenario_compiler.randomness import random_normal
@@ -109,7 +109,7 @@ def believed_pose(n: RoadTables, st: State) -> tuple[float, float, float]:
     off = st.path_off[0] + st.recall_off[0]
     x, y, _, h, _, _, _ = row_place(n, road, row, road_piece_at(n, road, s), s, st.path_sense[0] * off)
     if st.path_sense[0] < 0:
-        h = h + HALF_TURN
+        h = h + pi
     return x, y, h + st.path_heading[0] + st.recall_heading[0]
 
 

@@ -50,7 +50,7 @@ def in_corridor(p: Program, st: State, i: int, j: int, beside: float) -> int:
 
 
 @compiled
-def queues_behind(p: Program, st: State, j: int, k: int) -> int:
+def queues_behind(st: State, j: int, k: int) -> int:
     """Return 1 if j may queue behind k: k is close ahead of j on the path, and they overlap laterally."""
     if k == j or st.on_way[k] == 0 or st.near[k] < st.far[j] - 0.5 or st.near[k] > st.far[j] + QUEUE_GAP:
         return 0
@@ -75,7 +75,7 @@ def stands_in_queue(p: Program, st: State, j: int) -> int:
                 return 1
         following = op.NONE
         for k in range(p.entity_count[0]):
-            if queues_behind(p, st, at, k) == 1 and (following < 0 or st.near[k] < st.near[following]):
+            if queues_behind(st, at, k) == 1 and (following < 0 or st.near[k] < st.near[following]):
                 following = k
         if following < 0:
             return 0

@@ -11,12 +11,13 @@ from math import atan2, cos, pi, sin, sqrt
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.extent import front_of
-from scenario_compiler.engine.columns.numbers import heading_in_circle, length_of
+from scenario_compiler.engine.columns.numbers import length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.motion.collision import is_above, overlap
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import wrap_heading
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 STRAIGHT = 1e-6
@@ -37,7 +38,7 @@ def see_heading(st: State, m: Totals, i: int) -> None:
     """
     h = st.h[i]
     if h < 0.0 or h >= 2.0 * pi:
-        h = heading_in_circle(h)
+        h = wrap_heading(h)
     if h == m.seen_h[i]:
         return
     m.seen_h[i] = h

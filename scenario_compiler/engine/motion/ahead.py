@@ -25,6 +25,17 @@ BESIDE = 25.0
 
 
 @compiled
+def note_way(st: State, w: int, road: int, lane: int, row: int, s: float, sign: int, begin: float) -> None:
+    """Write row w of the way: a lane, the s at which it is entered, the sense along s, and where it begins, m."""
+    st.way_road[w] = road
+    st.way_lane[w] = lane
+    st.way_row[w] = row
+    st.way_s[w] = s
+    st.way_sign[w] = sign
+    st.way_from[w] = begin
+
+
+@compiled
 def walk(n: RoadTables, st: State, road: int, lane: int, s: float, along: int, horizon: float, turns: int) -> None:
     """Write the way from a place in a lane, in its direction of travel (`along` 1) or against it (-1), for `horizon` m.
 
@@ -34,12 +45,7 @@ def walk(n: RoadTables, st: State, road: int, lane: int, s: float, along: int, h
     covered = 0.0
     while count < op.WAY_SIZE and road >= 0:
         sign = lane_direction(n, road, lane) * along
-        st.way_road[count] = road
-        st.way_lane[count] = lane
-        st.way_row[count] = lane_row(n, road, lane, s)
-        st.way_s[count] = s
-        st.way_sign[count] = sign
-        st.way_from[count] = covered
+        note_way(st, count, road, lane, lane_row(n, road, lane, s), s, sign, covered)
         count = count + 1
         rest = n.road_length[road] - s if sign > 0 else s
         covered = covered + rest + STEP_OVER
@@ -63,12 +69,7 @@ def walk_route(n: RoadTables, p: Program, st: State, horizon: float) -> None:
     count = 0
     covered = 0.0
     while count < op.WAY_SIZE and road >= 0:
-        st.way_road[count] = road
-        st.way_lane[count] = lane
-        st.way_row[count] = row
-        st.way_s[count] = s
-        st.way_sign[count] = sign
-        st.way_from[count] = covered
+        note_way(st, count, road, lane, row, s, sign, covered)
         count = count + 1
         rest = n.road_length[road] - s if sign > 0 else s
         covered = covered + rest + STEP_OVER

@@ -12,7 +12,7 @@ from math import cos, pi
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import fault
-from scenario_compiler.engine.columns.numbers import angle_between, heading_in_circle, is_number
+from scenario_compiler.engine.columns.numbers import angle_between, is_number
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.collision import measure_reach
@@ -24,6 +24,7 @@ from scenario_compiler.engine.motion.places import clear_place
 from scenario_compiler.engine.motion.positions import PLACE_NONE, PLACE_ON_LANE, position_is_number
 from scenario_compiler.engine.motion.trailers import straighten_trailers
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import wrap_heading
 from scenario_compiler.roads.lanes import lane_direction, lane_pose
 from scenario_compiler.roads.tables import RoadTables
 
@@ -57,7 +58,7 @@ def stand_free(st: State, i: int, x: float, y: float, z: float, h: float) -> Non
     st.x[i] = x
     st.y[i] = y
     st.z[i] = z
-    st.h[i] = heading_in_circle(h)
+    st.h[i] = wrap_heading(h)
     st.pitch[i] = 0.0
     st.body_pitch[i] = 0.0
     st.roll[i] = 0.0
@@ -74,7 +75,7 @@ def put_at(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
         st.guide[i] = p.position_guide[k]
     if kind == PLACE_ON_LANE:
         lead_along(n, st, i, road, lane, s, offset, h)
-        place_scripted(n, p, st, i)
+        place_scripted(n, st, i)
     else:
         stand_free(st, i, x, y, z, h)
     note_arrival(n, p, st, i)
@@ -112,7 +113,7 @@ def start_at_random(n: RoadTables, p: Program, st: State, i: int, order: int) ->
     st.kept_off[i] = offset
     st.facing[i] = direction
     st.turn[i] = p.const[p.position_const[k] + slot.P_TURN]
-    place_scripted(n, p, st, i)
+    place_scripted(n, st, i)
     note_arrival(n, p, st, i)
 
 
@@ -167,7 +168,7 @@ def spawn_entity(
 
 
 @compiled
-def delete_entity(p: Program, st: State, i: int) -> None:
+def delete_entity(st: State, i: int) -> None:
     """Let an entity disappear; its trailer stays behind.
 
     It keeps its speed for when it appears again; its running actions continue to change it (esmini 3.6).

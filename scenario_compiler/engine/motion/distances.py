@@ -239,8 +239,8 @@ def road_distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, 
 
 
 @compiled
-def track_distance(p: Program, st: State, i: int, k: int, x: float, y: float, measure: int) -> tuple[float, float]:
-    """Return (distance of a point from i, the trajectory's direction there); action k leads i along the trajectory.
+def track_distance(p: Program, st: State, k: int, x: float, y: float, measure: int) -> tuple[float, float]:
+    """Return (distance of a point from the entity of action k, the direction there); k leads it along a trajectory.
 
     The distance along ends at the point of the trajectory that is nearest; the one across is measured from there.
     """
@@ -262,9 +262,9 @@ def reach_across(p: Program, st: State, i: int, along: float, measure: int) -> f
 def track_distance_between(p: Program, st: State, i: int, j: int, k: int, measure: int, freespace: int) -> float:
     """Return the distance from entity i to entity j along or across the trajectory on which action k leads i, m."""
     if freespace == 0:
-        gap, _ = track_distance(p, st, i, k, st.x[j], st.y[j], measure)
+        gap, _ = track_distance(p, st, k, st.x[j], st.y[j], measure)
         return gap
-    gap, along = track_distance(p, st, i, k, st.middle_x[j], st.middle_y[j], measure)
+    gap, along = track_distance(p, st, k, st.middle_x[j], st.middle_y[j], measure)
     gap = gap - along_axis(along, st.middle_x[i] - st.x[i], st.middle_y[i] - st.y[i], measure)
     return gap_beyond(gap, reach_across(p, st, i, along, measure) + reach_across(p, st, j, along, measure))
 
@@ -317,7 +317,7 @@ def distance_to(n: RoadTables, p: Program, st: State, i: int, k: int, mode: int,
         return plane_distance_to(p, st, i, x, y, frame, measure, freespace)
     follows = track_followed(p, st, i)
     if frame == op.FRAME_TRAJECTORY and follows >= 0:
-        gap, along = track_distance(p, st, i, follows, x, y, measure)
+        gap, along = track_distance(p, st, follows, x, y, measure)
         if freespace == 0:
             return gap
         gap = gap - along_axis(along, st.middle_x[i] - st.x[i], st.middle_y[i] - st.y[i], measure)

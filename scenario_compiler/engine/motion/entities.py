@@ -9,12 +9,12 @@ the rear axle, without side slip.
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt, tan
+from math import cos, pi, sin, sqrt, tan, tau
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import fault
-from scenario_compiler.engine.columns.numbers import CIRCLE, LARGEST, clip, heading_in_circle
+from scenario_compiler.engine.columns.numbers import LARGEST, clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.beside import settle_in_lane
@@ -24,7 +24,7 @@ from scenario_compiler.engine.motion.routes import leave_guide, next_turn
 from scenario_compiler.engine.motion.surroundings import grip
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, WATCH_STILL, measure_motion, watch_entity
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import piece_curvature, road_pose
+from scenario_compiler.roads.geometry import piece_curvature, road_pose, wrap_heading
 from scenario_compiler.roads.lane_end import lane_after_end
 from scenario_compiler.roads.lanes import (
     BORDER_TOLERANCE,
@@ -156,7 +156,7 @@ def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> 
 
 
 @compiled
-def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
+def place_scripted(n: RoadTables, st: State, i: int) -> None:
     """Evaluate the pose of a scripted entity on a road, and the lane that contains its reference point."""
     if st.road[i] < 0:
         return
@@ -181,7 +181,7 @@ def place_here(n: RoadTables, st: State, i: int) -> None:
         pitch = -pitch
         roll = -roll
     h = h + st.turn[i]
-    st.h[i] = h if h > 0.0 and h < CIRCLE else heading_in_circle(h)
+    st.h[i] = h if h > 0.0 and h < tau else wrap_heading(h)
     st.pitch[i] = pitch
     st.roll[i] = roll
     st.t[i] = t
@@ -254,7 +254,7 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     middle = st.h[i] + 0.5 * swing
     st.x[i] += speed * dt * cos(middle)
     st.y[i] += speed * dt * sin(middle)
-    st.h[i] = heading_in_circle(st.h[i] + swing)
+    st.h[i] = wrap_heading(st.h[i] + swing)
     st.v[i] = speed
 
 

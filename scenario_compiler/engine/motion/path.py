@@ -6,6 +6,8 @@ on. Where several connecting roads of a junction overlap, the path keeps the ego
 
 from __future__ import annotations
 
+from math import pi
+
 from scenario_compiler.engine.columns.numbers import angle_between
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -26,7 +28,6 @@ from scenario_compiler.roads.locate import project_on_piece, project_on_road, tr
 from scenario_compiler.roads.tables import LINE, RoadTables
 from scenario_compiler.roads.travel import advance, stretch_at
 
-HALF_TURN = 3.141592653589793
 STEP_OVER = 0.001
 """Distance beyond a road's end at which the next road is looked up, m."""
 
@@ -293,9 +294,9 @@ def measure_path_at(n: RoadTables, st: State, i: int, t: float) -> float:
     else:
         centre, slope = lane_centre(n, road, st.path_lane[0], s)
     st.path_off[0] = direction * (t - centre)
-    along = h + slope if direction > 0 else h + slope + HALF_TURN
+    along = h + slope if direction > 0 else h + slope + pi
     st.path_heading[0] = angle_between(st.h[i], along)
-    st.facing[i] = direction if abs(st.path_heading[0]) < 0.5 * HALF_TURN else -direction
+    st.facing[i] = direction if abs(st.path_heading[0]) < 0.5 * pi else -direction
     return centre
 
 

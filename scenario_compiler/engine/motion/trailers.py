@@ -10,11 +10,12 @@ from math import cos, sin
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.numbers import bearing, heading_in_circle
+from scenario_compiler.engine.columns.numbers import bearing
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.free import place_free
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import wrap_heading
 from scenario_compiler.roads.tables import RoadTables
 
 
@@ -27,7 +28,7 @@ def follow_hitch(n: RoadTables, p: Program, st: State, i: int, j: int, straight:
     y = st.y[i] + hitch * sin(st.h[i])
     h = st.h[i]
     if straight == 0:
-        h = heading_in_circle(bearing(x - st.x[j], y - st.y[j]))
+        h = wrap_heading(bearing(x - st.x[j], y - st.y[j]))
     st.h[j] = h
     st.x[j] = x - coupler * cos(h)
     st.y[j] = y - coupler * sin(h)

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import fault
-from scenario_compiler.engine.columns.numbers import bearing, clip, heading_in_circle, length_of
+from scenario_compiler.engine.columns.numbers import bearing, clip, length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.free import place_free
 from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import wrap_heading
 from scenario_compiler.roads.tables import RoadTables
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def path_goes_on(p: Program, st: State, k: int, i: int, progress: float) -> int:
             st.x[i] = x + share * dx
             st.y[i] = y + share * dy
             if far > op.TOLERANCE:
-                st.h[i] = heading_in_circle(bearing(dx, dy))
+                st.h[i] = wrap_heading(bearing(dx, dy))
             if timed == 1:
                 st.v[i] = far / span if span > op.TOLERANCE else 0.0
             return 1 if progress < end - op.TOLERANCE else 0

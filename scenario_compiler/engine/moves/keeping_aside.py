@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.numbers import angle_between, clip, heading_in_circle, safe_sqrt
+from scenario_compiler.engine.columns.numbers import angle_between, clip, safe_sqrt
 from scenario_compiler.engine.columns.program import ENTITY, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ActionRow, ProgramDraft, flags_of, limits_of
 from scenario_compiler.engine.columns.state import State
@@ -25,6 +25,7 @@ from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
 from scenario_compiler.engine.moves.keeping_distance import limit_or, within_jerk
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import wrap_heading
 from scenario_compiler.roads.lanes import lane_centre
 from scenario_compiler.roads.tables import RoadTables
 
@@ -81,7 +82,7 @@ def start_keep_aside(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 
 @compiled
-def shift_by(n: RoadTables, p: Program, st: State, i: int, left: float) -> None:
+def shift_by(n: RoadTables, st: State, i: int, left: float) -> None:
     """Move a scripted entity to the left within its lane; its heading does not change."""
     centre, _ = lane_centre(n, st.road[i], st.kept_lane[i], st.s[i])
     st.kept_off[i] += st.facing[i] * left
@@ -115,9 +116,9 @@ def step_keep_aside(n: RoadTables, p: Program, st: State, k: int, dt: float) -> 
     elif flags & op.FLAG_LIMITED != 0:
         drive_aside(n, p, st, k, error, dt)
     else:
-        shift_by(n, p, st, i, error)
+        shift_by(n, st, i, error)
         st.turn[i] = atan2(error, st.v[i] * dt) if abs(error) > op.TOLERANCE else 0.0
-        place_scripted(n, p, st, i)
+        place_scripted(n, st, i)
     return done
 
 
@@ -131,7 +132,7 @@ def steer_aside(p: Program, st: State, k: int, error: float, dt: float) -> None:
     most = limit_or(p, k, slot.A_ACCELERATION, p.const[p.entity_const[i] + slot.E_MAX_ACCELERATION])
     speed = st.v[i] * sin(angle_between(st.h[i], st.h[j])) - drift(st, j)
     turn = spring_acceleration(error, speed, most, most, most) * dt / st.v[i]
-    st.h[i] = heading_in_circle(st.h[i] + turn)
+    st.h[i] = wrap_heading(st.h[i] + turn)
 
 
 @compiled
@@ -161,10 +162,10 @@ def drive_aside(n: RoadTables, p: Program, st: State, k: int, error: float, dt: 
     side = clip(speed * dt, -path, path)
     ahead = safe_sqrt(path * path - side * side)
     st.turn[i] = atan2(side, ahead) if abs(side) > op.TOLERANCE else 0.0
-    shift_by(n, p, st, i, side)
+    shift_by(n, st, i, side)
     glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
     st.moved[i] = 1
-    place_scripted(n, p, st, i)
+    place_scripted(n, st, i)
 
 
 def keep_lateral_distance_row(draft: ProgramDraft, word: LateralDistanceAction, actor: int) -> ActionRow:

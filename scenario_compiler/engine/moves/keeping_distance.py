@@ -111,7 +111,7 @@ def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) 
     else:
         if p.entity_motion[i] == op.MOTION_SCRIPTED:
             glide(n, p, st, i, error)
-            place_scripted(n, p, st, i)
+            place_scripted(n, st, i)
         set_speed(p, st, i, st.v[j])
     return done
 

@@ -193,7 +193,7 @@ def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
         return 1
     if st.action_span[k] <= 0.0:
         st.kept_off[i] = st.facing[i] * (st.action_from[k] + st.action_change[k])
-        place_scripted(n, p, st, i)
+        place_scripted(n, st, i)
         return 1
     if abs(st.v[i]) < op.TOLERANCE or dt <= 0.0:
         return 0
@@ -202,7 +202,7 @@ def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
     else:
         done = lane_change_by_time(n, p, st, k, i, dt)
     st.moved[i] = 1
-    place_scripted(n, p, st, i)
+    place_scripted(n, st, i)
     if st.ended[i] == 1:
         return 1
     return done

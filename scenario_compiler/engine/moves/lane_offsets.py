@@ -131,7 +131,7 @@ def step_limited_offset(n: RoadTables, p: Program, st: State, k: int, dt: float)
         if continuous == 1 and p.action_other[k] != i:
             left = st.facing[i] * offset_aimed_at(n, p, st, k)
         st.kept_off[i] = st.facing[i] * left
-        place_scripted(n, p, st, i)
+        place_scripted(n, st, i)
         return 1 - continuous
     long = max(span, op.TOLERANCE)
     share = progress / long
@@ -141,7 +141,7 @@ def step_limited_offset(n: RoadTables, p: Program, st: State, k: int, dt: float)
     left = st.action_from[k] + st.action_change[k] * done
     st.kept_off[i] = st.facing[i] * left
     st.action_progress[k] = progress + dt
-    place_scripted(n, p, st, i)
+    place_scripted(n, st, i)
     return 0
 
 

@@ -44,7 +44,7 @@ def start_add(n: RoadTables, p: Program, st: State, k: int) -> None:
 def start_delete(n: RoadTables, p: Program, st: State, k: int) -> None:
     """Let an entity disappear."""
     del n
-    delete_entity(p, st, p.action_other[k])
+    delete_entity(st, p.action_other[k])
 
 
 @compiled

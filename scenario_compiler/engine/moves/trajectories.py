@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.numbers import heading_in_circle, ratio
+from scenario_compiler.engine.columns.numbers import ratio
 from scenario_compiler.engine.columns.program import TRACK, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft, flags_of
 from scenario_compiler.engine.columns.state import State
@@ -35,6 +35,7 @@ from scenario_compiler.engine.motion.tracks import (
 from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import wrap_heading
 from scenario_compiler.roads.tables import RoadTables
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def put_on_track(n: RoadTables, p: Program, st: State, k: int, s: float, beyond:
     st.action_a[k] = s
     st.x[i] = x
     st.y[i] = y
-    st.h[i] = heading_in_circle(h)
+    st.h[i] = wrap_heading(h)
     place_free(n, st, i)
     sense = 1 if cos(h - along) >= 0.0 else -1
     if p.track_raised[p.action_other[k]] == 1:

@@ -60,7 +60,7 @@ def forget_records(p: Program, st: State, trigger: int) -> None:
 
 
 @compiled
-def start_element(p: Program, st: State, e: int, mark: int) -> None:
+def start_element(st: State, e: int, mark: int) -> None:
     """Set an element to running."""
     st.element_state[e] = op.RUNNING
     st.element_runs[e] += 1
@@ -166,11 +166,11 @@ def displace(p: Program, st: State, k: int, mark: int) -> None:
 @compiled
 def start_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
     """Start an event and its actions in order; each of them ends the actions that control its entity's domains."""
-    start_element(p, st, e, mark)
+    start_element(st, e, mark)
     st.element_busy[p.element_parent[e]] += 1
     log_event(st, op.EVENT_STORYBOARD_START, 1.0 * e)
     for c in range(e + 1, p.element_end[e]):
-        start_element(p, st, c, mark)
+        start_element(st, c, mark)
         k = p.element_action[c]
         if k >= 0:
             displace(p, st, k, mark)
@@ -252,7 +252,7 @@ def run_triggers(n: RoadTables, p: Program, st: State) -> None:
     while e < count:
         kind = p.element_kind[e]
         if st.element_state[e] == op.STANDBY and kind != op.ELEMENT_EVENT and p.element_start[e] < 0:
-            start_element(p, st, e, mark)
+            start_element(st, e, mark)
         if st.element_state[e] == op.RUNNING:
             if p.element_stop[e] >= 0:
                 try_stop(n, p, st, e, mark)
@@ -260,7 +260,7 @@ def run_triggers(n: RoadTables, p: Program, st: State) -> None:
             if kind == op.ELEMENT_EVENT:
                 try_event(n, p, st, e, mark)
             elif trigger_fires(n, p, st, p.element_start[e]) == 1:
-                start_element(p, st, e, mark)
+                start_element(st, e, mark)
         state = st.element_state[e]
         if state != op.RUNNING:
             e = p.element_end[e]

@@ -347,7 +347,7 @@ def come_back(n: RoadTables, p: Program, st: State, i: int) -> None:
     st.kept_lane[i] = lane
     st.facing[i] = direction
     prepare_driver(n, p, st, i)
-    place_scripted(n, p, st, i)
+    place_scripted(n, st, i)
     st.last_x[i] = st.x[i]
     st.last_y[i] = st.y[i]
     st.last_v[i] = st.v[i]
@@ -414,7 +414,7 @@ def prepare_traffic(n: RoadTables, p: Program, st: State) -> None:
         elif kind == op.MOTION_WALKER:
             prepare_walker(n, p, st, i)
         if kind in (op.MOTION_TRAFFIC, op.MOTION_WALKER):
-            place_scripted(n, p, st, i)
+            place_scripted(n, st, i)
             st.last_x[i] = st.x[i]
             st.last_y[i] = st.y[i]
             st.last_v[i] = st.v[i]
@@ -437,7 +437,7 @@ def move_driver(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None
     glide_over(st, i)
     road = st.road[i]
     glide(n, p, st, i, st.v[i] * dt)
-    place_scripted(n, p, st, i)
+    place_scripted(n, st, i)
     if st.road[i] != road:
         list_by_road(p, st)
 
@@ -451,7 +451,7 @@ def move_walker(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None
         st.kept_off[i] = -st.kept_off[i]
     st.v[i] = p.const[p.entity_const[i] + slot.E_SPEED]
     glide(n, p, st, i, st.v[i] * dt)
-    place_scripted(n, p, st, i)
+    place_scripted(n, st, i)
 
 
 @compiled

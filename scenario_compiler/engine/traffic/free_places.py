@@ -100,7 +100,7 @@ def try_place(n: RoadTables, p: Program, st: State, i: int, road: int, lane: int
     st.facing[i] = lane_direction(n, road, lane)
     prepare_driver(n, p, st, i)
     st.v[i] = max(st.v[i], 0.0)
-    place_scripted(n, p, st, i)
+    place_scripted(n, st, i)
 
 
 @compiled

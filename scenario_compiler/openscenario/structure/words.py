@@ -122,6 +122,7 @@ def loosely(kind: str, text: str, minor: int) -> str | None:
 
 
 def _word(kind: str, text: str, minor: int) -> str | None:
+    del minor
     if is_parameter(text):
         return text
     known = {word.partition("@")[0].lower(): word for word in WORDS[kind].split(" | ")}

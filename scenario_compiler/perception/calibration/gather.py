@@ -64,10 +64,13 @@ def gather(
         pictures: Number of pictures of each situation of the bank; there are fifteen times as many random situations.
         processes: Number of worker processes.
         progress: Called with the number of finished jobs and that of all jobs.
+
+    Raises:
+        CompileError: A road file cannot be read.
     """
-    jobs = [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
+    jobs = [_Job(detector, "map", str(path), k, min(k + PART, clips)) for path in maps for k in range(0, clips, PART)]
+    jobs += [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
     jobs += [_Job(detector, "drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]
-    jobs += [_Job(detector, "map", str(path), k, min(k + PART, clips)) for path in maps for k in range(0, clips, PART)]
     done: list[Looks] = []
     with multiprocessing.get_context("spawn").Pool(processes, _begin) as pool:
         for number, looks in enumerate(pool.imap(_do, jobs), 1):
