@@ -407,4 +407,6 @@ def describe(sweep: Sweep, workers: int, scheduler: str | None = None) -> str:
         where = "in a process of their own" if sweep.form == "camera" or sweep.spec.time_limit else "in this process"
     if scheduler is not None:
         where = f"on the cluster at {scheduler}"
-    return f"{sweep.sampler.total} variants {how}, {where}"
+    chosen = sweep.sampler.chosen
+    kept = "" if chosen is None else f"; {len(chosen)} of {sweep.sampler.points} points meet the constraints"
+    return f"{sweep.sampler.total} variants {how}, {where}{kept}"

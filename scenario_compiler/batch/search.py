@@ -240,6 +240,8 @@ def minimise(
 
     if measure not in {one.name for one in MEASURES}:
         raise SweepError(f"there is no measure '{measure}'")
+    if evaluations < 1:
+        raise SweepError(f"a search needs evaluations: {evaluations} are too few")
     search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps, sink, progress)
     search.expected = evaluations
     names = list(search.ranges)

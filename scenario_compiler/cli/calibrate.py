@@ -7,7 +7,7 @@ import sys
 import time
 from pathlib import Path
 
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, is_filled
+from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, count, is_filled
 from scenario_compiler.cli.terminal import complain, put
 from scenario_compiler.cli.validate import available_cores
 from scenario_compiler.perception.detectors import DETECTORS, create_detector
@@ -52,7 +52,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument(
         "--jobs",
-        type=int,
+        type=count,
         default=available_cores(),
         metavar="N",
         help="number of processes (default: one for each core)",

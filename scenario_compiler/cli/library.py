@@ -15,6 +15,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_templates,
+    count,
     is_filled,
     new_sink,
     show,
@@ -59,7 +60,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument(
         "--jobs",
-        type=int,
+        type=count,
         default=available_cores(),
         metavar="N",
         help="number of processes (default: one for each core)",

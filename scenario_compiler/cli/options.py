@@ -193,6 +193,14 @@ def new_sink(options: argparse.Namespace) -> Diagnostics:
     return Diagnostics(insisted=frozenset(options.error))
 
 
+def count(text: str) -> int:
+    """Return a number of things that an option gives, at least one."""
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 1 on")
+    return number
+
+
 def positive(text: str) -> float:
     """Return a time in seconds that an option gives."""
     value = float(text)

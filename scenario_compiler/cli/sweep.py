@@ -22,6 +22,7 @@ from scenario_compiler.cli.options import (
     add_scenario,
     add_target,
     add_templates,
+    count,
     new_sink,
     positive,
     reason_of,
@@ -56,10 +57,10 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--method", choices=METHODS, default="random", help="way to sample the distributions")
     parser.add_argument(
-        "--samples", type=int, metavar="N", help="number of draws (default: that of the scenario, else 1)"
+        "--samples", type=count, metavar="N", help="number of draws (default: that of the scenario, else 1)"
     )
     parser.add_argument(
-        "--repeat", type=int, default=1, metavar="N", help="runs of each draw or listed point, with successive seeds"
+        "--repeat", type=count, default=1, metavar="N", help="runs of each draw or listed point, with successive seeds"
     )
     parser.add_argument(
         "--where",
@@ -76,7 +77,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--resume", action="store_true", help="finish an interrupted sweep")
     parser.add_argument(
-        "--workers", type=int, metavar="N", help="number of processes (default: chosen by the work there is)"
+        "--workers", type=count, metavar="N", help="number of processes (default: chosen by the work there is)"
     )
     parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="run the variants through this Dask scheduler")
     search = parser.add_mutually_exclusive_group()
@@ -94,7 +95,7 @@ def add(commands: Commands) -> None:
         help="width of the interval to which a boundary is narrowed down",
     )
     parser.add_argument(
-        "--evaluations", type=int, default=100, metavar="N", help="approximate number of runs of a minimisation"
+        "--evaluations", type=count, default=100, metavar="N", help="approximate number of runs of a minimisation"
     )
     parser.add_argument("--no-report", action="store_false", dest="report", help="write the table without a report")
     parser.add_argument(
@@ -127,7 +128,8 @@ def sweep_command(options: argparse.Namespace) -> int:
     except ScenarioNameNeededError as needed:
         raise WrongUse(f"the file has several scenarios; name one as FILE#name: {', '.join(needed.names)}") from None
     except ValidationError as error:
-        raise WrongUse("; ".join(str(fault["msg"]) for fault in error.errors(include_url=False))) from None
+        faults = error.errors(include_url=False)
+        raise WrongUse("; ".join(f"{fault['loc'][0]}: {fault['msg']}" for fault in faults)) from None
     except SweepError as error:
         raise WrongUse(str(error)) from None
     except OSError as error:

@@ -16,6 +16,7 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_templates,
     add_trust,
+    count,
     judged,
     show,
 )
@@ -51,7 +52,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--strict", action="store_true", dest="strict_warnings", help="treat warnings as errors")
     parser.add_argument(
         "--jobs",
-        type=int,
+        type=count,
         default=available_cores(),
         metavar="N",
         help="number of processes (default: one for each core)",
