@@ -375,7 +375,7 @@ def _run_owned(
     elif say is not None and (report or spec.traces):
         say(f"more than {PRESENTED} variants: no traces and no report, only the table")
     errors = store.errors()
-    commonest = max(errors, key=errors.__getitem__, default="")
+    commonest = errors[0][0] if errors else ""
     automated = sweep.families.base.plan.controller is not None
     return SweepResult(folder, store.table, tally_of(store.table), automated, commonest, sweep.form, count)
 
