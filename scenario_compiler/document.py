@@ -129,6 +129,11 @@ class Document:
         line = bisect.bisect_right(self._line_starts, offset)
         return line, offset - self._line_starts[line - 1] + 1
 
+    def start_of(self, element: etree._Element) -> int | None:
+        """Return the offset of an element's start tag in the text, None in a vast file."""
+        ordinal = -1 if self._is_vast else self._ordinals.get(element, -1)
+        return self._tags[ordinal][0] if 0 <= ordinal < len(self._tags) else None
+
     def text_place(self, element: etree._Element, shown: str, within: Place | None = None) -> Place:
         """Return the place of a text that is directly in an element; the element's if the text contains references.
 
@@ -137,9 +142,8 @@ class Document:
             shown: The text, or the start of its first line.
             within: The use that inserted the element.
         """
-        ordinal = -1 if self._is_vast else self._ordinals.get(element, -1)
-        if 0 <= ordinal < len(self._tags):
-            depth, at = 0, self._tags[ordinal][0]
+        depth, at = 0, self.start_of(element)
+        if at is not None:
             for token in _TOKENS.finditer(self.text, at):
                 found = self.text.find(shown, at, token.start()) if depth == 1 else -1
                 if found < 0 and depth == 1 and token.group().startswith("<![CDATA["):
@@ -277,7 +281,12 @@ def quiet_parser(target: Any) -> etree.XMLParser:
 
 
 def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
-    """Parse the bytes of an XML file called `name`; see `read_document`."""
+    """Parse the bytes of an XML file called `name`; see `read_document`.
+
+    A carriage return alone ends a line, as in XML and in editors. libxml2 does not count it, so it becomes a line feed.
+    """
+    if b"\r" in raw and b"\x00" not in raw[:8]:
+        raw = _LONE_RETURN.sub(b"\n", raw)
     line = _doctype_line(raw)
     if line > 0:
         sink.add(FORBIDDEN, _DOCTYPE_MESSAGE, FilePlace(name, line, 1))
@@ -312,6 +321,7 @@ def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
     return document
 
 
+_LONE_RETURN = re.compile(rb"\r(?!\n)")
 _DOCTYPE_MESSAGE = "a document type declaration is not allowed"
 _TOKENS = re.compile(
     r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|</[^>]*>|"
@@ -367,12 +377,12 @@ def _opens(token: re.Match[str]) -> int:
 
 
 _MARKED = (codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be")
-"""Encodings that a byte order mark declares. lxml names none if the file has a mark but no declaration."""
+"""Encodings that a byte order mark declares, whatever the XML declaration says; lxml names none without the latter."""
 
 
 def _decode(raw: bytes, encoding: str | None) -> str:
     marked = next((codec for mark, codec in _MARKED if raw.startswith(mark)), None)
-    for codec in (encoding, marked, "utf-8", "latin-1"):
+    for codec in (marked, encoding, "utf-8", "latin-1"):
         if codec is None:
             continue
         try:

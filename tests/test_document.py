@@ -74,9 +74,11 @@ def test_place_of_an_attributes_name() -> None:
 
 
 def test_line_ends_of_every_kind_count_once() -> None:
-    document = _document("<a>\r\n<b/>\r\n  <c/></a>")
-    origin = document.origin(document.root[1])
-    assert (origin.line, origin.column) == (3, 3)
+    for end in ("\n", "\r\n", "\r"):
+        document = _document(f"<a>{end}<b/>{end}  <c/></a>")
+        origin = document.origin(document.root[1])
+        assert (origin.line, origin.column) == (3, 3)
+        assert _codes(f"<a>{end}<b/>{end}</c>".encode()) == [("SC102", 3)]
 
 
 @pytest.mark.parametrize("codec", ["utf-8-sig", "utf-16", "iso-8859-1"])
