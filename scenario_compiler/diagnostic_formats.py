@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from hashlib import blake2b
 from pathlib import PurePath
@@ -34,23 +35,34 @@ def formatted(diagnostics: Iterable[Diagnostic], form: str) -> str:
     if form == "sarif":
         return legible_json(json.dumps(_sarif(found), indent=1, ensure_ascii=False))
     if form == "gitlab":
-        return legible_json(json.dumps([_gitlab(d) for d in found], indent=1, ensure_ascii=False))
+        return legible_json(json.dumps(_gitlab(found), indent=1, ensure_ascii=False))
     if form == "github":
         return "\n".join(map(_github, found))
     return "\n".join(as_text(d) for d in found)
 
 
-def _gitlab(d: Diagnostic) -> dict[str, object]:
-    """Return a finding in the form of GitLab's Code Quality reports; its fingerprint does not depend on its line."""
-    text = f"{d.message} ({d.hint})" if d.hint else d.message
-    told = "\0".join((d.code.id, d.place.file, d.message, d.place.source_line.strip())).encode("utf-8", "replace")
-    return {
-        "description": text,
-        "check_name": f"{d.code.id} {d.code.name}",
-        "fingerprint": blake2b(told, digest_size=16).hexdigest(),
-        "severity": _GITLAB_LEVEL[d.severity],
-        "location": {"path": d.place.file, "lines": {"begin": max(d.place.line, 1)}},
-    }
+def _gitlab(found: list[Diagnostic]) -> list[dict[str, object]]:
+    """Return findings in the form of GitLab's Code Quality reports.
+
+    GitLab keeps one finding for each fingerprint, and finds it again by the fingerprint after a change of the file. It
+    therefore does not depend on the line, and counts the findings that are equal in all but the line.
+    """
+    counts: Counter[tuple[str, ...]] = Counter()
+    issues: list[dict[str, object]] = []
+    for d in found:
+        what = (d.code.id, d.place.file, d.message, d.place.source_line.strip())
+        told = "\0".join((*what, str(counts[what])) if counts[what] else what).encode("utf-8", "replace")
+        counts[what] += 1
+        issues.append(
+            {
+                "description": f"{d.message} ({d.hint})" if d.hint else d.message,
+                "check_name": f"{d.code.id} {d.code.name}",
+                "fingerprint": blake2b(told, digest_size=16).hexdigest(),
+                "severity": _GITLAB_LEVEL[d.severity],
+                "location": {"path": d.place.file, "lines": {"begin": max(d.place.line, 1)}},
+            }
+        )
+    return issues
 
 
 def _sarif(found: list[Diagnostic]) -> dict[str, object]:
@@ -62,6 +74,7 @@ def _sarif(found: list[Diagnostic]) -> dict[str, object]:
         "runs": [
             {
                 "tool": {"driver": {"name": "scenario-compiler", "rules": rules}},
+                "columnKind": "unicodeCodePoints",
                 "results": [_sarif_result(d) for d in found],
             }
         ],
@@ -88,6 +101,8 @@ def _others(d: Diagnostic) -> Iterator[tuple[str, Place]]:
 
 def _sarif_location(place: Place) -> dict[str, object]:
     region = {"startLine": max(place.line, 1), "startColumn": max(place.column, 1)}
+    if place.column > 0 < place.length:
+        region["endColumn"] = place.column + place.length
     return {"physicalLocation": {"artifactLocation": {"uri": _uri(place.file)}, "region": region}}
 
 

@@ -7,6 +7,7 @@ scanning the text once more, and only when a diagnostic needs them.
 from __future__ import annotations
 
 import bisect
+import codecs
 import re
 from dataclasses import dataclass
 from functools import cached_property
@@ -104,19 +105,57 @@ class Document:
     def position(
         self, element: etree._Element, attribute: str | None, *, of_name: bool = False
     ) -> tuple[int, int, int]:
-        """Return (line, column, length), counted from 1, of a start tag's name or of an attribute's value or name."""
+        """Return (line, column, length), counted from 1, of a start tag's name or of an attribute's value or name.
+
+        Args:
+            element: The element of the start tag.
+            attribute: The attribute by lxml's name, with the namespace in braces if it has one.
+            of_name: Whether the attribute's name is located, not its value.
+        """
         ordinal = -1 if self._is_vast else self._ordinals.get(element, -1)
         if not 0 <= ordinal < len(self._tags):
             return int(getattr(element, "sourceline", 0) or 0), 0, 0
         start, end = self._tags[ordinal]
         begin, length = start, len(re.split(r"[\s/>]", self.text[start + 1 : end], maxsplit=1)[0]) + 1
+        written = None if attribute is None else written_name(element, attribute)
         for match in _ATTRIBUTES.finditer(self.text, start, end):
-            if attribute is not None and match.group("name") == attribute:
+            if match.group("name") == written:
                 begin, length = match.start("value") + 1, len(match.group("value")) - 2
                 if length == 0 or of_name:
-                    begin, length = match.start("name"), len(attribute)
-        line = bisect.bisect_right(self._line_starts, begin)
-        return line, begin - self._line_starts[line - 1] + 1, length
+                    begin, length = match.start("name"), len(written)
+        return (*self._line_and_column(begin), length)
+
+    def _line_and_column(self, offset: int) -> tuple[int, int]:
+        line = bisect.bisect_right(self._line_starts, offset)
+        return line, offset - self._line_starts[line - 1] + 1
+
+    def start_of(self, element: etree._Element) -> int | None:
+        """Return the offset of an element's start tag in the text, None in a vast file."""
+        ordinal = -1 if self._is_vast else self._ordinals.get(element, -1)
+        return self._tags[ordinal][0] if 0 <= ordinal < len(self._tags) else None
+
+    def text_place(self, element: etree._Element, shown: str, within: Place | None = None) -> Place:
+        """Return the place of a text that is directly in an element; the element's if the text contains references.
+
+        Args:
+            element: The element.
+            shown: The text, or the start of its first line.
+            within: The use that inserted the element.
+        """
+        depth, at = 0, self.start_of(element)
+        if at is not None:
+            for token in _TOKENS.finditer(self.text, at):
+                found = self.text.find(shown, at, token.start()) if depth == 1 else -1
+                if found < 0 and depth == 1 and token.group().startswith("<![CDATA["):
+                    found = self.text.find(shown, *token.span())
+                if found >= 0:
+                    line, column = self._line_and_column(found)
+                    return FilePlace(self.path, line, column, len(shown), self.line_text(line), within)
+                depth += _opens(token)
+                at = token.end()
+                if depth == 0:
+                    break
+        return self.origin(element, None, within)
 
     def line_text(self, line: int) -> str:
         """Return the text of a line counted from 1, empty outside the file."""
@@ -213,6 +252,16 @@ def read_document(path: str | Path, sink: Diagnostics, limit: int = SCENARIO_BYT
     return parse_document(raw, name, sink)
 
 
+def written_name(element: etree._Element, attribute: str | None = None) -> str:
+    """Return the name of an element or of one of its attributes as the file writes it, with the namespace's prefix."""
+    if attribute is None:
+        local = etree.QName(element).localname
+        return f"{element.prefix}:{local}" if element.prefix else local
+    name = etree.QName(attribute)
+    prefix = next((one for one, space in element.nsmap.items() if one and space == name.namespace), None)
+    return f"{prefix}:{name.localname}" if prefix else name.localname
+
+
 def drop_namespace(root: etree._Element) -> str:
     """Rename elements of the root's namespace to their bare names; return the namespace, empty for none."""
     namespace = etree.QName(root).namespace or ""
@@ -232,7 +281,12 @@ def quiet_parser(target: Any) -> etree.XMLParser:
 
 
 def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
-    """Parse the bytes of an XML file called `name`; see `read_document`."""
+    """Parse the bytes of an XML file called `name`; see `read_document`.
+
+    A carriage return alone ends a line, as in XML and in editors. libxml2 does not count it, so it becomes a line feed.
+    """
+    if b"\r" in raw and b"\x00" not in raw[:8]:
+        raw = _LONE_RETURN.sub(b"\n", raw)
     line = _doctype_line(raw)
     if line > 0:
         sink.add(FORBIDDEN, _DOCTYPE_MESSAGE, FilePlace(name, line, 1))
@@ -267,6 +321,7 @@ def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
     return document
 
 
+_LONE_RETURN = re.compile(rb"\r(?!\n)")
 _DOCTYPE_MESSAGE = "a document type declaration is not allowed"
 _TOKENS = re.compile(
     r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|</[^>]*>|"
@@ -314,20 +369,32 @@ def _doctype_line(raw: bytes) -> int:
 _BEFORE_THE_ROOT = ((b"<!--", b"-->"), (b"<?", b"?>"))
 
 
+def _opens(token: re.Match[str]) -> int:
+    """Return by how much a token of the text changes the depth of nesting."""
+    if token.group("tag") is not None:
+        return 0 if token.group().endswith("/>") else 1
+    return -1 if token.group().startswith("</") else 0
+
+
+_MARKED = (codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be")
+"""Encodings that a byte order mark declares, whatever the XML declaration says; lxml names none without the latter."""
+
+
 def _decode(raw: bytes, encoding: str | None) -> str:
-    for codec in (encoding, "utf-8-sig", "latin-1"):
+    marked = next((codec for mark, codec in _MARKED if raw.startswith(mark)), None)
+    for codec in (marked, encoding, "utf-8", "latin-1"):
         if codec is None:
             continue
         try:
-            text = raw.decode("utf-8-sig" if codec.upper() == "UTF-8" else codec)
+            text = raw.decode(codec)
         except (UnicodeDecodeError, LookupError):
             continue
-        return text.replace("\r\n", "\n")
+        return text.removeprefix("\ufeff").replace("\r\n", "\n")
     return ""
 
 
 def _short(message: str) -> str:
-    return re.sub(r", line \d+, column \d+.*$", "", message)[:200]
+    return re.sub(r", line \d+, column \d+.*$", "", message).strip()[:200]
 
 
 def _beside(path: Path) -> str:

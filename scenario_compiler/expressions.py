@@ -177,6 +177,8 @@ _TOKEN = re.compile(
     r"|(?P<text>'[^']*')|(?P<sign><=|>=|==|!=|[-+*/%^<>(),])|(?P<end>$))"
 )
 
+_ELSEWHERE = (("=", "=="), ("&", "and"), ("|", "or"), ("!", "not"), ("?", "if(condition, then, else)"))
+"""Signs of other languages, and what is written for them here."""
 
 _VISIBLE = re.compile(r"\S")
 _NAME_IN_TEXT = re.compile(r"\$([A-Za-z0-9_.]+)")
@@ -216,7 +218,8 @@ class _Parser:
         match = _TOKEN.match(self.text, self.at)
         if match is None:
             offset = len(self.text) - len(self.text[self.at :].lstrip())
-            raise ExpressionError(f"'{self.text[offset]}' is not part of the expression language", offset)
+            meant = next((f"; write {ours}" for other, ours in _ELSEWHERE if self.text.startswith(other, offset)), "")
+            raise ExpressionError(f"'{self.text[offset]}' is not part of the expression language{meant}", offset)
         self.kind = str(match.lastgroup)
         self.token = match.group(self.kind)
         self.offset = match.start(self.kind)

@@ -38,12 +38,16 @@ def unsaved(contents: Mapping[str, bytes]) -> Iterator[None]:
 
 
 def split_target(target: str | Path) -> tuple[str, str | None]:
-    """Split FILE#name into the file and the scenario's name; a file whose own name has a '#' stays whole."""
+    """Split FILE#name into the file and the scenario's name, each of which may contain a '#' itself.
+
+    The file is the longest part of the target that is the path of a file. If there is no such file, the last '#'
+    separates the two.
+    """
     text = str(target)
     if "#" not in text or Path(text).is_file():
         return text, None
-    path, _, name = text.rpartition("#")
-    return path, name
+    splits = [(text[:at], text[at + 1 :]) for at in range(len(text) - 1, -1, -1) if text[at] == "#"]
+    return next((split for split in splits if Path(split[0]).is_file()), splits[0])
 
 
 def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:

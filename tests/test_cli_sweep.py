@@ -164,6 +164,33 @@ def test_an_unknown_scenario_is_reported(vary: list[str], capsys: pytest.Capture
     assert "there is no scenario 'zzz'" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--samples", "0"),
+        ("--repeat", "-1"),
+        ("--workers", "0"),
+        ("--minimise=minimum_time_to_collision --evaluations", "0"),
+    ],
+)
+def test_counts_below_one_are_refused(option: str, value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep("--vary", "speed=uniform(5, 10)", *option.split(), value) == 2
+    assert f"{option.split()[-1]}: {value} is not a whole number from 1 to " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("seed", [2**63, -(2**70)])
+def test_a_seed_that_no_table_can_contain_is_refused(seed: int, capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep("--vary", "speed=uniform(5, 10)", "--seed", str(seed)) == 2
+    assert "seed: Input should be " in capsys.readouterr().err
+    assert not Path("out").exists()
+
+
+def test_points_that_constraints_leave_out_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep("--vary", "speed=uniform(0, 10)", "--method", "latin", "--samples", "10", "--where", "speed < 5") == 0
+    assert "5 variants" in (told := capsys.readouterr().err)
+    assert "5 of 10 points meet the constraints" in told
+
+
 def test_a_sweep_of_which_all_variants_fail_is_at_fault(capsys: pytest.CaptureFixture[str]) -> None:
     assert sweep("--vary", "speed=values(40, 50, 60)", "--where", "speed > 1") == 1
     out, err = capsys.readouterr()

@@ -51,11 +51,24 @@ def test_a_name_that_is_not_valid_text_can_be_written(form: str) -> None:
 
 
 def test_gitlab_has_severity_place_and_a_fingerprint_that_does_not_move_with_the_line() -> None:
-    further = Diagnostic(MALFORMED, FOUND.message, FilePlace(FOUND.place.file, 70, 3), FOUND.hint)
+    moved = Diagnostic(MALFORMED, FOUND.message, FilePlace(FOUND.place.file, 70, 3), FOUND.hint)
     other = Diagnostic(MALFORMED, "another", FOUND.place)
-    first, second, third = json.loads(formatted([FOUND, further, other], "gitlab"))
+    first, third = json.loads(formatted([FOUND, other], "gitlab"))
+    (second,) = json.loads(formatted([moved], "gitlab"))
     assert first["description"] == "50 % of it (mend it)"
     assert (first["severity"], first["check_name"]) == ("major", "SC102 malformed-xml")
     assert first["location"] == {"path": "q s/a#x ü.xml", "lines": {"begin": 7}}
     assert first["fingerprint"] == second["fingerprint"] != third["fingerprint"]
     assert json.loads(formatted([], "gitlab")) == []
+
+
+def test_gitlab_distinguishes_findings_that_differ_only_in_their_lines() -> None:
+    found = [Diagnostic(MALFORMED, "the same", FilePlace("a.xml", line, 3)) for line in (4, 9, 12)]
+    assert len({one["fingerprint"] for one in json.loads(formatted(found, "gitlab"))}) == 3
+
+
+def test_sarif_says_where_a_finding_ends_and_counts_code_points() -> None:
+    (run,) = json.loads(formatted([FOUND, Diagnostic(MALFORMED, "", FilePlace("a.xml", 3))], "sarif"))["runs"]
+    regions = [one["locations"][0]["physicalLocation"]["region"] for one in run["results"]]
+    assert regions == [{"startLine": 7, "startColumn": 3, "endColumn": 5}, {"startLine": 3, "startColumn": 1}]
+    assert run["columnKind"] == "unicodeCodePoints"

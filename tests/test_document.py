@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.document import MAX_ATTRIBUTES, Document, parse_document, read_document
+from scenario_compiler.document import MAX_ATTRIBUTES, Document, parse_document, read_document, written_name
 
 TEXT = """<?xml version="1.0"?>
 <!-- <a b="no"/> -->
@@ -74,9 +74,11 @@ def test_place_of_an_attributes_name() -> None:
 
 
 def test_line_ends_of_every_kind_count_once() -> None:
-    document = _document("<a>\r\n<b/>\r\n  <c/></a>")
-    origin = document.origin(document.root[1])
-    assert (origin.line, origin.column) == (3, 3)
+    for end in ("\n", "\r\n", "\r"):
+        document = _document(f"<a>{end}<b/>{end}  <c/></a>")
+        origin = document.origin(document.root[1])
+        assert (origin.line, origin.column) == (3, 3)
+        assert _codes(f"<a>{end}<b/>{end}</c>".encode()) == [("SC102", 3)]
 
 
 @pytest.mark.parametrize("codec", ["utf-8-sig", "utf-16", "iso-8859-1"])
@@ -85,6 +87,32 @@ def test_encodings(codec: str) -> None:
     text = f'<?xml version="1.0" encoding="{declared}"?>\n<a ä="ö" b="1"/>'
     document = _document(text.encode(codec))
     assert (document.origin(document.root, "b").line, document.origin(document.root, "b").column) == (2, 13)
+
+
+@pytest.mark.parametrize("mark", [codecs.BOM_UTF8, codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE])
+@pytest.mark.parametrize("declaration", ["", '<?xml version="1.0" encoding="{}"?>'])
+def test_a_byte_order_mark_is_no_part_of_the_text(mark: bytes, declaration: str) -> None:
+    codec = {codecs.BOM_UTF8: "UTF-8", codecs.BOM_UTF16_LE: "UTF-16LE", codecs.BOM_UTF16_BE: "UTF-16BE"}[mark]
+    text = declaration.format(codec) + '<a ä="ö" b="1"/>'
+    document = _document(mark + text.encode(codec))
+    assert document.text == text
+    assert document.origin(document.root, "b").column == text.index('b="') + 4
+
+
+def test_places_of_texts() -> None:
+    text = "<a>\n<b>one</b><!-- two --><?two two?>\n two <b>three</b><![CDATA[ four > ]]> &lt;five</a>"
+    document = _document(text)
+    places = [document.text_place(document.root, shown) for shown in ("two", "four >", "three", "<five")]
+    assert [(place.line, place.column) for place in places] == [(3, 2), (3, 28), (1, 1), (1, 1)]
+
+
+def test_places_of_names_with_a_prefix() -> None:
+    document = _document('<a xmlns:p="urn:p"><p:b p:c="1" c="2"/></a>')
+    element = document.root[0]
+    assert written_name(element) == "p:b"
+    assert written_name(element, "{urn:p}c") == "p:c"
+    assert [document.origin(element, name).column for name in ("{urn:p}c", "c")] == [30, 36]
+    assert document.origin(element).name_of("{urn:p}c").column == 25
 
 
 @pytest.mark.parametrize(

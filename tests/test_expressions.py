@@ -84,6 +84,21 @@ def test_a_missing_value_is_explained_in_the_languages_terms(text: str, reason: 
     assert str(caught.value) == reason
 
 
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("a = 2", "=="),
+        ("a > 1 && a < 3", "and"),
+        ("a > 1 || a < 3", "or"),
+        ("!(a > 1)", "not"),
+        ("a > 1 ? 2 : 3", "if"),
+    ],
+)
+def test_a_sign_of_another_language_is_translated(text: str, meant: str) -> None:
+    with pytest.raises(ExpressionError, match=f"is not part of the expression language; write {meant}"):
+        parse_expression(text)
+
+
 def test_the_length_of_texts_is_limited() -> None:
     twice = parse_expression("$x + $x")
     with pytest.raises(ExpressionError, match=f"a text has at most {MAX_LENGTH} characters") as caught:

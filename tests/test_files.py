@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from scenario_compiler.cli.options import WrongUse, keep_inputs
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.files import read_file
+from scenario_compiler.files import read_file, split_target
 from scenario_compiler.languages import parse, read_scenario_document
 from scenario_compiler.plan.store import read_plan
 from scenario_compiler.recording.trajectory import read_trajectory
@@ -83,3 +84,28 @@ def _odd(folder: Path, kind: str) -> Path:
     else:
         path.symlink_to("/dev/zero" if kind == "device" else path.name)
     return path
+
+
+@pytest.mark.parametrize(
+    ("target", "expected"),
+    [
+        ("a#1/b#2.xml", ("a#1/b#2.xml", None)),
+        ("a#1/b#2.xml#c", ("a#1/b#2.xml", "c")),
+        ("a#1/b#2.xml#c#3", ("a#1/b#2.xml", "c#3")),
+        ("a#1/missing.xml#c", ("a#1/missing.xml", "c")),
+    ],
+)
+def test_a_file_and_a_scenario_may_both_have_a_number_sign(
+    target: str, expected: tuple[str, str | None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a#1").mkdir()
+    (tmp_path / "a#1" / "b#2.xml").touch()
+    monkeypatch.chdir(tmp_path)
+    assert split_target(target) == expected
+
+
+def test_a_file_with_a_number_sign_is_not_written_over(tmp_path: Path) -> None:
+    file = tmp_path / "a#b.xml"
+    file.touch()
+    with pytest.raises(WrongUse, match="written over"):
+        keep_inputs([f"{file}#c"], file)

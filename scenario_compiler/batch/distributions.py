@@ -23,6 +23,9 @@ ValueKind = Literal["number", "boolean", "text"]
 GREATEST_MEAN = 500.0
 """Greatest mean of a Poisson distribution: its quantiles are summed up from exp(-mean)."""
 
+LEAST_PROBABILITY = 1e-290
+"""Least probability between the limits of a normal distribution from which its quantiles can be computed."""
+
 
 class SweepError(ValueError):
     """A sweep is not possible as requested; the message gives the reason."""
@@ -168,28 +171,38 @@ def _uniform(text: str, numbers: Sequence[float]) -> Distribution:
     return Distribution(text, "number", lambda u: low + (high - low) * u, limits=(low, high), extent=(low, high))
 
 
-def _bounded(normal: NormalDist, limits: Sequence[float]) -> Callable[[float], float]:
-    """Return the quantiles of a normal distribution cut off at limits."""
+def _bounded(text: str, mean: float, deviation: float, limits: Sequence[float]) -> Callable[[float], float]:
+    """Return the quantiles of a normal distribution cut off at limits.
+
+    Limits above the mean are mirrored to below it: probabilities near 1 would have no digits left.
+    """
     if not limits:
-        return normal.inv_cdf
-    low, high = normal.cdf(limits[0]), normal.cdf(limits[1])
+        return NormalDist(mean, deviation).inv_cdf
+    low, high = ((limit - mean) / deviation for limit in limits)
+    side = -1.0 if low > 0.0 else 1.0
+    ends = (-high, -low) if side < 0.0 else (low, high)
+    below, above = (0.5 * math.erfc(-end / math.sqrt(2.0)) for end in ends)
+    if above < LEAST_PROBABILITY:
+        raise SweepError(f"'{text}' is not possible: its limits are too many standard deviations away from its mean")
+    standard = NormalDist()
 
     def quantile(u: float) -> float:
-        inside = min(max(low + (high - low) * u, 1e-300), 1.0 - 1e-16)
-        return min(max(normal.inv_cdf(inside), limits[0]), limits[1])
+        inside = below + (above - below) * (u if side > 0.0 else 1.0 - u)
+        far = standard.inv_cdf(min(max(inside, 1e-300), 1.0 - 1e-16))
+        return min(max(mean + deviation * side * far, limits[0]), limits[1])
 
     return quantile
 
 
 def _normal(text: str, numbers: Sequence[float]) -> Distribution:
     _need(len(numbers) in (2, 4) and numbers[1] > 0 and (len(numbers) == 2 or numbers[2] < numbers[3]), text)
-    quantile = _bounded(NormalDist(numbers[0], numbers[1]), numbers[2:])
+    quantile = _bounded(text, numbers[0], numbers[1], numbers[2:])
     return Distribution(text, "number", quantile, extent=tuple(numbers[2:]))
 
 
 def _lognormal(text: str, numbers: Sequence[float]) -> Distribution:
     _need(len(numbers) in (2, 4) and numbers[1] > 0 and (len(numbers) == 2 or 0 < numbers[2] < numbers[3]), text)
-    inner = _bounded(NormalDist(numbers[0], numbers[1]), [math.log(limit) for limit in numbers[2:]])
+    inner = _bounded(text, numbers[0], numbers[1], [math.log(limit) for limit in numbers[2:]])
     return Distribution(text, "number", lambda u: math.exp(inner(u)), extent=tuple(numbers[2:]))
 
 

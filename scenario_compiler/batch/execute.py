@@ -375,7 +375,7 @@ def _run_owned(
     elif say is not None and (report or spec.traces):
         say(f"more than {PRESENTED} variants: no traces and no report, only the table")
     errors = store.errors()
-    commonest = max(errors, key=errors.__getitem__, default="")
+    commonest = errors[0][0] if errors else ""
     automated = sweep.families.base.plan.controller is not None
     return SweepResult(folder, store.table, tally_of(store.table), automated, commonest, sweep.form, count)
 
@@ -407,4 +407,6 @@ def describe(sweep: Sweep, workers: int, scheduler: str | None = None) -> str:
         where = "in a process of their own" if sweep.form == "camera" or sweep.spec.time_limit else "in this process"
     if scheduler is not None:
         where = f"on the cluster at {scheduler}"
-    return f"{sweep.sampler.total} variants {how}, {where}"
+    chosen = sweep.sampler.chosen
+    kept = "" if chosen is None else f"; {len(chosen)} of {sweep.sampler.points} points meet the constraints"
+    return f"{sweep.sampler.total} variants {how}, {where}{kept}"

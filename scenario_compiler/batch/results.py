@@ -8,7 +8,6 @@ equal bytes.
 from __future__ import annotations
 
 import json
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -32,6 +31,7 @@ from scenario_compiler.batch.measuring import TAKEOVERS, Columns
 from scenario_compiler.batch.tally import TALLIED, Tally
 from scenario_compiler.outputs import LockedError, locked, make_folder, whole_file, write_whole
 from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts
+from scenario_compiler.recording.break_off import equal_reasons
 
 FORMAT = "scenario-compiler/sweep/1"
 MANIFEST = "sweep.json"
@@ -189,11 +189,12 @@ class ResultStore:
         """Return the counts of results in a part."""
         return tally_of(self._part(number))
 
-    def errors(self) -> Counter[str]:
-        """Return the errors in the table's rows with their counts, in the order of their first row."""
+    def errors(self) -> list[tuple[str, int, int]]:
+        """Return the errors in the table's rows, as `equal_reasons` does."""
         with pq.ParquetFile(self.table) as file:
             groups = (file.read_row_group(k, columns=["error"]) for k in range(file.num_row_groups))
-            return Counter(error for group in groups for error in group["error"].to_pylist() if error)
+            every = enumerate(error for group in groups for error in group["error"].to_pylist())
+            return equal_reasons((variant, error) for variant, error in every if error)
 
     def merge(self, parts: int) -> None:
         """Write the table from all parts, in order, with its codebook, and delete the parts."""

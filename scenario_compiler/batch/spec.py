@@ -16,6 +16,9 @@ from scenario_compiler.vocabulary.sensors import Perception
 
 Method = Literal["random", "grid", "latin", "sobol"]
 
+MOST_SEED = 2**62
+"""Greatest seed of a sweep: the seeds of all its runs are numbers of 64 bits in its table."""
+
 
 class SweepSpec(BaseModel):
     """A sweep: which parameters vary, how they are sampled, and how the variants run."""
@@ -25,8 +28,15 @@ class SweepSpec(BaseModel):
     vary: tuple[str, ...] = Field(description="NAME=DISTRIBUTION of each parameter that varies.")
     method: Method = Field(default="random", description="Way to sample the distributions.")
     samples: int = Field(default=1, ge=1, description="Number of samples; at each point of the grid axes, if any.")
-    repeat: int = Field(default=1, ge=1, description="Number of runs of each sample, each with the next seed.")
-    seed: int = Field(default=1, description="Seed of the samples and, with a variant's index, of its first run.")
+    repeat: int = Field(
+        default=1, ge=1, le=MOST_SEED, description="Number of runs of each sample, each with the next seed."
+    )
+    seed: int = Field(
+        default=1,
+        ge=-MOST_SEED,
+        le=MOST_SEED,
+        description="Seed of the samples and, with a variant's index, of its first run.",
+    )
     where: tuple[str, ...] = Field(default=(), description="Expressions that every variant fulfils.")
     settings: dict[str, str] = Field(default={}, description="Fixed values of other parameters.")
     perception: Perception | None = Field(

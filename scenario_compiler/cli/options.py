@@ -63,7 +63,7 @@ def keep_inputs(inputs: Iterable[str | Path], *outputs: Path | None) -> None:
     Raises:
         WrongUse: An output is also an input.
     """
-    read = [Path(str(one).partition("#")[0]) for one in inputs]
+    read = [Path(split_target(one)[0]) for one in inputs]
     for output in outputs:
         if output is not None and any(one.exists() and output.exists() and one.samefile(output) for one in read):
             raise WrongUse(f"{output} is read by this command and would be written over: name another file")

@@ -156,7 +156,8 @@ def sweep_command(options: argparse.Namespace) -> int:
     except ScenarioNameNeededError as needed:
         raise WrongUse(f"the file has several scenarios; name one as FILE#name: {', '.join(needed.names)}") from None
     except ValidationError as error:
-        raise WrongUse("; ".join(str(fault["msg"]) for fault in error.errors(include_url=False))) from None
+        faults = error.errors(include_url=False)
+        raise WrongUse("; ".join(f"{fault['loc'][0]}: {fault['msg']}" for fault in faults)) from None
     except SweepError as error:
         raise WrongUse(str(error)) from None
     except OSError as error:

@@ -103,6 +103,11 @@ class Draft:
         """Set the text."""
         self.text = text
 
+    @property
+    def content(self) -> bytes:
+        """The text as a file's content, with a mark that takes precedence over the encoding which the text declares."""
+        return self.text.removeprefix("\ufeff").encode("utf-8-sig", "replace")
+
     @cached_property
     def _tree(self) -> tuple[Tag, list[tuple[int, int]]]:
         reader = _Reader(self.text)
@@ -295,6 +300,10 @@ class DraftDocument(Document):
 
     draft: Draft
     tags: Mapping[etree._Element, Tag]
+
+    def start_of(self, element: etree._Element) -> int | None:
+        """Return the offset of an element's start tag in the text."""
+        return self.tags[element].start
 
     def position(
         self, element: etree._Element, attribute: str | None, *, of_name: bool = False

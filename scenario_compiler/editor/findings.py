@@ -62,7 +62,7 @@ def findings(
         maps: Folders in which maps are looked for first.
     """
     own = os.path.realpath(path)
-    with unsaved({**(held or {}), own: draft.text.encode("utf-8", "replace")}):
+    with unsaved({**(held or {}), own: draft.content}):
         (found,) = validate_files([Path(path)], maps)
     return [_finding(one, own, draft) for one in found]
 

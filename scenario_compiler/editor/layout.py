@@ -29,7 +29,7 @@ class Edit:
 
 def layout_edits(draft: Draft) -> list[Edit]:
     """Return the edits that format a text; none if it is formatted already or is not well-formed."""
-    if parse_document(draft.text.encode("utf-8", "replace"), "", Diagnostics()) is None:
+    if parse_document(draft.content, "", Diagnostics()) is None:
         return []
     edits: list[Edit] = []
     moved = 0

@@ -128,7 +128,7 @@ class Workspace:
                         yield Path(folder, name)
 
     def _held(self) -> dict[str, bytes]:
-        return {path: one.draft.text.encode("utf-8", "replace") for path, one in list(self.texts.items())}
+        return {path: one.draft.content for path, one in list(self.texts.items())}
 
 
 def _holds(path: Path, name: str) -> bool:

@@ -81,9 +81,9 @@ BAD_EXPRESSION = Code(
     "An expression is malformed, or has no value:\n\n"
     '    distance="${2 * ($gap + 1}"     a parenthesis is not closed\n'
     '    distance="${1 / $zero}"         division by zero\n\n'
-    "Expressions support + - * / % ^, comparisons, and, or, not, parentheses, and the functions abs, min, max, sqrt, "
-    "sin, cos, tan, asin, acos, atan, atan2, exp, log, pow, floor, ceil, round, sign, radians, degrees, if(condition, "
-    "then, else).",
+    "Expressions support + - * / % ^, the comparisons == != < <= > >= (in XML, < is written &lt;), and, or, not, "
+    "parentheses, and the functions abs, min, max, sqrt, sin, cos, tan, asin, acos, atan, atan2, exp, log, pow, floor, "
+    "ceil, round, sign, radians, degrees, if(condition, then, else).",
 )
 STRAY_TEXT = Code(
     "SC114",

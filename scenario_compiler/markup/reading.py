@@ -12,6 +12,7 @@ from typing import Any
 from lxml import etree
 
 from scenario_compiler.diagnostics import Place, did_you_mean
+from scenario_compiler.document import written_name
 from scenario_compiler.markup import codes
 from scenario_compiler.markup.environment import ReadingContext
 from scenario_compiler.markup.values import SPACE, UnreadError, read_attribute
@@ -24,6 +25,7 @@ _SCHEMA_HINTS = (
     "{http://www.w3.org/2001/XMLSchema-instance}noNamespaceSchemaLocation",
 )
 
+_FOREIGN = "the language has nothing from the namespace '{}': remove it"
 
 MOST_LISTED = 40
 """Greatest number of children listed in a hint."""
@@ -82,13 +84,9 @@ def read_attributes(element: etree._Element, word: type[Word], reading: ReadingC
         elif name not in _SCHEMA_HINTS:
             reading.sink.add(
                 codes.UNKNOWN_ATTRIBUTE,
-                f"<{element.tag}> has no attribute '{_short_name(name)}'",
+                f"<{element.tag}> has no attribute '{written_name(element, name)}'",
                 reading.origin(element).name_of(name),
-                hint=(
-                    f"write {word.moved[name]}"
-                    if name in word.moved
-                    else did_you_mean(name, set(grammar.attributes) - set(map(str, element.attrib)))
-                ),
+                hint=_hint_for_attribute(element, name, word),
             )
     for name, rule in grammar.attributes.items():
         if rule.required and name not in element.attrib:
@@ -100,6 +98,15 @@ def read_attributes(element: etree._Element, word: type[Word], reading: ReadingC
                 hint=f"{name}: {rule.description}",
             )
     return fields if complete else None
+
+
+def _hint_for_attribute(element: etree._Element, name: str, word: type[Word]) -> str:
+    namespace = etree.QName(name).namespace
+    if namespace:
+        return _FOREIGN.format(namespace)
+    if name in word.moved:
+        return f"write {word.moved[name]}"
+    return did_you_mean(name, set(grammar_of(word).attributes) - set(map(str, element.attrib)))
 
 
 def place_children(
@@ -196,12 +203,12 @@ def _report_missing(parent: etree._Element, tags: tuple[str, ...], description: 
 def _report_unknown_child(
     parent: etree._Element, child: etree._Element, rules: tuple[ChildRule, ...], reading: ReadingContext
 ) -> None:
-    name = _short_name(str(child.tag))
+    name, namespace = _short_name(str(child.tag)), etree.QName(child).namespace
     reading.sink.add(
         codes.UNKNOWN_ELEMENT,
-        f"<{name}> is not known in <{parent.tag}>",
+        f"<{written_name(child)}> is not known in <{parent.tag}>",
         reading.origin(child),
-        hint=_hint_for_unknown(name, parent, rules),
+        hint=_FOREIGN.format(namespace) if namespace else _hint_for_unknown(name, parent, rules),
     )
 
 
@@ -248,7 +255,7 @@ def _report_text(element: etree._Element, reading: ReadingContext) -> None:
         reading.sink.add(
             codes.STRAY_TEXT,
             f"text '{shown}' is not allowed in <{element.tag}>, which has child elements only",
-            reading.origin(element),
+            reading.document.text_place(element, shown, reading.within),
         )
 
 

@@ -16,6 +16,7 @@ from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
 from scenario_compiler.plan.criteria import check_criteria
 from scenario_compiler.plan.defaults import complete_takeover
+from scenario_compiler.plan.init_order import in_order, started
 from scenario_compiler.plan.keeping import kept_entities
 from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin, RouteLeg
 from scenario_compiler.plan.paint import check_paint
@@ -298,7 +299,9 @@ def bind_storyboard(draft: PlanDraft) -> None:
             return bind_corner(draft, word)
         return bind_fixed(draft, word) or word if isinstance(word, POSITIONS) else word
 
-    draft.storyboard = replaced(draft.scenario.storyboard, bind)
+    written = draft.scenario.storyboard
+    ordered = written.model_copy(update={"init": in_order(written.init, started(draft.entities))})
+    draft.storyboard = replaced(ordered, bind)
     draft.entities = [
         one if one.path is None else one.model_copy(update={"path": replaced(one.path, bind)}) for one in draft.entities
     ]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 
 from scenario_compiler.diagnostics import Code
 from scenario_compiler.engine.columns import opcodes as op
@@ -56,3 +57,26 @@ def break_off_text(code: int, at: int, entities: Sequence[str], values: Mapping[
         if not math.isfinite(value) or abs(value) >= LARGEST:
             return f"'{entities[at]}' has the {quantity} {value:g} {unit} at {t:.6g} s"
     return f"'{entities[at]}' at {t:.6g} s: {what}"
+
+
+def equal_reasons(reasons: Iterable[tuple[int, str]]) -> list[tuple[str, int, int]]:
+    """Return the reasons for which variants have no result, the most frequent first.
+
+    Reasons that differ only in their numbers count as one, because most variants have numbers of their own.
+
+    Args:
+        reasons: The variants' numbers, rising, with their reasons.
+
+    Returns:
+        For each kind of reason the text of its first variant, the number of variants, and the first variant.
+    """
+    found: dict[str, tuple[str, int, int]] = {}
+    for variant, reason in reasons:
+        kind = _NUMBER.sub("0", reason)
+        text, count, first = found.get(kind, (reason, 0, variant))
+        found[kind] = (text, count + 1, first)
+    return sorted(found.values(), key=lambda one: (-one[1], one[2]))
+
+
+_NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?(?![\w.]*\w)", re.ASCII)
+"""A number that is not a part of a name."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from scenario_compiler.expressions import format_value
 from scenario_compiler.outputs import write_whole
+from scenario_compiler.recording.break_off import equal_reasons
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.recording import Booleans, Floats, Integers
 from scenario_compiler.recording.resolution import WITHOUT_REQUEST
@@ -151,7 +152,11 @@ def write_sweep_report(page: SweepPage, folder: Path) -> Path:
     text = environment.get_template(TEMPLATE).render(
         page=page,
         rates=rates_of(page.rows, judged=page.judged, automated=page.automated),
-        errors=_errors(page.rows),
+        errors=equal_reasons(
+            (index, error)
+            for index, (result, error) in enumerate(zip(page.rows["result"], page.rows["error"], strict=True))
+            if result == "error"
+        ),
         still_open=_still_open(page.rows) if page.automated else 0,
         pictures=_pictures(page),
         sound=sum(result != "error" for result in page.rows["result"]),
@@ -342,15 +347,6 @@ def _case_pictures(case: Case) -> dict[str, Any]:
         "map": plots.close_up_map(run, f"case-{case.index}-map"),
         "course": plots.timeline_plot(run, f"case-{case.index}-course"),
     }
-
-
-def _errors(rows: Rows) -> list[tuple[str, int, int]]:
-    """Return each error with its number of occurrences and its first variant, the most frequent first."""
-    found: dict[str, list[int]] = {}
-    for index, (result, error) in enumerate(zip(rows["result"], rows["error"], strict=True)):
-        if result == "error":
-            found.setdefault(error, []).append(index)
-    return sorted(((error, len(of), of[0]) for error, of in found.items()), key=lambda one: (-one[1], one[2]))
 
 
 def _numbers(values: Sequence[float | None]) -> Floats:

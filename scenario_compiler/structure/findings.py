@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import MOST_OF_A_KIND, Code, Diagnostics, Severity
+from scenario_compiler.diagnostics import MOST_OF_A_KIND, Code, Diagnostics, Place, Severity
 from scenario_compiler.document import Document
 
 Mild = Callable[[Code, etree._Element], bool]
@@ -31,16 +31,20 @@ class Findings:
         attribute: str | None = None,
         *,
         by_name: bool = False,
+        text: str = "",
         hint: str = "",
         severity: Severity | None = None,
     ) -> None:
-        """Report a finding at an element, at the value of one of its attributes, or at the attribute's name."""
+        """Report a finding at an element, at the value of an attribute, at the attribute's name, or at a text."""
         self._counts[code.id] += 1
         if severity is None and self._mild is not None and self._mild(code, element):
             severity = Severity.WARNING
-        origin = self.document.origin(element, attribute)
-        named = by_name and attribute is not None and self._counts[code.id] <= MOST_OF_A_KIND
-        place = origin.name_of(attribute) if named and attribute is not None else origin
+        place: Place = self.document.origin(element, attribute)
+        if self._counts[code.id] <= MOST_OF_A_KIND:
+            if by_name and attribute is not None:
+                place = self.document.origin(element).name_of(attribute)
+            elif text:
+                place = self.document.text_place(element, text)
         self._sink.add(code, message, place, hint=hint, severity=severity)
 
     def lists(self, code: Code) -> bool:

@@ -9,6 +9,7 @@ from typing import cast
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
+from scenario_compiler.document import written_name
 from scenario_compiler.structure.content import Content, State
 from scenario_compiler.structure.findings import Findings
 from scenario_compiler.structure.grammar import Grammar
@@ -92,7 +93,7 @@ class _Walk:
             code, hint = self._elsewhere(code, knowing)
             if not hint and self.findings.lists(code):
                 hint = did_you_mean(name[:80], declaration.attributes)
-        shown = name if not name.startswith("{") else etree.QName(name).localname
+        shown = written_name(element, name)
         self.findings.report(code, f"<{tag}> has no attribute {shown[:60]}", element, name, by_name=True, hint=hint)
 
     def _missing_attribute(self, element: etree._Element, name: str, declaration: Declaration) -> None:
@@ -131,8 +132,9 @@ class _Walk:
         texts = [text for text in (element.text, *(child.tail for child in element)) if text]
         stray = next((text for text in texts if not text.isspace()), None)
         if stray is not None:
-            message = f"text in <{local_name(element)}>: '{stray.strip()[:40]}'"
-            self.findings.report(self.faults.stray_text, message, element)
+            shown = stray.strip()[:40]
+            message = f"text in <{local_name(element)}>: '{shown}'"
+            self.findings.report(self.faults.stray_text, message, element, text=shown.split("\n")[0].rstrip())
         elif declaration.empty and texts and self.faults.blank is not None:
             message = f"blanks in <{local_name(element)}>, which must be empty"
             self.findings.report(self.faults.blank, message, element)
@@ -153,7 +155,8 @@ class _Walk:
                 found = self._in_other_version(child, declaration, knowing)
             if not hint and self.findings.lists(code):
                 hint = did_you_mean(tag[:80], declaration.content.tags())
-        self.findings.report(code, f"<{tag[:60]}> is not allowed in <{local_name(parent)}>", child, hint=hint)
+        shown = written_name(child)
+        self.findings.report(code, f"<{shown[:60]}> is not allowed in <{local_name(parent)}>", child, hint=hint)
         return found
 
     def _in_other_version(

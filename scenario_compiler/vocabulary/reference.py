@@ -15,7 +15,8 @@ _HEAD = (
     "`schemas/conflict.xsd` contains the same information for editors.\n\n"
     "The children of an element must have the order in which they are listed. Any value can be replaced by a\n"
     "parameter, `$name`, or by an expression over parameters, `${...}`. Numbers are decimal, in the given unit.\n"
-    "Expressions support `+ - * / % ^`, comparisons, `and`, `or`, `not`, parentheses, and the functions "
+    "Expressions support `+ - * / % ^`, the comparisons `== != < <= > >=` (in XML, `<` is written `&lt;`), `and`,\n"
+    "`or`, `not`, parentheses, and the functions "
 )
 
 

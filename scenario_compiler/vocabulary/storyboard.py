@@ -129,7 +129,7 @@ class Story(Word):
 
 
 class InitAction(Word):
-    """An action of the init: executed at the start, in document order."""
+    """An action of the init: executed at the start, in document order but after those that it depends on."""
 
     entity: str = attribute("Id of the entity; empty for actions on the run as a whole.", default="", names="entity")
     action: Action = child("The action.")

@@ -47,6 +47,31 @@ def test_limits_cut_a_distribution_off() -> None:
     assert all(1.0 <= value <= 3.0 for value in _values("lognormal(0, 2, 1, 3)"))
 
 
+def _mean_beyond(limit: float) -> float:
+    """Return the mean of the standard normal tail beyond a limit, by Laplace's asymptotic series of Mills' ratio."""
+    return limit / (1.0 - limit**-2 + 3.0 * limit**-4 - 15.0 * limit**-6)
+
+
+@pytest.mark.parametrize("away", [6.0, 12.0, 30.0])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_limits_far_from_the_mean_cut_a_tail_off(away: float, side: float) -> None:
+    low, high = sorted((side * away, side * (away + 5.0)))
+    values = [abs(value) for value in _values(f"normal(0, 1, {low}, {high})")]
+    assert statistics.fmean(values) == pytest.approx(_mean_beyond(away), rel=1e-4)
+    assert len(set(values)) == len(values)
+
+
+def test_a_lognormal_distribution_has_far_limits_too() -> None:
+    logarithms = map(math.log, _values("lognormal(0, 0.1, 3, 9)"))
+    assert statistics.fmean(logarithms) == pytest.approx(0.1 * _mean_beyond(10.0 * math.log(3.0)), rel=1e-4)
+
+
+@pytest.mark.parametrize("text", ["normal(100, 1, 200, 300)", "normal(0, 1, -60, -50)", "lognormal(0, 0.01, 2, 3)"])
+def test_limits_without_probability_are_refused(text: str) -> None:
+    with pytest.raises(SweepError, match="too many standard deviations away"):
+        parse_distribution(text)
+
+
 @pytest.mark.parametrize("text", ["poisson(3.5)", "histogram(0, 1, 10, 0, 15, 3, 20)", "triangular(2, 2, 5)"])
 @given(low=st.floats(1e-12, 1 - 1e-12), high=st.floats(1e-12, 1 - 1e-12))
 def test_quantiles_rise(text: str, low: float, high: float) -> None:

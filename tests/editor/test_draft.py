@@ -23,7 +23,7 @@ def test_the_tree_of_a_well_formed_file_is_the_parsers(path: Path) -> None:
         pytest.skip("not well-formed, or in a namespace")
     drafted = Draft(parsed.text).document(str(path))
     assert drafted is not None
-    elements = list(parsed.root.iter(etree.Element))
+    elements = [one for one in parsed.root.iter(etree.Element) if "}" not in str(one.tag)]
     ours = list(drafted.root.iter(etree.Element))
     assert [one.tag for one in ours] == [one.tag for one in elements]
     for one, other in zip(ours, elements, strict=True):

@@ -269,6 +269,18 @@ def test_other_xml_files_get_no_findings(tmp_path: Path, text: str, codes: list[
     assert sorted({one.code for one in workspace.check(str(tmp_path / "any.xml"))}) == codes
 
 
+@pytest.mark.parametrize("encoding", ["UTF-8", "UTF-16", "ISO-8859-1"])
+def test_the_declared_encoding_is_that_of_the_file_not_of_the_text(tmp_path: Path, encoding: str) -> None:
+    text = (
+        f'<?xml version="1.0" encoding="{encoding}"?><scenarios version="1"><scenario name="ä" map="town_grid" '
+        'duration="1"><ego sped="1"><start><spawn_point name="main_street"/></start></ego></scenario></scenarios>'
+    )
+    workspace = Workspace()
+    workspace.hold(str(tmp_path / "it.xml"), text)
+    (found,) = workspace.check(str(tmp_path / "it.xml"))
+    assert (found.code, text[found.start : found.end]) == ("SC106", "sped")
+
+
 def test_every_file_of_the_library_is_without_findings(session: Session, tmp_path: Path) -> None:
     async def talk(client: Client) -> None:
         for path in sorted(library_folder().glob("*/*.xml"))[:6]:

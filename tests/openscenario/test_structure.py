@@ -108,7 +108,7 @@ def test_a_valid_file_has_no_finding() -> None:
         ("<RoadNetwork>", "<CatalogLocations/><RoadNetwork>", "SC705", 5, 3, ""),
         ('<WorldPosition x="1" y="$y"/>', '<WorldPosition x="1" y="0"/><GeoPosition/>', "SC705", 14, 67, ""),
         ("  <CatalogLocations/>\n", "", "SC706", 4, 3, ""),
-        ("<Entities>", "<Entities>cars", "SC707", 6, 3, ""),
+        ("<Entities>", "<Entities>cars", "SC707", 6, 13, ""),
         (
             "<TeleportAction>",
             '<TrailerAction><ConnectTrailerAction trailerRef="b"/></TrailerAction><TeleportAction>',

@@ -75,7 +75,7 @@ def test_a_valid_file_has_no_finding() -> None:
         ('lane id="0"', 'lane id="1"', "SC323", 9, 27, ""),
         ("</objects>", "</objects><lanes/>", "SC324", 14, 15, ""),
         ("</objects>", f"</objects>{SWITCH}", "SC325", 14, 25, ""),
-        ("<planView>", "words <planView>", "SC326", 3, 3, ""),
+        ("<planView>", "words <planView>", "SC326", 4, 5, ""),
         ("<object id", '<object id="7" s="1" t="2" zOffset="0"/><object id', "SC327", 13, 59, ""),
         (
             "</objects>",

@@ -10,6 +10,7 @@ from scenario_compiler.plan.checks.curves import check_curves
 from scenario_compiler.plan.checks.driver import check_driver
 from scenario_compiler.plan.checks.endless import check_endless
 from scenario_compiler.plan.checks.failures import check_failures
+from scenario_compiler.plan.checks.initial import check_initial
 from scenario_compiler.plan.checks.messages import check_messages
 from scenario_compiler.plan.checks.moves import check_moves
 from scenario_compiler.plan.checks.nowhere import check_nowhere
@@ -28,6 +29,7 @@ from scenario_compiler.roads import Network
 CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_start,
     check_nowhere,
+    check_initial,
     check_presence,
     check_overlap,
     check_camera,
