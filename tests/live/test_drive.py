@@ -214,6 +214,30 @@ def seconds_since_leaving(inputs: Path) -> float:
     return float(rows[-1]["t"] - left[0]) if left else 0.0
 
 
+def test_a_message_and_the_start_are_in_the_window_at_any_size(soon: Path, browser: Browser) -> None:
+    within = """(name) => {
+      const { left, top, right, bottom } = document.querySelector(name).getBoundingClientRect();
+      return left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight && bottom > top;
+    }"""
+
+    def outside(page: Page, name: str) -> list[tuple[int, int]]:
+        found = []
+        for width, height in ((1400, 900), (1366, 625), (1280, 590), (700, 450), (844, 390), (640, 320), (390, 844)):
+            page.set_viewport_size({"width": width, "height": height})
+            if not page.evaluate(within, name):
+                found.append((width, height))
+        return found
+
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        assert outside(page, "#go") == []
+        begun(page)
+        page.wait_for_function("page.latest?.state === 'request'")
+        assert outside(page, "#told") == []
+
+
 def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path, browser: Browser) -> None:
     file, out = tmp_path / "soon.xml", tmp_path / "out"
     file.write_text(TOLD)
