@@ -320,6 +320,20 @@ def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> No
     assert [one["kind"] for one in journal(short, 2)] == ["started", "declined"]
 
 
+@pytest.mark.parametrize("width", [1400, 390])
+def test_scales_stay_in_the_window_whatever_their_length(short: Path, browser: Browser, width: int) -> None:
+    study, effort = short, short.parent / "effort.xml"
+    study.write_text(study.read_text().replace('<consent file="consent.md"/>', '<ask file="effort.xml"/>'))
+    long = '<scale name="whole" from="0" to="100"/><scale name="twenty" from="0" to="20"/>'
+    items = '<item name="much" text="How much?" scale="whole"/><item name="demand" text="Demand" scale="twenty"/>'
+    effort.write_text(effort.read_text().replace("  <item", f"{long}{items}\n  <item", 1))
+    with served(*serving(study)) as server:
+        started(browser, server, 1)
+        with opened_page(browser, f"{server.address}participant/1", width, bypass_csp=True) as page:
+            expect(page.get_by_role("group", name="Demand").get_by_role("radio")).to_have_count(21)
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("width", [1400, 390])
 def test_pages_are_accessible_and_stay_in_the_window(short: Path, browser: Browser, width: int) -> None:
