@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -89,6 +90,13 @@ def open_road(tmp_path: Path) -> Path:
 def begun(page: Page) -> None:
     page.get_by_role("button", name="Start").click()
     page.wait_for_function("page.latest !== undefined")
+
+
+def moved(page: Page, axis: int, *values: float) -> None:
+    """Move an axis of the gamepad from value to value, each of which is seen by the page."""
+    for value in values:
+        page.evaluate("([axis, value]) => (pad.axes[axis] = value)", [axis, value])
+        page.evaluate("() => new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(seen)))")
 
 
 def driven(folder: Path, number: int = 1) -> Recording:
@@ -276,6 +284,47 @@ def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser
         expect(row.locator("td").nth(4)).to_have_text("1.00")
         page.evaluate("pad.axes[2] = 1")
         expect(row.locator("td").nth(4)).to_have_text("0.00")
+
+
+def test_a_pedal_that_the_browser_first_sees_when_it_moves_is_at_rest_where_it_is_let_go(
+    soon: Path, browser: Browser
+) -> None:
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(GAMEPAD)  # all axes are 0 at first, although this pedal is at 1
+        page.get_by_role("button", name="Gamepad or wheel").click()
+        row = page.locator("#profile tbody tr", has_text="brake")
+        row.click()
+        moved(page, 2, 0, 0.98, 1, -1, 1)
+        expect(row.locator("td").nth(2)).to_have_text("1.00")
+        expect(row.locator("td").nth(3)).to_have_text("-1.00")
+        expect(row.locator("td").nth(4)).to_have_text("0.00")
+        steer = page.locator("#profile tbody tr").first
+        steer.click()
+        moved(page, 0, 0, -1, 1, 0)  # a stick is at rest in the middle
+        expect(steer.locator("td").nth(2)).to_have_text("0.00")
+        expect(steer.locator("td").nth(3)).to_have_text("-1.00")
+
+
+def test_a_stick_steers_less_at_speed_and_a_wheel_takes_over_at_a_small_angle(soon: Path, browser: Browser) -> None:
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(GAMEPAD)
+        steer = """([mapping, value, speed]) => {
+          Object.assign(pad, { mapping, axes: [value, 0, 0, 0] });
+          page.wheel.speed = speed;
+          return page.wheel.read().steer;
+        }"""
+        slow, fast = (page.evaluate(steer, ["standard", -1, speed]) for speed in (2, 30))
+        assert slow == 1
+        assert 30**2 * math.tan(fast * math.radians(40)) / 2.6 < 4 * 8.3  # a few times what tyres hold, not a hundred
+        assert page.evaluate(steer, ["standard", -0.03, 2]) == 0
+        assert page.evaluate(steer, ["", -1, 30]) == 1
+        assert page.evaluate(steer, ["", -0.01, 30]) > 2 / 600  # 2 degrees, of 15 times 40 to the full lock
 
 
 def test_a_run_that_nobody_drives_is_watched(tmp_path: Path, browser: Browser) -> None:

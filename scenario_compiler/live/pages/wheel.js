@@ -3,7 +3,8 @@
 const STEERS = 1.1; // share of the full lock a second, by keys at a standstill
 const RETURNS = 1.8;
 const PEDAL = { throttle: 1.6, brake: 2.4, up: 4 }; // shares a second
-const DEAD = 0.04; // of an axis about its rest
+const DEAD = { stick: 0.04, wheel: 0.005, pedal: 0.04 }; // share of the way of an input about its rest
+const SETTLED = 500; // milliseconds after which an input that has been let go is at rest
 const NAMES = ["steer", "throttle", "brake", "take over", "hand back"];
 
 const WORDS = { steer: "steer", throttle: "throttle", brake: "brake", "take over": "take_over", "hand back": "give_back" };
@@ -101,7 +102,7 @@ export class Wheel {
 
   /** Update the inputs from keys: the faster the vehicle, the less and the slower they steer. */
   #turn(time) {
-    const most = Math.min(1, 9 / Math.max(this.speed, 1) ** 1.4);
+    const most = this.#most();
     const wanted = (this.held.has("left") ? 1 : 0) - (this.held.has("right") ? 1 : 0);
     const rate = (wanted === 0 ? RETURNS : STEERS) * Math.max(most, 0.08);
     this.steer = toward(this.steer, wanted * most, rate * time);
@@ -109,6 +110,11 @@ export class Wheel {
       const held = this.held.has(name);
       this[name] = toward(this[name], held ? 1 : 0, (held ? PEDAL[name] : PEDAL.up) * time);
     }
+  }
+
+  /** Return the share of the full lock that keys and sticks can reach at the present speed. */
+  #most() {
+    return Math.min(1, 9 / Math.max(this.speed, 1) ** 1.4);
   }
 
   #pad() {
@@ -120,9 +126,9 @@ export class Wheel {
     const once = { take: take && !this.padTake, back: back && !this.padBack };
     [this.padTake, this.padBack] = [take, back];
     return {
-      steer: dead(value("steer")),
-      throttle: Math.max(0, dead(value("throttle"))),
-      brake: Math.max(0, dead(value("brake"))),
+      steer: isStick(pad) ? this.#most() * squared(dead(value("steer"), DEAD.stick)) : dead(value("steer"), DEAD.wheel),
+      throttle: Math.max(0, dead(value("throttle"), DEAD.pedal)),
+      brake: Math.max(0, dead(value("brake"), DEAD.pedal)),
       ...once,
     };
   }
@@ -184,10 +190,9 @@ export class Calibration {
   /** Find the axis or button that has moved most since the input was chosen, and its rest and extreme positions. */
   #watch(pad, profile) {
     const now = [...pad.axes, ...pad.buttons.map((one) => one.value)];
-    this.extremes ??= now.map((value) => ({ rest: value, far: value }));
+    this.extremes ??= now.map((value) => ({ first: value, rest: value, far: value, least: value, most: value, last: value, since: 0 }));
     now.forEach((value, k) => {
-      const one = this.extremes[k];
-      if (one && Math.abs(value - one.rest) > Math.abs(one.far - one.rest)) one.far = value;
+      if (this.extremes[k]) follow(this.extremes[k], value, performance.now());
     });
     const moved = this.extremes.map((one) => Math.abs(one.far - one.rest));
     const most = moved.indexOf(Math.max(...moved));
@@ -201,6 +206,20 @@ export class Calibration {
     const pad = firstPad();
     if (pad) localStorage.setItem(`profile of ${pad.id}`, JSON.stringify(profile));
   }
+}
+
+/**
+ * Follow an input that is moved fully and let go. Browsers give 0 for an axis until it first moves; one that was at 0 and
+ * then on both sides of it is at rest where it stays.
+ */
+function follow(one, value, time) {
+  if (Math.abs(value - one.rest) > Math.abs(one.far - one.rest)) one.far = value;
+  one.least = Math.min(one.least, value);
+  one.most = Math.max(one.most, value);
+  if (Math.abs(value - one.last) > 0.02) [one.last, one.since] = [value, time];
+  if (one.first !== 0 || one.least > -0.5 || one.most < 0.5 || time - one.since < SETTLED) return;
+  one.rest = value;
+  if (Math.abs(value) > 0.5) one.far = value > 0 ? one.least : one.most;
 }
 
 function firstPad() {
@@ -218,8 +237,19 @@ function share(pad, { axis, button, rest, full }) {
   return full === rest ? 0 : Math.min(1, Math.max(-1, (value - rest) / (full - rest)));
 }
 
-function dead(value) {
-  return Math.abs(value) < DEAD ? 0 : (value - Math.sign(value) * DEAD) / (1 - DEAD);
+/** Return whether a device steers with a thumb: browsers map gamepads to the standard layout, and wheels to none. */
+function isStick(pad) {
+  return pad.mapping === "standard";
+}
+
+/** Return a value with fine control about the rest. */
+function squared(value) {
+  return value * Math.abs(value);
+}
+
+/** Return a value outside the dead zone about its rest, from 0 at the edge of the zone. */
+function dead(value, zone) {
+  return Math.abs(value) < zone ? 0 : (value - Math.sign(value) * zone) / (1 - zone);
 }
 
 function toward(value, wanted, step) {
