@@ -246,6 +246,23 @@ def test_a_message_and_the_start_are_in_the_window_at_any_size(soon: Path, brows
         assert outside(page, "#told") == []
 
 
+def test_a_run_that_cannot_be_written_has_no_report_and_says_why(
+    open_road: Path, tmp_path: Path, browser: Browser
+) -> None:
+    with (
+        served("drive", open_road, "--perception", "ideal", "-o", tmp_path / "out", largest=30_000) as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        begun(page)
+        ended(page)
+        expect(page.locator("#ended")).to_contain_text("The run broke off: [Errno 27]")
+        expect(page.locator("#report")).to_be_hidden()
+        (tmp_path / "out" / "drive-002").write_text("a file where the next folder should be")
+        page.locator("#go").click()
+        expect(page.locator("#ended")).to_contain_text("drive-002")
+        page.wait_for_function("page.role === 'driver'")
+
+
 def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path, browser: Browser) -> None:
     file, out = tmp_path / "soon.xml", tmp_path / "out"
     file.write_text(TOLD)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from scenario_compiler.study.journal import Journal, attempts_at, read_journal, step_reached
+from tests.live.serving import file_sizes_limited
 
 
 def test_what_is_written_is_there_at_once(tmp_path: Path) -> None:
@@ -33,6 +36,18 @@ def test_a_journal_goes_on_behind_its_last_whole_line(tmp_path: Path) -> None:
         records = read_journal(file)
         assert [one["kind"] for one in records] == ["done"] * lines + ["begun"]
         assert attempts_at(records, lines) == 1
+
+
+def test_a_record_that_cannot_be_written_leaves_the_journal_as_it_was(tmp_path: Path) -> None:
+    journal = Journal(tmp_path / "journal.jsonl")
+    journal.add("done", 0)
+    with file_sizes_limited(100), pytest.raises(OSError, match="File too large"):
+        journal.add("note", 1, text="x" * 200)
+    journal.add("done", 1)
+    journal.close()
+    kept = [{"kind": "done", "step": 0}, {"kind": "done", "step": 1}]
+    assert journal.records == kept
+    assert read_journal(tmp_path / "journal.jsonl") == kept
 
 
 def test_of_an_empty_journal_the_first_step_is_reached(tmp_path: Path) -> None:

@@ -289,6 +289,24 @@ def test_answers_given_before_a_pause_stand_in_the_form_again(tmp_path: Path, br
 
 
 @pytest.mark.slow
+def test_a_run_that_cannot_be_written_is_reported_to_the_experimenter_and_repeated(
+    short: Path, browser: Browser
+) -> None:
+    short.write_text(short.read_text().replace('from="0.5" to="1.5"', 'from="0.5" to="1.5" share="0"'))
+    with served(*serving(short), largest=120_000) as server:  # less than the map
+        started(browser, server, 1)
+        with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
+            consented(page)
+            begun(page)
+            expect(page.locator("#ended")).to_have_text("The run broke off. Please wait for the experimenter.")
+            expect(page.locator("#go")).to_have_text("Again")
+            with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
+                expect(row_of(desk, 1).locator(".fault")).to_contain_text("File too large")
+            page.locator("#go").click()
+            page.wait_for_function("document.querySelector('#start').hidden")
+    assert [one["kind"] for one in journal(short, 1)][-2:] == ["begun", "begun"]
+
+
 def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser) -> None:
     with served(*serving(endless)) as server:
         started(browser, server, 1)

@@ -154,6 +154,7 @@ class Page {
   hear(message) {
     if (message.role) this.seat(message.role);
     if (message.refused) location.reload(); // the session is paused, or at another step
+    if (message.unwritten) this.finish({ end: `${words("broke_off")}: ${message.unwritten}`, kept: false });
     if (message.search) this.search.show(message.search);
     if (message.pong !== undefined) {
       const now = performance.now();
@@ -367,12 +368,18 @@ class Page {
     this.over = Boolean(this.about.study && about.kept);
     one("#told").hidden = one("#left").hidden = true;
     hush();
-    one("#ended").textContent = this.over ? this.about.study.words.over : sentence(about.end); // participants do not see the result of a trial
+    one("#ended").textContent = this.about.study ? this.endOfTrial() : sentence(about.end);
     one("#go").textContent = this.over ? this.about.study.words.continue : words("again");
     const report = one("#report");
-    report.hidden = !this.about.writes || Boolean(this.about.study);
+    report.hidden = !this.about.writes || !about.kept || Boolean(this.about.study);
     report.href = `/runs/${about.run}`;
     one("#start").hidden = false;
+  }
+
+  /** Return what a participant reads: not the result of the trial, nor what went wrong on the server's machine. */
+  endOfTrial() {
+    const { over, wait } = this.about.study.words;
+    return this.over ? over : `${sentence(words("broke_off"))}. ${wait}`;
   }
 }
 
