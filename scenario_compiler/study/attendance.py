@@ -18,9 +18,8 @@ from scenario_compiler.outputs import make_folder
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.report.run import Run
 from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem, SearchTask
-from scenario_compiler.study.dataset import RunTables, Seat, answer_fault, write_dataset
+from scenario_compiler.study.dataset import RunTables, Seat, answer_fault, planned_run, write_dataset
 from scenario_compiler.study.journal import Journal, Record, attempts_at, read_journal, step_reached
-from scenario_compiler.study.pilot import planned_run
 from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.searching import search_picture
 from scenario_compiler.study.situation import CHOICES
