@@ -245,6 +245,7 @@ class Session(threading.Thread):
                 with self._ending:  # from here on, nothing that happens belongs to the run
                     self.going = False
                     self._take_down(execution)
+                self._show(Picture({"over": True, "run": self.number}, b"", b""))  # its files take a moment
                 recording = execution.finish("user" if self._stopping.is_set() else "")
                 if drive.found is not None:
                     drive.found(world.findings)

@@ -338,6 +338,21 @@ def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> No
     assert [one["kind"] for one in journal(short, 2)] == ["started", "declined"]
 
 
+def test_all_questions_of_a_probe_are_in_sight_in_a_narrow_window(short: Path, browser: Browser) -> None:
+    query = '<query name="{}" about="{}" text="What do you remember of the moment at which the picture went blank?"/>'
+    more = "".join(query.format(name, name) for name in ("blocked", "vehicles"))
+    short.write_text(short.read_text().replace("</probe>", f"{more}</probe>"))
+    with served(*serving(short)) as server:
+        started(browser, server, 1)
+        with opened_page(browser, f"{server.address}participant/1", 390, 600, bypass_csp=True) as page:
+            consented(page)
+            begun(page)
+            expect(page.get_by_label("How fast were you, in km/h?")).to_be_visible()
+            assert page.evaluate("document.documentElement.scrollWidth") <= 390
+            heights = page.evaluate("(({ scrollHeight, clientHeight }) => [scrollHeight, clientHeight])(held)")
+            assert heights[0] == heights[1]  # the page scrolls, not a part of it that hides the rest
+
+
 @pytest.mark.parametrize("width", [1400, 390])
 def test_scales_stay_in_the_window_whatever_their_length(short: Path, browser: Browser, width: int) -> None:
     study, effort = short, short.parent / "effort.xml"
