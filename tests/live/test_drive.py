@@ -325,12 +325,45 @@ def test_a_pedal_that_the_browser_first_sees_when_it_moves_is_at_rest_where_it_i
         expect(steer.locator("td").nth(3)).to_have_text("-1.00")
 
 
+def test_a_wheel_and_separate_pedals_are_assigned_together(soon: Path, browser: Browser) -> None:
+    pedals = """() => {
+      const none = { connected: true, buttons: [] };
+      const wheel = { ...pad, id: "wheel", axes: [0], buttons: [{ value: 0 }] };
+      globalThis.pads = [{ ...none, id: "pedals", axes: [1, 1] }, wheel];
+      navigator.getGamepads = () => pads;
+    }"""
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(GAMEPAD)
+        page.wait_for_function("globalThis.page?.role === 'driver'")
+        page.evaluate(pedals)
+        page.get_by_role("button", name="Gamepad or wheel").click()
+        rows = page.locator("#profile tbody tr")
+        for row, device, axis, values in ((2, 0, 1, (1, -1, 1)), (0, 1, 0, (0, -1, 0)), (1, 0, 0, (1, -1, 1))):
+            rows.nth(row).click()
+            for value in values:
+                page.evaluate("([device, axis, value]) => (pads[device].axes[axis] = value)", [device, axis, value])
+                page.wait_for_timeout(150)
+        places = [one.strip() for one in rows.locator("td:nth-child(2)").all_inner_texts()]
+        assert places[:3] == ["wheel: axis 0", "pedals: axis 0", "pedals: axis 1"]
+        page.evaluate("pads[0].axes = [1, -1]; pads[1].axes = [-0.5]")
+        told = page.evaluate("page.wheel.read()")
+        assert (told["throttle"], told["brake"]) == (0, 1)
+        assert told["steer"] == pytest.approx(0.5, abs=0.01)
+        page.evaluate("pads[1] = null; pads[0].axes = [1, 1]")  # the wheel is unplugged: its pedals do not steer
+        told = page.evaluate("page.wheel.read()")
+        assert (told["steer"], told["throttle"], told["brake"]) == (0, 0, 0)
+
+
 def test_a_stick_steers_less_at_speed_and_a_wheel_takes_over_at_a_small_angle(soon: Path, browser: Browser) -> None:
     with (
         served("drive", soon, "--perception", "ideal") as server,
         opened_page(browser, server.address, bypass_csp=True) as page,
     ):
         page.evaluate(GAMEPAD)
+        page.wait_for_function("globalThis.page?.role === 'driver'")
         steer = """([mapping, value, speed]) => {
           Object.assign(pad, { mapping, axes: [value, 0, 0, 0] });
           page.wheel.speed = speed;
