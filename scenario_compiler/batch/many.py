@@ -23,7 +23,7 @@ SHOWN = 20
 """Number of rows that a notebook shows."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Runs:
     """A table of runs with one row for each seed.
 
@@ -38,6 +38,9 @@ class Runs:
 
     def __len__(self) -> int:
         return len(self.columns["seed"])
+
+    def __repr__(self) -> str:
+        return f"<Runs: {len(self)} runs, {len(self.columns)} columns; see to_pandas()>"
 
     def to_pandas(self) -> pd.DataFrame:
         """Return the table as a pandas DataFrame; measures without a value are NaN."""

@@ -227,11 +227,14 @@ class Cockpit:
                 await viewer.socket.send_json(said)
 
     async def _start(self, viewer: Viewer) -> None:
-        """Begin the next run if none is under way; the page that asks is informed if there is none."""
+        """Begin the next run if none is under way; the page that asks is informed if there is none or no folder."""
         if self.session is not None and self.session.ended:  # the page knows of the end before its thread is over
             await asyncio.to_thread(self.session.join)
-        if not self.driving and not self._begin():
-            await viewer.socket.send_json({"refused": True})
+        try:
+            if not self.driving and not self._begin():
+                await viewer.socket.send_json({"refused": True})
+        except OSError as fault:
+            await viewer.socket.send_json({"unwritten": str(fault)})
 
     def _begin(self) -> bool:
         """Begin the next run; return whether there is one."""

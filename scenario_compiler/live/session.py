@@ -131,6 +131,7 @@ class Session(threading.Thread):
         folder: Folder of this run.
         going: Whether its last step is still to come; its files are written after that step.
         ended: Description of how it ended; empty until its files are written.
+        fault: Why the world or its files broke it off; empty if they did not.
         now: Time of the run, s.
         state: State of the takeover.
         held: Why the run stands still, `paused` or `probe`; empty while it goes on.
@@ -172,7 +173,7 @@ class Session(threading.Thread):
                 make_folder(self.folder)
             inputs = None if self.folder is None else self.folder / "inputs.jsonl"
             self.wheel = Wheel(drive.plan, inputs)
-        self.going, self.ended = True, ""
+        self.going, self.ended, self.fault = True, "", ""
         self.latencies: list[float] = []
         self.clock_offset = math.nan
         self._lost, self._shown = 0, 0
@@ -244,6 +245,7 @@ class Session(threading.Thread):
                 with self._ending:  # from here on, nothing that happens belongs to the run
                     self.going = False
                     self._take_down(execution)
+                self._show(Picture({"over": True, "run": self.number}, b"", b""))  # its files take a moment
                 recording = execution.finish("user" if self._stopping.is_set() else "")
                 if drive.found is not None:
                     drive.found(world.findings)
@@ -254,10 +256,12 @@ class Session(threading.Thread):
                 write_run_folder(finished, self.folder)
                 write_whole(self.folder / "live.json", json.dumps(self.figures(), indent=1) + "\n")
             self.ended = outcome_words(finished.outcome, automated=automated)
-            text, kept = ended_text(finished.outcome, drive.language, automated=automated), True
+            text = ended_text(finished.outcome, drive.language, automated=automated)
             if self._kept is not None:
                 self._kept(self, finished)
+            kept = True
         except (WorldError, OSError) as fault:
+            self.fault = str(fault)
             self.ended = f"the run broke off: {fault}"
             text = f"{WORDS[drive.language]['broke_off']}: {fault}"
         finally:

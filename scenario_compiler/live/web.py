@@ -31,6 +31,9 @@ LARGEST = 16_384
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
+ANYWHERE = {"0.0.0.0": (socket.AF_INET, "192.0.2.1"), "::": (socket.AF_INET6, "2001:db8::1")}
+"""Addresses that stand for all those of this machine, with an address elsewhere, reserved for documentation."""
+
 HEADERS = {
     "Content-Security-Policy": "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
     "script-src 'self' 'unsafe-inline'; connect-src 'self'; form-action 'self'; frame-ancestors 'none'",
@@ -127,8 +130,25 @@ def new_token(host: str) -> str:
 
 
 def address_of(door: Door, path: str = "/") -> str:
-    """Return the address of a page, with the token that it needs."""
-    return f"http://{bracketed(door.host)}:{door.port}{path}" + (f"?token={door.token}" if door.token else "")
+    """Return the address of a page, with the token that it needs, as other machines can open it."""
+    host = bracketed(own_address(door.host))
+    return f"http://{host}:{door.port}{path}" + (f"?token={door.token}" if door.token else "")
+
+
+def own_address(host: str) -> str:
+    """Return an address at which other machines reach this one if `host` stands for all its addresses, or else `host`.
+
+    Nothing is sent: the address is that from which the system would send. Without a network it is the machine's name.
+    """
+    if host not in ANYWHERE:
+        return host
+    family, elsewhere = ANYWHERE[host]
+    try:
+        with socket.socket(family, socket.SOCK_DGRAM) as outward:
+            outward.connect((elsewhere, 9))
+            return str(outward.getsockname()[0])
+    except OSError:
+        return socket.gethostname()
 
 
 def bracketed(host: str) -> str:

@@ -39,6 +39,9 @@ _STATE_COLOURS = {
 }
 
 
+SMALLEST = 0.7
+"""Least size of a message, relative to that of a short one; longer messages are broken into rows."""
+
 LEAST_SCALE = 0.7
 """Least size of the writing, relative to that in a picture 960 pixels wide; smaller writing is not readable in videos.
 """
@@ -239,14 +242,32 @@ def _write(picture: Image, lane: LaneResult | None, caption: Caption) -> None:
     for k, (text, colour) in enumerate(lines):
         _text(picture, text, (round(14 * scale), round(26 * scale) + k * pitch), colour, 0.55 * scale)
     messages = [(text, AMBER) for text in caption.warnings] + [(text, RED) for text in caption.alarms]
-    for k, (text, colour) in enumerate(reversed(messages)):
-        wide = cv2.getTextSize(text, _FONT, 0.9 * scale, 2)[0][0]
-        fitted = 0.9 * scale * min(1.0, (width - 32) / wide)
+    rows = [(row, colour, size) for text, colour in messages for row, size in _rows(text, 0.9 * scale, width - 32)]
+    for k, (text, colour, fitted) in enumerate(reversed(rows)):
         size = cv2.getTextSize(text, _FONT, fitted, 2)[0][0]
         left, line = max(0, (width - size) // 2), height - round((24 + 36 * k) * scale)
         above, below = round(27 * scale), round(9 * scale)
         _darken(picture[line - above : line + below, max(0, left - 12) : left + size + 12], 0.3)
         _text(picture, text, (left, line), colour, fitted)
+
+
+def _rows(text: str, scale: float, most: int) -> list[tuple[str, float]]:
+    """Break a text into rows of at most `most` pixels, no smaller than needed; return each with its scale."""
+
+    def wide(row: str) -> int:
+        return int(cv2.getTextSize(row, _FONT, scale, 2)[0][0])
+
+    rows = [text]
+    if SMALLEST * wide(text) > most:
+        rows = [""]
+        for word in text.split():
+            longer = f"{rows[-1]} {word}".strip()
+            if rows[-1] and SMALLEST * wide(longer) > most:
+                rows.append(word)
+            else:
+                rows[-1] = longer
+    fitted = scale * min(1.0, most / max(map(wide, rows)))
+    return [(row, fitted) for row in rows]
 
 
 def _confidence_colour(lane: LaneResult) -> Colour:

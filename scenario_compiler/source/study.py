@@ -250,8 +250,9 @@ class Query(Word):
 
     name: str = attribute("Name in the data.", pattern=IDENTIFIER)
     about: QueryAbout = attribute(
-        "Subject of the question, and so its true answer: the own speed in km/h, the number of vehicles within 100 m, "
-        "who is in control (the automation, or I), or whether the path is blocked (yes, or no)."
+        "Subject of the question, and so its true answer: the own speed in km/h, the number of other vehicles within "
+        "100 m in all directions (no pedestrians or objects), who is in control (the automation, or I), or whether "
+        "the automation detects that the path is blocked (yes, or no)."
     )
     text: str = attribute("The question as the participant reads it.")
     tolerance: float = attribute(

@@ -51,7 +51,7 @@ def read_page(name: str, folder: Path, place: Place, sink: Diagnostics) -> str |
     if not text.strip():
         sink.add(UNREADABLE_PART, f"'{name}' is empty", place)
         return None
-    markdown = MarkdownIt("commonmark", {"html": False})
+    markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
     tokens = markdown.parse(text)
     for block in tokens:
         for token in block.children or ():

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -16,9 +18,8 @@ from scenario_compiler.outputs import make_folder
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.report.run import Run
 from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem, SearchTask
-from scenario_compiler.study.dataset import RunTables, Seat, answer_fault, write_dataset
+from scenario_compiler.study.dataset import RunTables, Seat, answer_fault, planned_run, write_dataset
 from scenario_compiler.study.journal import Journal, Record, attempts_at, read_journal, step_reached
-from scenario_compiler.study.pilot import planned_run
 from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.searching import search_picture
 from scenario_compiler.study.situation import CHOICES
@@ -79,6 +80,7 @@ class Attendance:
         self._lock = threading.RLock()
         self._closing = False
         self._last: Session | None = None
+        self._unwritten = ""
         self._run: dict[str, Any] = {}
         self._open()
 
@@ -113,6 +115,11 @@ class Attendance:
     def token(self) -> str:
         """A text that changes whenever the participant's page must change."""
         return f"{self.step.number}/{self.presence}"
+
+    @property
+    def fault(self) -> str:
+        """Why the last run broke off or the last record was not written; empty if neither is the case."""
+        return self._unwritten or ("" if self._last is None else self._last.fault)
 
     @property
     def session(self) -> Session | None:
@@ -225,8 +232,22 @@ class Attendance:
     def heard(self, kind: str, message: dict[str, Any]) -> dict[str, Any] | None:
         """Process a message of the driving page that is not on driving; ValueError for an invalid one.
 
-        The reply to an answer in the secondary task is the next picture.
+        The reply to an answer in the secondary task is the next picture. Answers that cannot be written are not taken.
         """
+        with contextlib.suppress(OSError), self.writing():
+            return self._heard(kind, message)
+        return None
+
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """Keep the reason why something cannot be written for the experimenter's page; it is raised nevertheless."""
+        try:
+            yield
+        except OSError as error:
+            self._unwritten = str(error)
+            raise
+
+    def _heard(self, kind: str, message: dict[str, Any]) -> dict[str, Any] | None:
         if kind == "answers":
             self._answer(message)
             return None
@@ -314,13 +335,15 @@ class Attendance:
             self._run = {"attempt": attempt, "number": 0, "probed": False}
             drive = self.drive(step.trial)
             assert drive.folder is not None
-            make_folder(drive.folder)
-            self.journal.add("begun", step.number, attempt=attempt)
             probe_at = step.trial.probe_at
-            self._last = Session(drive, show, attempt, probe_at=probe_at, kept=self._keep, happened=self._tell)
+            with self.writing():
+                make_folder(drive.folder)
+                self.journal.add("begun", step.number, attempt=attempt)
+                self._last = Session(drive, show, attempt, probe_at=probe_at, kept=self._keep, happened=self._tell)
             return self._last
 
     def _mark(self, record: Record) -> None:
+        self._unwritten = ""
         if self.rules.mark is not None:
             self.rules.mark({"participant": self.seat.sub, "session": self.seat.ses, **record})
 

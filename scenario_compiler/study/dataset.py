@@ -16,8 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from scenario_compiler.batch.codebook import Column
-from scenario_compiler.compiler import StudyCompilation
+from scenario_compiler.compiler import Compilation, StudyCompilation
 from scenario_compiler.outputs import make_folder, write_whole
+from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import Recording
@@ -31,7 +32,7 @@ from scenario_compiler.source.study import (
     TextItem,
 )
 from scenario_compiler.study.journal import Record, read_journal, step_reached
-from scenario_compiler.study.procedure import Step, procedure
+from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.situation import is_right, true_answer
 from scenario_compiler.study.tables import write_table
 
@@ -203,6 +204,13 @@ LONGEST_TEXT = 4000
 """Greatest length of a free answer, characters."""
 
 
+def planned_run(compilation: StudyCompilation, trial: Trial) -> Compilation:
+    """Return the plan of a trial, on its map."""
+    if trial.role == "trial":
+        return compilation.conditions[trial.what][1]
+    return compilation.others[trial.what]
+
+
 def condition_of(compilation: StudyCompilation, step: Step) -> dict[str, str]:
     """Return the level of each factor in a trial; empty for practice and foils."""
     assert step.trial is not None
@@ -240,7 +248,8 @@ class RunTables:
         own = [one for one in records if one.get("attempt") == ended["attempt"]]
         recording = read_recording(folder / "recording.parquet")
         outcome = Outcome.model_validate_json((folder / "outcome.json").read_text(encoding="utf-8"))
-        events, sums = _events(self._compilation, recording, own)
+        plan = planned_run(self._compilation, trial).plan
+        events, sums = _events(self._compilation.study, plan, recording, own)
         write_table(seat.table(self._compilation.study.name, "events", trial.number), EVENT_COLUMNS, events)
         return {
             "participant_id": seat.sub,
@@ -264,9 +273,8 @@ class RunTables:
         }
 
 
-def _events(compilation: StudyCompilation, recording: Recording, own: Sequence[Record]) -> tuple[list[Row], Row]:
+def _events(study: StudyElement, plan: Plan, recording: Recording, own: Sequence[Record]) -> tuple[list[Row], Row]:
     """Return the events of a run, ordered by time, and the results of its probe and secondary task."""
-    study = compilation.study
     rows: list[Row] = [
         {
             "onset": event.t,
@@ -283,7 +291,7 @@ def _events(compilation: StudyCompilation, recording: Recording, own: Sequence[R
     for record in (one for one in own if one["kind"] == "probe"):
         sums |= {"probe_asked": len(record["answers"]), "probe_right": 0}
         for name, given in record["answers"].items():
-            true = true_answer(queries[name].about, recording, record["t"])
+            true = true_answer(queries[name].about, plan, recording, record["t"])
             right = is_right(queries[name], given, true)
             sums["probe_right"] += right
             text = f"{given} / {true}"

@@ -52,21 +52,34 @@ class Journal:
         self._heard = heard
         make_folder(path.parent)
         self.records = read_journal(path)
-        self._file = path.open("r+b" if path.exists() else "w+b")
+        self._file = path.open("r+b" if path.exists() else "w+b", buffering=0)
         self._file.truncate(len(_whole_lines(path)))
         self._file.seek(0, os.SEEK_END)
         self._lock = threading.Lock()
 
     def add(self, kind: str, step: int, **values: Any) -> None:
-        """Write an event at a step; it is on the disk when this returns."""
+        """Write an event at a step; it is on the disk when this returns.
+
+        Raises:
+            OSError: It cannot be written; the journal is as before.
+        """
         record = {"kind": kind, "step": step, **values}
         with self._lock:
-            self._file.write(json.dumps(record, ensure_ascii=False).encode() + b"\n")
-            self._file.flush()
-            os.fsync(self._file.fileno())
+            before = self._file.tell()
+            try:
+                self._write(json.dumps(record, ensure_ascii=False).encode() + b"\n")
+            except OSError:
+                self._file.truncate(before)
+                self._file.seek(before)
+                raise
             self.records.append(record)
         if self._heard is not None:
             self._heard(record)
+
+    def _write(self, line: bytes) -> None:
+        while line:
+            line = line[self._file.write(line) :]
+        os.fsync(self._file.fileno())
 
     def close(self) -> None:
         """Close the file."""

@@ -10,25 +10,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from scenario_compiler.compiler import Compilation, StudyCompilation
+from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.randomness import hash_bits, uniform
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.report.folder import write_run_folder
 from scenario_compiler.report.run import Run
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.source.study import ChoiceItem, NumberItem, Query, QuestionnaireElement, ScaleItem
-from scenario_compiler.study.dataset import RunTables, Seat, seats_of, write_dataset
+from scenario_compiler.study.dataset import RunTables, Seat, planned_run, seats_of, write_dataset
 from scenario_compiler.study.journal import Journal, step_reached
-from scenario_compiler.study.procedure import Step, Trial, procedure
+from scenario_compiler.study.procedure import Step, procedure
 from scenario_compiler.study.situation import CHOICES
 from scenario_compiler.trust import Trust
-
-
-def planned_run(compilation: StudyCompilation, trial: Trial) -> Compilation:
-    """Return the plan of a trial, on its map."""
-    if trial.role == "trial":
-        return compilation.conditions[trial.what][1]
-    return compilation.others[trial.what]
 
 
 def run_pilot(

@@ -166,7 +166,10 @@ class StudyServer:
         try:
             fields = {name: values[-1] for name, values in parse_qs(body.decode("utf-8"), max_num_fields=500).items()}
             number = int(fields.pop("step"))
-            await asyncio.to_thread(attendance.go_on, number, fields)
+            with attendance.writing():
+                await asyncio.to_thread(attendance.go_on, number, fields)
+        except OSError:
+            return self.door.answer(request, lambda: _status(self._step_page(attendance, self.words["wait"]), 507))
         except (KeyError, ValueError) as error:
             known = isinstance(error, OutOfPlaceError)
             fault = str(error) if known else "this is not an answer to this page"
@@ -190,7 +193,7 @@ class StudyServer:
                 }
                 for one in (() if study.probe is None else study.probe.queries)
             ]
-            texts = {key: words[key] for key in ("continue", "probe", "paused", "over")}
+            texts = {key: words[key] for key in ("continue", "probe", "paused", "over", "wait")}
             told = described(attendance.drive(step.trial))
             told["summary"] = ""
             told["study"] = {"step": step.number, "words": texts, "queries": queries}
@@ -227,10 +230,14 @@ class StudyServer:
         try:
             order = Order.model_validate_json(body or b"")
             attendance = self.attendances[str(order.participant)]
-            if order.action == "note":
-                await asyncio.to_thread(attendance.note, order.text)
-            else:
-                await asyncio.to_thread(ACTIONS[order.action], attendance)
+            with attendance.writing():
+                if order.action == "note":
+                    await asyncio.to_thread(attendance.note, order.text)
+                else:
+                    await asyncio.to_thread(ACTIONS[order.action], attendance)
+        except OSError as error:
+            fault = f"it cannot be written: {error}"
+            return self.desk.answer(request, lambda: PlainTextResponse(fault, status_code=507))
         except (KeyError, ValidationError, OutOfPlaceError):
             return self.desk.answer(request, lambda: PlainTextResponse("this is not a command", status_code=400))
         return self.desk.answer(request, lambda: JSONResponse(_row(attendance)))
@@ -251,6 +258,7 @@ def _row(one: Attendance) -> dict[str, Any]:
         "presence": one.presence,
         "page": cockpit is not None and cockpit.occupied,
         "run": None if session is None else {"t": round(session.now, 1), "state": session.state, "held": session.held},
+        "fault": one.fault,
         "notes": sum(record["kind"] == "note" for record in one.journal.records),
     }
 

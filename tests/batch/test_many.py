@@ -45,6 +45,7 @@ def test_a_table_agrees_with_single_runs(plan: Plan, network: Network) -> None:
         assert table.units[name] == measure.unit
     frame = table.to_pandas()
     assert list(frame["result"]) == table.columns["result"]
+    assert repr(table).startswith("<Runs: 2 runs, ")
     html = table._repr_html_()
     assert html.count("<tr>") == 3
 

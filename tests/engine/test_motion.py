@@ -102,6 +102,24 @@ def test_the_bicycle_turns_on_the_circle_of_its_steering_angle() -> None:
     assert turned == pytest.approx((run.st.odometer[0] - before) * math.tan(0.3) / 2.7, rel=1e-3)
 
 
+@pytest.mark.parametrize("friction", [1.0, 0.25, 0.0])
+def test_the_bicycle_turns_no_more_tightly_than_its_tyres_hold(friction: float) -> None:
+    draft = Draft(highway())
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.causes()
+    draft.ego(lane=-2, s=500.0, speed=25.0)
+    run = draft.start()
+    run.st.friction[0] = friction
+    run.st.auto_steer[0] = -0.5
+    run.go(1.0)
+    heading, travelled = run.st.h[0], run.st.odometer[0]
+    run.go(1.5)
+    turned = (heading - run.st.h[0] + math.pi) % (2.0 * math.pi) - math.pi
+    speed = (run.st.odometer[0] - travelled) / 0.5
+    assert run.st.steer[0] == pytest.approx(-0.3)
+    assert turned / 0.5 * speed == pytest.approx(8.3 * friction, rel=1e-3, abs=1e-9)
+
+
 def test_braking_stops_exactly() -> None:
     draft = Draft(highway())
     draft.program.perception[0] = op.PERCEPTION_CAMERA

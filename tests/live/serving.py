@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+import resource
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 
 from websockets.sync.client import ClientConnection, connect
@@ -35,13 +36,15 @@ class Served:
 
 
 @contextmanager
-def served(*words: object, port: int = 0) -> Iterator[Served]:
+def served(*words: object, port: int = 0, largest: int | None = None) -> Iterator[Served]:
     """Yield the server that a command starts; it is interrupted if it has not ended by itself.
 
-    `port` 0 takes a free one. Whatever its pages have done, it must not have written a traceback.
+    `port` 0 takes a free one; `largest` is the size of the largest file that it can write, bytes. Whatever its pages
+    have done, it must not have written a traceback.
     """
     command = [sys.executable, "-m", "scenario_compiler", *map(str, words), "--port", str(port)]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    with nullcontext() if largest is None else file_sizes_limited(largest):
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None
         found = re.fullmatch(r"(?:page|participants): (http://\S+)\n", process.stdout.readline())
@@ -57,6 +60,17 @@ def served(*words: object, port: int = 0) -> Iterator[Served]:
             process.kill()
             raise
     assert "Traceback" not in (err or ""), err
+
+
+@contextmanager
+def file_sizes_limited(size: int) -> Iterator[None]:
+    """Limit the sizes of files, bytes, for this process and those that it starts: larger ones are not written."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def seated(page: ClientConnection) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -89,6 +90,13 @@ def open_road(tmp_path: Path) -> Path:
 def begun(page: Page) -> None:
     page.get_by_role("button", name="Start").click()
     page.wait_for_function("page.latest !== undefined")
+
+
+def moved(page: Page, axis: int, *values: float) -> None:
+    """Move an axis of the gamepad from value to value, each of which is seen by the page."""
+    for value in values:
+        page.evaluate("([axis, value]) => (pad.axes[axis] = value)", [axis, value])
+        page.evaluate("() => new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(seen)))")
 
 
 def driven(folder: Path, number: int = 1) -> Recording:
@@ -216,6 +224,47 @@ def seconds_since_leaving(inputs: Path) -> float:
     return float(rows[-1]["t"] - left[0]) if left else 0.0
 
 
+def test_a_message_and_the_start_are_in_the_window_at_any_size(soon: Path, browser: Browser) -> None:
+    within = """(name) => {
+      const { left, top, right, bottom } = document.querySelector(name).getBoundingClientRect();
+      return left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight && bottom > top;
+    }"""
+
+    def outside(page: Page, name: str) -> list[tuple[int, int]]:
+        found = []
+        for width, height in ((1400, 900), (1366, 625), (1280, 590), (700, 450), (844, 390), (640, 320), (390, 844)):
+            page.set_viewport_size({"width": width, "height": height})
+            if not page.evaluate(within, name):
+                found.append((width, height))
+        return found
+
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        assert outside(page, "#go") == []
+        begun(page)
+        page.wait_for_function("page.latest?.state === 'request'")
+        assert outside(page, "#told") == []
+
+
+def test_a_run_that_cannot_be_written_has_no_report_and_says_why(
+    open_road: Path, tmp_path: Path, browser: Browser
+) -> None:
+    with (
+        served("drive", open_road, "--perception", "ideal", "-o", tmp_path / "out", largest=30_000) as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        begun(page)
+        ended(page)
+        expect(page.locator("#ended")).to_contain_text("The run broke off: [Errno 27]")
+        expect(page.locator("#report")).to_be_hidden()
+        (tmp_path / "out" / "drive-002").write_text("a file where the next folder should be")
+        page.locator("#go").click()
+        expect(page.locator("#ended")).to_contain_text("drive-002")
+        page.wait_for_function("page.role === 'driver'")
+
+
 def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path, browser: Browser) -> None:
     file, out = tmp_path / "soon.xml", tmp_path / "out"
     file.write_text(TOLD, encoding="utf-8")
@@ -254,6 +303,80 @@ def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser
         expect(row.locator("td").nth(4)).to_have_text("1.00")
         page.evaluate("pad.axes[2] = 1")
         expect(row.locator("td").nth(4)).to_have_text("0.00")
+
+
+def test_a_pedal_that_the_browser_first_sees_when_it_moves_is_at_rest_where_it_is_let_go(
+    soon: Path, browser: Browser
+) -> None:
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(GAMEPAD)  # all axes are 0 at first, although this pedal is at 1
+        page.get_by_role("button", name="Gamepad or wheel").click()
+        row = page.locator("#profile tbody tr", has_text="brake")
+        row.click()
+        moved(page, 2, 0, 0.98, 1, -1, 1)
+        expect(row.locator("td").nth(2)).to_have_text("1.00")
+        expect(row.locator("td").nth(3)).to_have_text("-1.00")
+        expect(row.locator("td").nth(4)).to_have_text("0.00")
+        steer = page.locator("#profile tbody tr").first
+        steer.click()
+        moved(page, 0, 0, -1, 1, 0)  # a stick is at rest in the middle
+        expect(steer.locator("td").nth(2)).to_have_text("0.00")
+        expect(steer.locator("td").nth(3)).to_have_text("-1.00")
+
+
+def test_a_wheel_and_separate_pedals_are_assigned_together(soon: Path, browser: Browser) -> None:
+    pedals = """() => {
+      const none = { connected: true, buttons: [] };
+      const wheel = { ...pad, id: "wheel", axes: [0], buttons: [{ value: 0 }] };
+      globalThis.pads = [{ ...none, id: "pedals", axes: [1, 1] }, wheel];
+      navigator.getGamepads = () => pads;
+    }"""
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(GAMEPAD)
+        page.wait_for_function("globalThis.page?.role === 'driver'")
+        page.evaluate(pedals)
+        page.get_by_role("button", name="Gamepad or wheel").click()
+        rows = page.locator("#profile tbody tr")
+        for row, device, axis, values in ((2, 0, 1, (1, -1, 1)), (0, 1, 0, (0, -1, 0)), (1, 0, 0, (1, -1, 1))):
+            rows.nth(row).click()
+            for value in values:
+                page.evaluate("([device, axis, value]) => (pads[device].axes[axis] = value)", [device, axis, value])
+                page.wait_for_timeout(150)
+        places = [one.strip() for one in rows.locator("td:nth-child(2)").all_inner_texts()]
+        assert places[:3] == ["wheel: axis 0", "pedals: axis 0", "pedals: axis 1"]
+        page.evaluate("pads[0].axes = [1, -1]; pads[1].axes = [-0.5]")
+        told = page.evaluate("page.wheel.read()")
+        assert (told["throttle"], told["brake"]) == (0, 1)
+        assert told["steer"] == pytest.approx(0.5, abs=0.01)
+        page.evaluate("pads[1] = null; pads[0].axes = [1, 1]")  # the wheel is unplugged: its pedals do not steer
+        told = page.evaluate("page.wheel.read()")
+        assert (told["steer"], told["throttle"], told["brake"]) == (0, 0, 0)
+
+
+def test_a_stick_steers_less_at_speed_and_a_wheel_takes_over_at_a_small_angle(soon: Path, browser: Browser) -> None:
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(GAMEPAD)
+        page.wait_for_function("globalThis.page?.role === 'driver'")
+        steer = """([mapping, value, speed]) => {
+          Object.assign(pad, { mapping, axes: [value, 0, 0, 0] });
+          page.wheel.speed = speed;
+          return page.wheel.read().steer;
+        }"""
+        slow, fast = (page.evaluate(steer, ["standard", -1, speed]) for speed in (2, 30))
+        assert slow == 1
+        assert 30**2 * math.tan(fast * math.radians(40)) / 2.6 < 4 * 8.3  # a few times what tyres hold, not a hundred
+        assert page.evaluate(steer, ["standard", -0.03, 2]) == 0
+        assert page.evaluate(steer, ["", -1, 30]) == 1
+        assert page.evaluate(steer, ["", -0.01, 30]) > 2 / 600  # 2 degrees, of 15 times 40 to the full lock
 
 
 def test_a_run_that_nobody_drives_is_watched(tmp_path: Path, browser: Browser) -> None:

@@ -101,6 +101,15 @@ def test_a_page_of_another_site_gets_nothing(own: Served) -> None:
         assert refused.value.response.status_code == 403
 
 
+def test_the_printed_address_is_one_that_other_machines_can_open(foreign: Served) -> None:
+    host, _, port = foreign.host.rpartition(":")
+    assert host not in ("0.0.0.0", "[::]", "127.0.0.1")
+    connection = http.client.HTTPConnection(host, int(port), timeout=30)
+    connection.request("GET", foreign.address.partition(foreign.host)[2])
+    assert connection.getresponse().status == 303
+    connection.close()
+
+
 def test_on_another_address_a_page_needs_the_token(foreign: Served) -> None:
     token = foreign.address.partition("?token=")[2]
     assert len(token) >= 16

@@ -70,6 +70,17 @@ def test_a_run_stands_still_for_its_probe_and_shows_nothing_meanwhile(compiled: 
     assert [run.recording.t[-1] for run in runs] == [pytest.approx(1.0)]
 
 
+def test_the_page_learns_that_a_run_is_over_before_its_files_are_written(compiled: Compilation) -> None:
+    told: list[str] = []
+
+    def show(picture: Picture) -> bool:
+        told.extend(one for one in ("over", "end") if one in picture.about)
+        return True
+
+    Session(drive(compiled), show, kept=lambda *_: told.append("written")).run()
+    assert told == ["over", "written", "end"]
+
+
 def test_what_happens_while_the_files_are_written_does_not_belong_to_the_run(compiled: Compilation) -> None:
     """The page may be loaded again, and the experimenter may press a button, before they know that the run is over."""
     runs: list[Run] = []

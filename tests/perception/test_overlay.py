@@ -37,6 +37,24 @@ def test_the_path_lies_where_the_drivers_camera_sees_it() -> None:
     assert has(picture[round(float(v)) - 2 : round(float(v)) + 3, round(float(u)) - 3 : round(float(u)) + 4], PURPLE)
 
 
+def test_a_long_message_is_broken_into_rows_that_can_be_read() -> None:
+    """A row is darkened over its whole height, and 36 pixels high in a view that is 960 pixels wide."""
+    plain = compose(VIEW, CAMERA, None, None, Caption(0.0, 0.0, ""))
+
+    def height(message: str) -> float:
+        picture = compose(VIEW, CAMERA, None, None, Caption(0.0, 0.0, "", alarms=[message]))
+        changed = (picture != plain).any(axis=2)
+        assert not changed[:, :8].any()
+        assert not changed[:, -8:].any()
+        return float(changed.any(axis=1).sum()) / (VIEW.shape[1] / 960)
+
+    assert height("Take over now") == pytest.approx(36, abs=3)
+    assert height("Take over now: the path ahead is blocked, brake or go around it") == pytest.approx(36, abs=3)
+    assert height("Take over now, because the path ahead is blocked by road works. " * 3) == pytest.approx(
+        2 * 36, abs=3
+    )
+
+
 def test_without_a_detection_nothing_is_drawn() -> None:
     picture = compose(VIEW, CAMERA, None, None, Caption(0.0, 0.0, "automated"))
     assert not has(picture, PURPLE)

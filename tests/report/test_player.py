@@ -250,6 +250,23 @@ def test_two_runs_have_one_clock(browser: Browser, network: Network, tmp_path: P
         expect(page.locator(".u-legend").first).to_contain_text("left (2)")
 
 
+def test_a_run_that_is_over_before_the_other_one_says_so(browser: Browser, network: Network, tmp_path: Path) -> None:
+    runs = made.run(network), made.run(network, pictures=False)
+    found = compare(runs[0].recording, runs[1].recording, None, tolerance=None)
+    path = tmp_path / "both.html"
+    write_comparison(runs, ("one", "other"), found, ["They are alike."], [[], []], path)
+    with opened_page(browser, f"{path.as_uri()}#t=3") as page:
+        values = page.locator(".values").first
+        expect(values).to_contain_text("state")
+        expect(values).not_to_contain_text("ended")
+        page.evaluate("""() => {
+          const { player } = document.querySelector(".player");
+          player.runs[0].t = player.runs[0].t.filter((t) => t <= 2);
+          player.show(3.1);
+        }""")
+        expect(values).to_contain_text("(the run ended at 2.00 s)")
+
+
 @pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])
 def test_nothing_reaches_beyond_the_window(browser: Browser, report: str, width: int) -> None:
     with opened_page(browser, report, width) as page:

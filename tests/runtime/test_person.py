@@ -136,6 +136,18 @@ def test_the_vehicle_stops_where_a_person_leaves(compiled: Compilation) -> None:
     assert recording.control[-1] == SOURCE["minimum-risk manoeuvre"]
 
 
+def test_a_vehicle_whose_person_leaves_flashes_and_does_not_blame_an_answered_request(compiled: Compilation) -> None:
+    def does(t: float, state: str) -> PersonInput:
+        return PersonInput(wish="leave" if t > 6.0 else "take_over" if state == "request" else "")
+
+    recording = driven(compiled, does)
+    assert next(event.cause for event in recording.events if event.kind == "request") == "path_blocked"
+    begun = next(event for event in recording.events if event.kind == "minimum_risk")
+    assert begun.t == pytest.approx(6.0, abs=0.11)
+    assert begun.cause == ""
+    assert [(event.t, event.value) for event in recording.events if event.kind == "hazard_lights"] == [(begun.t, 1.0)]
+
+
 def test_nobody_answers_for_a_person(compiled: Compilation) -> None:
     recording = driven(compiled, lambda t, state: PersonInput())
     kinds = [event.kind for event in recording.events]

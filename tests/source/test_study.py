@@ -54,6 +54,15 @@ def test_pictures_become_part_of_their_page(tmp_path: Path) -> None:
     assert '<img src="data:image/png;base64,iVBORw==" alt="the car"' in found
 
 
+def test_tables_of_a_page_are_tables(tmp_path: Path) -> None:
+    (tmp_path / "key.png").write_bytes(b"\x89PNG")
+    found, wrong = page(tmp_path, "| Key | Picture |\n|---|---|\n| Enter | ![it](key.png) |\n| H | ![it](gone.png) |\n")
+    assert wrong == [("page.md", 4, "the picture 'gone.png' cannot be read: No such file or directory")]
+    assert found is not None
+    assert "<th>Key</th>" in found
+    assert '<td><img src="data:image/png' in found
+
+
 def test_pages_that_participants_would_not_see_as_intended_are_reported(tmp_path: Path) -> None:
     text = "# Hi\n\n![a](gone.png)\n\n![b](https://example.org/b.png) ![c](notes.txt)\n\n<script>alert(1)</script>\n"
     found, wrong = page(tmp_path, text)

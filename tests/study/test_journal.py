@@ -8,6 +8,7 @@ import pytest
 
 from scenario_compiler.study.journal import Journal, attempts_at, read_journal, step_reached
 from scenario_compiler.study.keeping import StudyError
+from tests.live.serving import file_sizes_limited
 
 
 def test_what_is_written_is_there_at_once(tmp_path: Path) -> None:
@@ -44,6 +45,18 @@ def test_a_damaged_line_is_reported_with_its_place(tmp_path: Path, line: str) ->
     file.write_bytes(b'{"kind": "done", "step": 0}\n' + line.encode("utf-8", "surrogateescape") + b"\n")
     with pytest.raises(StudyError, match=r"journal\.jsonl:2: the journal is damaged"):
         read_journal(file)
+
+
+def test_a_record_that_cannot_be_written_leaves_the_journal_as_it_was(tmp_path: Path) -> None:
+    journal = Journal(tmp_path / "journal.jsonl")
+    journal.add("done", 0)
+    with file_sizes_limited(100), pytest.raises(OSError, match="File too large"):
+        journal.add("note", 1, text="x" * 200)
+    journal.add("done", 1)
+    journal.close()
+    kept = [{"kind": "done", "step": 0}, {"kind": "done", "step": 1}]
+    assert journal.records == kept
+    assert read_journal(tmp_path / "journal.jsonl") == kept
 
 
 def test_of_an_empty_journal_the_first_step_is_reached(tmp_path: Path) -> None:

@@ -296,6 +296,24 @@ def test_answers_given_before_a_pause_stand_in_the_form_again(tmp_path: Path, br
 
 
 @pytest.mark.slow
+def test_a_run_that_cannot_be_written_is_reported_to_the_experimenter_and_repeated(
+    short: Path, browser: Browser
+) -> None:
+    short.write_text(short.read_text().replace('from="0.5" to="1.5"', 'from="0.5" to="1.5" share="0"'))
+    with served(*serving(short), largest=120_000) as server:  # less than the map
+        started(browser, server, 1)
+        with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
+            consented(page)
+            begun(page)
+            expect(page.locator("#ended")).to_have_text("The run broke off. Please wait for the experimenter.")
+            expect(page.locator("#go")).to_have_text("Again")
+            with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
+                expect(row_of(desk, 1).locator(".fault")).to_contain_text("File too large")
+            page.locator("#go").click()
+            page.wait_for_function("document.querySelector('#start').hidden")
+    assert [one["kind"] for one in journal(short, 1)][-2:] == ["begun", "begun"]
+
+
 def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser) -> None:
     with served(*serving(endless)) as server:
         started(browser, server, 1)
@@ -325,6 +343,35 @@ def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> No
             page.reload()
             expect(page.get_by_role("heading", name="You do not take part")).to_be_visible()
     assert [one["kind"] for one in journal(short, 2)] == ["started", "declined"]
+
+
+def test_all_questions_of_a_probe_are_in_sight_in_a_narrow_window(short: Path, browser: Browser) -> None:
+    query = '<query name="{}" about="{}" text="What do you remember of the moment at which the picture went blank?"/>'
+    more = "".join(query.format(name, name) for name in ("blocked", "vehicles"))
+    short.write_text(short.read_text().replace("</probe>", f"{more}</probe>"))
+    with served(*serving(short)) as server:
+        started(browser, server, 1)
+        with opened_page(browser, f"{server.address}participant/1", 390, 600, bypass_csp=True) as page:
+            consented(page)
+            begun(page)
+            expect(page.get_by_label("How fast were you, in km/h?")).to_be_visible()
+            assert page.evaluate("document.documentElement.scrollWidth") <= 390
+            heights = page.evaluate("(({ scrollHeight, clientHeight }) => [scrollHeight, clientHeight])(held)")
+            assert heights[0] == heights[1]  # the page scrolls, not a part of it that hides the rest
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_scales_stay_in_the_window_whatever_their_length(short: Path, browser: Browser, width: int) -> None:
+    study, effort = short, short.parent / "effort.xml"
+    study.write_text(study.read_text().replace('<consent file="consent.md"/>', '<ask file="effort.xml"/>'))
+    long = '<scale name="whole" from="0" to="100"/><scale name="twenty" from="0" to="20"/>'
+    items = '<item name="much" text="How much?" scale="whole"/><item name="demand" text="Demand" scale="twenty"/>'
+    effort.write_text(effort.read_text().replace("  <item", f"{long}{items}\n  <item", 1))
+    with served(*serving(study)) as server:
+        started(browser, server, 1)
+        with opened_page(browser, f"{server.address}participant/1", width, bypass_csp=True) as page:
+            expect(page.get_by_role("group", name="Demand").get_by_role("radio")).to_have_count(21)
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 @pytest.mark.slow

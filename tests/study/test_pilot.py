@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -105,6 +106,28 @@ def test_the_page_of_expected_effects_names_its_conditions(piloted: Path) -> Non
     page = (piloted / "data" / "expected.html").read_text(encoding="utf-8")
     for text in ("blocked-tone", "blocked-text", "tone − text", "takeover time, s"):
         assert text in page
+
+
+def test_a_difference_without_variation_asks_for_no_number_of_participants(piloted: Path) -> None:
+    page = (piloted / "data" / "expected.html").read_text()
+    rows = re.findall(r"<tr><td>hmi</td>.*?</tr>", page)
+    cells = [re.findall(r"<td class=\"n\">(.*?)</td>", row)[-3:] for row in rows]
+    assert ["–", "–", "–"] in cells  # the model answers after 3 s in each trial
+    assert all((effect == "–") == (needed == "–") for effect, _, needed in cells)
+
+
+def test_long_names_of_conditions_are_whole_in_the_plots_of_effects(tmp_path: Path, browser: Browser) -> None:
+    study = made.study(tmp_path)
+    study.write_text(study.read_text().replace('hmi name="text"', 'hmi name="textwithreasonsandadviceforthedriver"'))
+    assert call("study", study, "--pilot", "--perception", "ideal", "-o", tmp_path / "data") == 0
+    with opened_page(browser, (tmp_path / "data" / "expected.html").as_uri()) as page:
+        cut = """() => [...document.querySelectorAll("svg text")].filter((one) => {
+          const { x, width } = one.getBBox();
+          const box = one.ownerSVGElement.viewBox.baseVal;
+          return x < 0 || x + width > box.width;
+        }).map((one) => one.textContent)"""
+        assert page.locator("svg text").count() > 10
+        assert page.evaluate(cut) == []
 
 
 @pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])

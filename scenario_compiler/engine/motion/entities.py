@@ -40,6 +40,10 @@ from scenario_compiler.roads.travel import advance, stretch_at
 NO_WIDTH = 1.0e-6
 """Width below which a lane does not exist, m (esmini 3.6)."""
 
+TYRES_HOLD = 8.3
+"""Greatest lateral acceleration on a dry road, m/s2: 0.85 times gravity, from the middle of the peak coefficients of
+adhesion of dry asphalt and concrete, 0.8 to 0.9 (Wong, Theory of Ground Vehicles)."""
+
 PITCH_TIME = 0.2
 """Time constant of the body's pitch, s: a quarter of the period of a 1.25 Hz spring."""
 
@@ -241,7 +245,10 @@ def next_speed(p: Program, st: State, i: int, gain: float, loss: float, dt: floa
 
 @compiled
 def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
-    """Move a vehicle by its commands. Brakes stop it exactly; only the reverse gear drives it backwards."""
+    """Move a vehicle by its commands. Brakes stop it exactly; only the reverse gear drives it backwards.
+
+    It turns no more tightly than its tyres hold, however far the wheels are turned.
+    """
     base = p.entity_const[i]
     st.throttle[i] = clip(st.command_throttle[i], 0.0, 1.0)
     st.brake[i] = clip(st.command_brake[i], 0.0, 1.0)
@@ -250,7 +257,11 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     speed = next_speed(p, st, i, gain, loss, dt)
     wanted = clip(st.command_steer[i], -1.0, 1.0) * p.const[base + slot.E_MAX_STEER]
     st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -st.steer_rate[i] * dt, st.steer_rate[i] * dt)
-    swing = speed * tan(st.steer[i]) / max(p.const[base + slot.E_WHEELBASE], 0.1) * dt
+    rate = speed * tan(st.steer[i]) / max(p.const[base + slot.E_WHEELBASE], 0.1)
+    held = grip(st, TYRES_HOLD)
+    if abs(rate * speed) > held:
+        rate = clip(rate, -held / abs(speed), held / abs(speed))
+    swing = rate * dt
     middle = st.h[i] + 0.5 * swing
     st.x[i] += speed * dt * cos(middle)
     st.y[i] += speed * dt * sin(middle)

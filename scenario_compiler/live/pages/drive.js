@@ -154,6 +154,7 @@ class Page {
   hear(message) {
     if (message.role) this.seat(message.role);
     if (message.refused) location.reload(); // the session is paused, or at another step
+    if (message.unwritten) this.finish({ end: `${words("broke_off")}: ${message.unwritten}`, kept: false });
     if (message.search) this.search.show(message.search);
     if (message.pong !== undefined) {
       const now = performance.now();
@@ -219,6 +220,7 @@ class Page {
     const length = view.getUint32(0);
     const about = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
     if (about.end !== undefined) return this.finish(about);
+    if (about.over) return this.wait();
     if (about.held !== undefined) return this.hold(about.held);
     if (about.run !== this.number) this.begin(about.run);
     const stretch = this.stretch;
@@ -359,20 +361,42 @@ class Page {
     one("#measured").textContent = `${latency}${words("rate", rate.toFixed(0))}`;
   }
 
-  finish(about) {
+  /** Let the person wait while the files of a run that is over are written. */
+  wait() {
+    this.stand();
+    if (!this.about.study) return;
+    one("#ended").textContent = this.about.study.words.over;
+    one("#go").textContent = this.about.study.words.continue;
+    one("#go").disabled = true;
+    one("#start").hidden = false;
+  }
+
+  /** Show and say nothing more of a run that is over. */
+  stand() {
     this.running = false;
     this.stretch += 1;
     this.release();
     this.search?.hide();
-    this.over = Boolean(this.about.study && about.kept);
-    one("#told").hidden = one("#left").hidden = true;
+    one("#told").hidden = one("#left").hidden = one("#behind").hidden = true;
     hush();
-    one("#ended").textContent = this.over ? this.about.study.words.over : sentence(about.end); // participants do not see the result of a trial
+  }
+
+  finish(about) {
+    this.stand();
+    this.over = Boolean(this.about.study && about.kept);
+    one("#ended").textContent = this.about.study ? this.endOfTrial() : sentence(about.end);
     one("#go").textContent = this.over ? this.about.study.words.continue : words("again");
     const report = one("#report");
-    report.hidden = !this.about.writes || Boolean(this.about.study);
+    report.hidden = !this.about.writes || !about.kept || Boolean(this.about.study);
     report.href = `/runs/${about.run}`;
     one("#start").hidden = false;
+    this.allowStart();
+  }
+
+  /** Return what a participant reads: not the result of the trial, nor what went wrong on the server's machine. */
+  endOfTrial() {
+    const { over, wait } = this.about.study.words;
+    return this.over ? over : `${sentence(words("broke_off"))}. ${wait}`;
   }
 }
 

@@ -3,7 +3,8 @@
 const STEERS = 1.1; // share of the full lock a second, by keys at a standstill
 const RETURNS = 1.8;
 const PEDAL = { throttle: 1.6, brake: 2.4, up: 4 }; // shares a second
-const DEAD = 0.04; // of an axis about its rest
+const DEAD = { stick: 0.04, wheel: 0.005, pedal: 0.04 }; // share of the way of an input about its rest
+const SETTLED = 500; // milliseconds after which an input that has been let go is at rest
 const NAMES = ["steer", "throttle", "brake", "take over", "hand back"];
 
 const WORDS = { steer: "steer", throttle: "throttle", brake: "brake", "take over": "take_over", "hand back": "give_back" };
@@ -101,7 +102,7 @@ export class Wheel {
 
   /** Update the inputs from keys: the faster the vehicle, the less and the slower they steer. */
   #turn(time) {
-    const most = Math.min(1, 9 / Math.max(this.speed, 1) ** 1.4);
+    const most = this.#most();
     const wanted = (this.held.has("left") ? 1 : 0) - (this.held.has("right") ? 1 : 0);
     const rate = (wanted === 0 ? RETURNS : STEERS) * Math.max(most, 0.08);
     this.steer = toward(this.steer, wanted * most, rate * time);
@@ -111,18 +112,23 @@ export class Wheel {
     }
   }
 
+  /** Return the share of the full lock that keys and sticks can reach at the present speed. */
+  #most() {
+    return Math.min(1, 9 / Math.max(this.speed, 1) ** 1.4);
+  }
+
   #pad() {
-    const pad = firstPad();
-    if (!pad) return { steer: 0, throttle: 0, brake: 0, take: false, back: false };
-    const profile = profileOf(pad);
-    const value = (name) => share(pad, profile[name]);
+    const pads = devices();
+    if (!pads.length) return { steer: 0, throttle: 0, brake: 0, take: false, back: false };
+    const value = (name) => share(assigned(pads, name));
+    const stick = isStick(assigned(pads, "steer")?.pad);
     const [take, back] = [value("take over") > 0.5, value("hand back") > 0.5];
     const once = { take: take && !this.padTake, back: back && !this.padBack };
     [this.padTake, this.padBack] = [take, back];
     return {
-      steer: dead(value("steer")),
-      throttle: Math.max(0, dead(value("throttle"))),
-      brake: Math.max(0, dead(value("brake"))),
+      steer: stick ? this.#most() * squared(dead(value("steer"), DEAD.stick)) : dead(value("steer"), DEAD.wheel),
+      throttle: Math.max(0, dead(value("throttle"), DEAD.pedal)),
+      brake: Math.max(0, dead(value("brake"), DEAD.pedal)),
       ...once,
     };
   }
@@ -135,7 +141,7 @@ export class Calibration {
     this.words = words;
     this.body = dialog.querySelector("tbody");
     this.chosen = NAMES[0];
-    dialog.querySelector("#forget").addEventListener("click", () => this.#keep({ ...USUAL }));
+    dialog.querySelector("#forget").addEventListener("click", () => devices().forEach((pad) => keep(pad, {})));
   }
 
   open() {
@@ -150,21 +156,26 @@ export class Calibration {
   }
 
   #show() {
-    const pad = firstPad();
-    this.dialog.querySelector("#device").textContent = pad ? pad.id : this.words.press;
-    if (!pad) return;
-    const profile = profileOf(pad);
+    const pads = devices();
+    this.dialog.querySelector("#device").textContent = pads.map((pad) => pad.id).join(", ") || this.words.press;
+    if (!pads.length) return;
     if (!this.body.children.length) this.#build();
     NAMES.forEach((name, k) => {
       const row = this.body.children[k];
-      const { axis, button, rest, full } = profile[name];
-      const { axis: axisWord, button: buttonWord } = this.words;
-      const place = axis === undefined ? `${buttonWord} ${button}` : `${axisWord} ${axis}`;
-      const texts = [this.words[WORDS[name]], place, rest.toFixed(2), full.toFixed(2)];
-      [...texts, share(pad, profile[name]).toFixed(2)].forEach((text, n) => (row.children[n].textContent = text));
+      const input = assigned(pads, name);
+      const numbers = input ? [input.rest, input.full, share(input)].map((value) => value.toFixed(2)) : ["–", "–", "–"];
+      [this.words[WORDS[name]], this.#place(pads, input), ...numbers].forEach((text, n) => (row.children[n].textContent = text));
       row.classList.toggle("chosen", name === this.chosen);
     });
-    this.#watch(pad, profile);
+    this.#watch(pads);
+  }
+
+  /** Name the axis or button of an input, and its device if there are several. */
+  #place(pads, input) {
+    if (!input) return "–";
+    const { pad, axis, button } = input;
+    const place = axis === undefined ? `${this.words.button} ${button}` : `${this.words.axis} ${axis}`;
+    return pads.length > 1 ? `${pad.id}: ${place}` : place;
   }
 
   #build() {
@@ -182,44 +193,92 @@ export class Calibration {
   }
 
   /** Find the axis or button that has moved most since the input was chosen, and its rest and extreme positions. */
-  #watch(pad, profile) {
-    const now = [...pad.axes, ...pad.buttons.map((one) => one.value)];
-    this.extremes ??= now.map((value) => ({ rest: value, far: value }));
-    now.forEach((value, k) => {
-      const one = this.extremes[k];
-      if (one && Math.abs(value - one.rest) > Math.abs(one.far - one.rest)) one.far = value;
-    });
+  #watch(pads) {
+    const now = pads.flatMap((pad) => [
+      ...pad.axes.map((value, axis) => ({ pad, value, place: { axis } })),
+      ...pad.buttons.map(({ value }, button) => ({ pad, value, place: { button } })),
+    ]);
+    if (this.extremes?.length !== now.length) this.extremes = null; // a device has come or gone
+    this.extremes ??= now.map(({ value }) => ({ first: value, rest: value, far: value, least: value, most: value, last: value, since: 0 }));
+    now.forEach(({ value }, k) => follow(this.extremes[k], value, performance.now()));
     const moved = this.extremes.map((one) => Math.abs(one.far - one.rest));
     const most = moved.indexOf(Math.max(...moved));
     if (moved[most] < 0.5) return;
     const { rest, far } = this.extremes[most];
-    const place = most < pad.axes.length ? { axis: most } : { button: most - pad.axes.length };
-    this.#keep({ ...profile, [this.chosen]: { ...place, rest, full: far } });
-  }
-
-  #keep(profile) {
-    const pad = firstPad();
-    if (pad) localStorage.setItem(`profile of ${pad.id}`, JSON.stringify(profile));
+    const { pad, place } = now[most];
+    assign(pads, this.chosen, pad, { ...place, rest, full: far });
   }
 }
 
-function firstPad() {
-  return [...(navigator.getGamepads?.() ?? [])].find((pad) => pad?.connected) ?? null;
+/**
+ * Follow an input that is moved fully and let go. Browsers give 0 for an axis until it first moves; one that was at 0 and
+ * then on both sides of it is at rest where it stays.
+ */
+function follow(one, value, time) {
+  if (Math.abs(value - one.rest) > Math.abs(one.far - one.rest)) one.far = value;
+  one.least = Math.min(one.least, value);
+  one.most = Math.max(one.most, value);
+  if (Math.abs(value - one.last) > 0.02) [one.last, one.since] = [value, time];
+  if (one.first !== 0 || one.least > -0.5 || one.most < 0.5 || time - one.since < SETTLED) return;
+  one.rest = value;
+  if (Math.abs(value) > 0.5) one.far = value > 0 ? one.least : one.most;
 }
 
-function profileOf(pad) {
-  const kept = localStorage.getItem(`profile of ${pad.id}`);
-  return kept ? JSON.parse(kept) : USUAL;
+function devices() {
+  return [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected);
+}
+
+/** Return the assigned inputs of a device, by their names; the browser keeps them by the name of the device. */
+function kept(pad) {
+  return JSON.parse(localStorage.getItem(`profile of ${pad.id}`) ?? "{}");
+}
+
+function keep(pad, profile) {
+  localStorage.setItem(`profile of ${pad.id}`, JSON.stringify(profile));
+}
+
+/**
+ * Return the device, axis or button of an input: the assigned one, otherwise the usual one of the first device of which
+ * nothing is assigned; undefined if there is none, as when a wheel is unplugged and its pedals are not.
+ */
+function assigned(pads, name) {
+  const own = pads.find((pad) => kept(pad)[name]);
+  const usual = own ?? pads.find((pad) => isStick(pad) || !Object.keys(kept(pad)).length);
+  return usual && { pad: usual, ...(own ? kept(own)[name] : USUAL[name]) };
+}
+
+/** Assign an axis or button of a device to an input; the other inputs keep theirs. */
+function assign(pads, name, pad, input) {
+  const profile = {};
+  for (const one of NAMES) {
+    const { pad: from, ...place } = assigned(pads, one) ?? {};
+    if (from?.id === pad.id) profile[one] = place;
+  }
+  keep(pad, { ...profile, [name]: input });
+  for (const other of pads) if (other.id !== pad.id) keep(other, { ...kept(other), [name]: undefined });
 }
 
 /** Return how far an input is moved: 0 at rest, 1 fully, -1 fully the other way. */
-function share(pad, { axis, button, rest, full }) {
+function share(input) {
+  if (!input) return 0;
+  const { pad, axis, button, rest, full } = input;
   const value = axis === undefined ? (pad.buttons[button]?.value ?? rest) : (pad.axes[axis] ?? rest);
   return full === rest ? 0 : Math.min(1, Math.max(-1, (value - rest) / (full - rest)));
 }
 
-function dead(value) {
-  return Math.abs(value) < DEAD ? 0 : (value - Math.sign(value) * DEAD) / (1 - DEAD);
+/** Return whether a device steers with a thumb: browsers map gamepads to the standard layout, and wheels to none. */
+function isStick(pad) {
+  return pad?.mapping === "standard";
+}
+
+/** Return a value with fine control about the rest. */
+function squared(value) {
+  return value * Math.abs(value);
+}
+
+/** Return a value outside the dead zone about its rest, from 0 at the edge of the zone. */
+function dead(value, zone) {
+  return Math.abs(value) < zone ? 0 : (value - Math.sign(value) * zone) / (1 - zone);
 }
 
 function toward(value, wanted, step) {

@@ -210,6 +210,7 @@ export class Player {
       rows.push(["confidence left, right", `${shown(value("confidence_left"))}, ${shown(value("confidence_right"))}`]);
       rows.push(["path", this.#path(run, row)]);
     }
+    if (this.t > run.end + 1e-6) rows[0][1] += ` (the run ended at ${shown(run.end, "s")})`;
     const list = this.told[number];
     while (list.children.length < rows.length) {
       const item = element("div", "", list);

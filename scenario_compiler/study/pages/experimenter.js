@@ -55,7 +55,8 @@ function show(one) {
   cells.step.textContent = `${one.session}: ${one.step} of ${one.steps}`;
   cells.what.textContent = one.what;
   cells.presence.textContent = one.presence;
-  cells.run.textContent = run ?? (one.page ? "page open" : "");
+  cells.run.textContent = run ?? (one.fault || (one.page ? "page open" : ""));
+  cells.run.classList.toggle("fault", !run && Boolean(one.fault));
   buttons.start.disabled = one.presence === "started" || one.presence === "declined";
   buttons.pause.disabled = one.presence !== "started";
   buttons.abort.disabled = buttons.request.disabled = !one.run;
