@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from scenario_compiler.carla_server.sensors.bearings import on_globe, reference_of
 from scenario_compiler.perception.labels import Tag
 from tests.carla_server.conftest import LANDED, STEP, Served
 from tests.perception.test_terrain import tilted
@@ -343,6 +344,52 @@ def test_gnss_agrees_with_the_clients_own_map(world: Any, scene: Any) -> None:
     told = gnss.next()
     expected = world.get_map().transform_to_geolocation(rear.get_location())
     assert (told.latitude, told.longitude) == pytest.approx((expected.latitude, expected.longitude), abs=1e-8)
+
+
+GEOREFERENCES = (
+    "",
+    "+lat_0=4.9000000000000000e+1 +lon_0=8.0000000000000000e+0",
+    "+proj=tmerc +lat_0=-37.4168716 +lon_0=.5 +k=1 +x_0=0 +y_0=0 +datum=WGS84 +units=m +no_defs",
+    "+proj=utm +zone=32 +datum=WGS84",
+    "+proj=merc +lon_0=8",
+    "+lat_0=49,+lon_0=8",
+)
+
+
+@pytest.mark.parametrize("georeference", GEOREFERENCES)
+def test_every_georeference_is_read_as_the_client_reads_it(georeference: str, client_version: str) -> None:
+    """Among them that of CARLA's own towns, whose numbers have an exponent."""
+    import carla
+
+    text = tilted(0.0, 0.0).replace(
+        '<header revMajor="1" revMinor="6"/>',
+        f'<header revMajor="1" revMinor="6"><geoReference><![CDATA[{georeference}]]></geoReference></header>',
+    )
+    of_client = carla.Map("straight", text)
+    for x, y in ((0.0, 0.0), (800.0, -300.0)):
+        expected = of_client.transform_to_geolocation(carla.Location(x=x, y=y))
+        told = on_globe(client_version, reference_of(georeference), x, y)
+        assert told == pytest.approx((expected.latitude, expected.longitude), abs=1e-8)
+
+
+def test_an_imu_away_from_the_origin_feels_the_turn_there(world: Any, scene: Any) -> None:
+    """As CARLA computes it: by the sensor's own places, two steps apart."""
+    import carla
+
+    rear, _, attach = scene
+    imu = attach("sensor.other.imu", x=6.0)
+    places: list[NDArray[np.float64]] = []
+    for _ in range(40):
+        rear.apply_control(carla.VehicleControl(throttle=0.5, steer=0.4))
+        world.tick()
+        told = imu.next()
+        at = told.transform
+        places.append(np.array([at.location.x, at.location.y]))
+    gained = (places[-1] - 2.0 * places[-2] + places[-3]) / STEP**2
+    ahead, right = at.get_forward_vector(), at.get_right_vector()
+    expected = (gained @ [ahead.x, ahead.y], gained @ [right.x, right.y])
+    assert abs(expected[1]) > 1.0
+    assert (told.accelerometer.x, told.accelerometer.y) == pytest.approx(expected, abs=0.15)
 
 
 def test_imu_feels_gravity_acceleration_and_turns(world: Any, scene: Any) -> None:
