@@ -96,7 +96,7 @@ class Body(Actor):
     Attributes:
         place: Its index in the engine.
         shape: Its box and axles.
-        simulates: Whether physics moves it.
+        simulates: Whether physics moves it; it never moves a prop.
         collides: Whether it can collide with others.
         weighs: Whether gravity pulls it; without gravity, its tires transmit no force.
         mass: kg.
@@ -105,7 +105,7 @@ class Body(Actor):
 
     place: int = -1
     shape: Vehicle = field(default_factory=lambda: Vehicle(name="", length=1, width=1, height=1, wheelbase=1, center=0))
-    simulates: bool = True
+    simulates: bool = False
     collides: bool = True
     weighs: bool = True
     mass: float = MASS
@@ -147,6 +147,7 @@ class Car(Body):
         slowing: The resistances that slow it down while it rolls.
     """
 
+    simulates: bool = True
     control: list[Any] = field(default_factory=lambda: [0.0, 0.0, 0.0, False, False, False, 0])
     ackermann: list[float] | None = None
     tuning: list[float] = field(default_factory=lambda: [0.15, 0.0, 0.25, 0.01, 0.0, 0.01])
@@ -230,6 +231,7 @@ class Walker(Body):
     """
 
     mass: float = WALKER_MASS
+    simulates: bool = True
     control: list[Any] = field(default_factory=lambda: [[1.0, 0.0, 0.0], 0.0, False])
     bones: dict[str, Any] = field(default_factory=dict)
 

@@ -295,9 +295,14 @@ def library(version: str) -> dict[str, Blueprint]:
     return {one.name: one for one in found if one.since <= version}
 
 
+def first_kind(version: str) -> int:
+    """Return the number on the wire of the first of `KINDS`; the others follow it."""
+    return 1 if version >= "0.9.16" else 0
+
+
 def definitions(version: str) -> list[list[object]]:
     """Return the blueprints as they lie on the wire; a definition's number is its place, from 1 on."""
-    first = 1 if version >= "0.9.16" else 0
+    first = first_kind(version)
     return [
         [
             number,
