@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from scenario_compiler.carla_server.blueprints import Blueprint
+from scenario_compiler.carla_server.blueprints import PROP_TAGS, Blueprint
 from scenario_compiler.carla_server.traffic_lights import Light
 from scenario_compiler.frames import CarlaTransform
 from scenario_compiler.perception.labels import Tag
@@ -73,7 +73,7 @@ class Actor:
         return (0.0, 0.0, 0.0)
 
     @property
-    def tag(self) -> int:
+    def tag(self) -> Tag:
         """Its semantic tag."""
         return Tag.UNLABELED
 
@@ -117,9 +117,9 @@ class Body(Actor):
         return (0.5 * self.shape.length, 0.5 * self.shape.width, 0.5 * self.shape.height)
 
     @property
-    def tag(self) -> int:
-        """Its semantic tag."""
-        return TAGS.get(self.shape.category, Tag.DYNAMIC)
+    def tag(self) -> Tag:
+        """Its semantic tag; in pictures, riders have their own."""
+        return TAGS.get(self.shape.category) or PROP_TAGS.get(self.blueprint.name.rpartition(".")[2], Tag.DYNAMIC)
 
     @property
     def up(self) -> float:

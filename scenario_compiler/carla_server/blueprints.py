@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.perception.labels import Tag
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.catalogs import load_catalogs
 from scenario_compiler.vocabulary.entities import Vehicle
@@ -30,6 +31,22 @@ CHILDREN = frozenset((9, 10, 11, 48, 49))
 YOUTHS = frozenset((12, 13, 14))
 WALKERS = {"0.9.15": 51, "0.9.16": 52}
 """Number of pedestrians by version."""
+
+
+STANDING = (
+    *("atm", "bench01", "bench02", "bench03", "busstop", "busstoplb", "calibrator", "chainbarrier", "chainbarrierend"),
+    *("fountain", "mailbox", "maptable", "platformgarbage01", "slide", "streetfountain", "streetsign", "streetsign01"),
+    *("streetsign04", "swing", "trashcan02", "trashcan04", "trashcan05", "vendingmachine"),
+    *(f"plantpot0{number}" for number in range(1, 9)),
+)
+PROP_TAGS = {
+    **dict.fromkeys(STANDING, Tag.STATIC),
+    **dict.fromkeys(("dirtdebris01", "dirtdebris02", "dirtdebris03"), Tag.OTHER),
+    "kiosk_01": Tag.BUILDING,
+}
+"""Semantic tags of props: CARLA takes them from the folder of a prop's mesh, which its `Default.Package.json` names.
+All others lie in `Dynamic`; `busstoplb` is no part of the file that was at hand, and taken as `busstop`.
+"""
 
 
 @dataclass(frozen=True)

@@ -64,6 +64,9 @@ verified for CARLA's).
 TRIGGER = "static.trigger.friction"
 """Blueprint of a friction trigger."""
 
+WALKER_GAIN = 3.0
+"""How fast a walker gains speed again after an impact, or loses it, m/s2."""
+
 SETTLES = 0.2
 """For how long a vehicle that has been put somewhere is on its springs before it leans as the road does, s."""
 
@@ -432,6 +435,8 @@ class Stage:
     def _drive(self, dt: float) -> None:
         st = self.simulation.state
         for body in self._by_place.values():
+            if isinstance(body, Walker):
+                self._walk_on(body, dt)
             if not isinstance(body, Car):
                 continue
             if self._triggers:
@@ -449,6 +454,13 @@ class Stage:
                 if speed != 0.0:
                     lost = body.slowing.at(speed, body.grip) * dt
                     st.v[body.place] = math.copysign(max(abs(speed) - lost, 0.0), speed)
+
+    def _walk_on(self, walker: Walker, dt: float) -> None:
+        """Let a walker that has been stopped or pushed by an impact walk as it did."""
+        wanted, speed = max(walker.control[1], 0.0), self.simulation.state.v[walker.place]
+        if speed != wanted:
+            change = WALKER_GAIN * dt
+            self.set_speed(walker, min(max(wanted, speed - change), speed + change))
 
     def _enter_triggers(self, car: Car) -> None:
         """Give the tires of a vehicle the friction of the trigger that it is in."""

@@ -398,6 +398,26 @@ def test_a_walker_walks_where_it_is_commanded(world: Any, spawn: Spawn) -> None:
     assert walker.get_velocity().length() == pytest.approx(1.5, abs=0.01)
 
 
+def test_a_walker_that_was_hit_comes_to_rest_and_one_that_was_stopped_walks_on(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    walker = spawn("walker.pedestrian.0005", world.get_map().get_spawn_points()[3])
+    world.tick()
+    walker.set_target_velocity(walker.get_transform().get_forward_vector() * 6.0)
+    world.tick()
+    assert walker.get_velocity().length() > 4.0
+    ticks(world, 60)
+    assert walker.get_velocity().length() == 0.0
+    at = walker.get_location()
+    wall = spawn("static.prop.container", carla.Transform(carla.Location(at.x, at.y + 2.0, 0.0)))
+    walker.apply_control(carla.WalkerControl(direction=carla.Vector3D(0.0, 1.0, 0.0), speed=1.5))
+    ticks(world, 100)
+    assert walker.get_location().y - at.y < 2.0
+    wall.destroy()
+    ticks(world, 30)
+    assert walker.get_velocity().length() == pytest.approx(1.5, abs=0.01)
+
+
 def test_batches_answer_each_command_by_itself(server: Served, world: Any, spawn: Spawn) -> None:
     import carla
 

@@ -443,3 +443,50 @@ def test_too_large_an_image_is_refused(spawn: Spawn) -> None:
 
     with pytest.raises(RuntimeError, match="pixels"):
         spawn("sensor.camera.rgb", carla.Transform(), image_size_x=100_000, image_size_y=100_000)
+
+
+@pytest.mark.parametrize(
+    ("name", "tag"),
+    [
+        ("vehicle.audi.tt", Tag.CAR),
+        ("vehicle.mercedes.sprinter", Tag.TRUCK),
+        ("vehicle.carlamotors.firetruck", Tag.TRUCK),
+        ("vehicle.mitsubishi.fusorosa", Tag.BUS),
+        ("vehicle.vespa.zx125", Tag.MOTORCYCLE),
+        ("vehicle.bh.crossbike", Tag.BICYCLE),
+        ("walker.pedestrian.0003", Tag.PEDESTRIAN),
+        ("static.prop.streetbarrier", Tag.DYNAMIC),
+        ("static.prop.warningconstruction", Tag.DYNAMIC),
+        ("static.prop.bench01", Tag.STATIC),
+        ("static.prop.kiosk_01", Tag.BUILDING),
+    ],
+)
+def test_a_thing_has_one_tag_whoever_is_asked(world: Any, spawn: Spawn, name: str, tag: Tag) -> None:
+    """The actor itself, the pictures, the semantic lidar and the rays of clients."""
+    import carla
+
+    low = carla.Transform(carla.Location(x=1000.0, y=1000.0, z=1.0), carla.Rotation(yaw=30.0))
+    ahead = low.get_forward_vector()
+    there = carla.Location(low.location.x + 8.0 * ahead.x, low.location.y + 8.0 * ahead.y, 0.3)
+    thing = spawn(name, carla.Transform(there, carla.Rotation(yaw=70.0)))
+    cameras = {
+        kind: Listening(spawn(f"sensor.camera.{kind}_segmentation", low, **SMALL)) for kind in ("semantic", "instance")
+    }
+    lidar = Listening(
+        spawn("sensor.lidar.ray_cast_semantic", low, points_per_second=200_000, upper_fov=5, lower_fov=-10)
+    )
+    for _ in range(LANDED):
+        world.tick()
+        seen = {kind: camera.next() for kind, camera in cameras.items()}
+        cloud = lidar.next()
+    instance = pixels(seen["instance"])
+    own = instance[..., 1] + 256 * instance[..., 0].astype(int) == thing.id
+    tags = set(np.unique(pixels(seen["semantic"])[own][:, 2]).tolist())
+    assert tags - {int(Tag.RIDER)} == {int(tag)}
+    assert (pixels(seen["semantic"])[..., 2] == instance[..., 2]).all()
+    assert {point.object_tag for point in cloud if point.object_idx == thing.id} == {int(tag)}
+    assert thing.semantic_tags == [int(tag)]
+    assert int(world.project_point(low.location, there - low.location, 20.0).label) == int(tag)
+    for one in (*cameras.values(), lidar):
+        one.sensor.stop()
+        one.sensor.destroy()
