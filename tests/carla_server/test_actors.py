@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -343,10 +344,11 @@ def test_a_colour_that_is_none_does_not_hide_the_actors(server: Served, world: A
     client = server.client()
     seen = client.get_world()
     car = spawn("vehicle.audi.tt", 5)
-    for _ in range(50):  # until the second client has joined the stream of snapshots
+    for _ in range(1000):  # until the second client has joined the stream of snapshots
         world.tick()
         if len(seen.get_actors()):
             break
+        time.sleep(0.01)
     assert car.id in {actor.id for actor in seen.get_actors()}
 
 
