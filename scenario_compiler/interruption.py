@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
+from dataclasses import dataclass
 from types import FrameType
 from typing import Any
 
@@ -55,6 +56,34 @@ def left_to_this_process() -> Iterator[None]:
             yield
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@dataclass
+class Interruption:
+    """Whether the program has been interrupted."""
+
+    came: bool = False
+
+
+@contextlib.contextmanager
+def noted() -> Iterator[Interruption]:
+    """Note an interruption instead of raising it, for work that looks for it and ends early; a second one is raised."""
+    noted_one = Interruption()
+    if threading.current_thread() is not threading.main_thread():
+        yield noted_one
+        return
+
+    def note(number: int, frame: FrameType | None) -> None:
+        if noted_one.came:
+            _interrupt(number, frame)
+        noted_one.came = True
+
+    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield noted_one
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 @contextlib.contextmanager

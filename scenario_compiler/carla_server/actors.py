@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from scenario_compiler.carla_server.blueprints import Blueprint
+from scenario_compiler.carla_server.blueprints import PROP_TAGS, Blueprint
 from scenario_compiler.carla_server.traffic_lights import Light
 from scenario_compiler.frames import CarlaTransform
 from scenario_compiler.perception.labels import Tag
@@ -73,7 +73,7 @@ class Actor:
         return (0.0, 0.0, 0.0)
 
     @property
-    def tag(self) -> int:
+    def tag(self) -> Tag:
         """Its semantic tag."""
         return Tag.UNLABELED
 
@@ -96,7 +96,7 @@ class Body(Actor):
     Attributes:
         place: Its index in the engine.
         shape: Its box and axles.
-        simulates: Whether physics moves it.
+        simulates: Whether physics moves it; it never moves a prop.
         collides: Whether it can collide with others.
         weighs: Whether gravity pulls it; without gravity, its tires transmit no force.
         mass: kg.
@@ -105,7 +105,7 @@ class Body(Actor):
 
     place: int = -1
     shape: Vehicle = field(default_factory=lambda: Vehicle(name="", length=1, width=1, height=1, wheelbase=1, center=0))
-    simulates: bool = True
+    simulates: bool = False
     collides: bool = True
     weighs: bool = True
     mass: float = MASS
@@ -117,9 +117,9 @@ class Body(Actor):
         return (0.5 * self.shape.length, 0.5 * self.shape.width, 0.5 * self.shape.height)
 
     @property
-    def tag(self) -> int:
-        """Its semantic tag."""
-        return TAGS.get(self.shape.category, Tag.DYNAMIC)
+    def tag(self) -> Tag:
+        """Its semantic tag; in pictures, riders have their own."""
+        return TAGS.get(self.shape.category) or PROP_TAGS.get(self.blueprint.name.rpartition(".")[2], Tag.DYNAMIC)
 
     @property
     def up(self) -> float:
@@ -147,6 +147,7 @@ class Car(Body):
         slowing: The resistances that slow it down while it rolls.
     """
 
+    simulates: bool = True
     control: list[Any] = field(default_factory=lambda: [0.0, 0.0, 0.0, False, False, False, 0])
     ackermann: list[float] | None = None
     tuning: list[float] = field(default_factory=lambda: [0.15, 0.0, 0.25, 0.01, 0.0, 0.01])
@@ -230,6 +231,7 @@ class Walker(Body):
     """
 
     mass: float = WALKER_MASS
+    simulates: bool = True
     control: list[Any] = field(default_factory=lambda: [[1.0, 0.0, 0.0], 0.0, False])
     bones: dict[str, Any] = field(default_factory=dict)
 

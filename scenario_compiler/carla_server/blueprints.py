@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.perception.labels import Tag
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.catalogs import load_catalogs
 from scenario_compiler.vocabulary.entities import Vehicle
@@ -30,6 +31,22 @@ CHILDREN = frozenset((9, 10, 11, 48, 49))
 YOUTHS = frozenset((12, 13, 14))
 WALKERS = {"0.9.15": 51, "0.9.16": 52}
 """Number of pedestrians by version."""
+
+
+STANDING = (
+    *("atm", "bench01", "bench02", "bench03", "busstop", "busstoplb", "calibrator", "chainbarrier", "chainbarrierend"),
+    *("fountain", "mailbox", "maptable", "platformgarbage01", "slide", "streetfountain", "streetsign", "streetsign01"),
+    *("streetsign04", "swing", "trashcan02", "trashcan04", "trashcan05", "vendingmachine"),
+    *(f"plantpot0{number}" for number in range(1, 9)),
+)
+PROP_TAGS = {
+    **dict.fromkeys(STANDING, Tag.STATIC),
+    **dict.fromkeys(("dirtdebris01", "dirtdebris02", "dirtdebris03"), Tag.OTHER),
+    "kiosk_01": Tag.BUILDING,
+}
+"""Semantic tags of props: CARLA takes them from the folder of a prop's mesh, which its `Default.Package.json` names.
+All others lie in `Dynamic`; `busstoplb` is no part of the file that was at hand, and taken as `busstop`.
+"""
 
 
 @dataclass(frozen=True)
@@ -295,9 +312,14 @@ def library(version: str) -> dict[str, Blueprint]:
     return {one.name: one for one in found if one.since <= version}
 
 
+def first_kind(version: str) -> int:
+    """Return the number on the wire of the first of `KINDS`; the others follow it."""
+    return 1 if version >= "0.9.16" else 0
+
+
 def definitions(version: str) -> list[list[object]]:
     """Return the blueprints as they lie on the wire; a definition's number is its place, from 1 on."""
-    first = 1 if version >= "0.9.16" else 0
+    first = first_kind(version)
     return [
         [
             number,

@@ -157,7 +157,7 @@ CALLS = (
         (DESCRIPTION, TRANSFORM, U32, U32, TEXT),
         ACTOR,
         actors.spawn_with_parent,
-        "spring arms are stiff, sockets are not known",
+        "spring arms are stiff, sockets are not known; a vehicle or a walker does not go along",
         before=(DESCRIPTION, TRANSFORM, U32, U32),
     ),
     Call("destroy_actor", (U32,), BOOL, actors.destroy),
@@ -176,7 +176,7 @@ CALLS = (
     Call("add_actor_force_at_location", (U32, VECTOR, VECTOR), NOTHING, actors.add_force, "along the heading"),
     ignored("add_actor_angular_impulse", NO_SKID, U32, VECTOR),
     ignored("add_actor_torque", NO_SKID, U32, VECTOR),
-    Call("set_actor_simulate_physics", (U32, BOOL), NOTHING, actors.simulate_physics),
+    Call("set_actor_simulate_physics", (U32, BOOL), NOTHING, actors.simulate_physics, why="no physics moves a prop"),
     Call("set_actor_collisions", (U32, BOOL), NOTHING, actors.collide),
     ignored("set_actor_dead", "a dead actor stays as it is", U32),
     Call(

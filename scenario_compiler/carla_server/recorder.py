@@ -93,18 +93,16 @@ class Recording:
 
     @classmethod
     def read(cls, folder: Path, name: str) -> Recording:
-        """Read a recording.
+        """Read a recording that is there.
 
         Raises:
-            CallError: There is none, or it is not one of ours.
+            CallError: It is not one of ours.
         """
         path = file_below(folder, name)
-        if not path.is_file():
-            raise CallError(f"File {name} not found on server")
         try:
             unpacked = zlib.decompressobj().decompress(path.read_bytes(), MAX_BYTES)
             magic, town, actors, frames = msgpack.unpackb(unpacked, strict_map_key=False)
-        except (ValueError, zlib.error, msgpack.UnpackException) as fault:
+        except (OSError, ValueError, zlib.error, msgpack.UnpackException) as fault:
             raise CallError(f"File {name} is not a recording of this server") from fault
         if magic != MAGIC:
             raise CallError(f"File {name} is not a recording of this server")

@@ -2,13 +2,42 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from scenario_compiler.carla_server.actors import Actor, Body, Car, Sensor, Walker
-from scenario_compiler.carla_server.blueprints import Blueprint, library
+from scenario_compiler.carla_server.blueprints import KINDS, Blueprint, first_kind, library
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.sensors.kinds import INSTRUMENTS, ON_OCCASION, REFUSED
 from scenario_compiler.frames import CarlaTransform
+
+BOOLS = ("true", "false")
+BRIGHTEST = 255
+CHANNEL = re.compile(r"\s*([+-]?\d{1,9})")
+"""What clients read of a text as an attribute that is true or false, and as a channel of a colour."""
+
+
+def check_attributes(version: str, description: list[Any]) -> None:
+    """Refuse attributes that clients cannot read: each client that asked for the world's actors would get an error.
+
+    Raises:
+        CallError: An attribute has a type that there is not, or a text that is not of its type.
+    """
+    for name, number, text in description[2]:
+        place = number - first_kind(version)
+        if not 0 <= place < len(KINDS):
+            raise CallError(f"unable to spawn actor: its attribute '{name}' has a type that there is not, {number}")
+        if not _is_readable(KINDS[place], text):
+            raise CallError(f"unable to spawn actor: its attribute '{name}' is '{text}', not a {KINDS[place]}")
+
+
+def _is_readable(kind: str, text: str) -> bool:
+    if kind == "bool":
+        return text.lower() in BOOLS
+    if kind != "colour":
+        return True
+    channels = [CHANNEL.match(part) for part in text.split(",")]
+    return len(channels) == 3 and all(one is not None and int(one.group(1)) <= BRIGHTEST for one in channels)
 
 
 def blueprint_of(version: str, name: str) -> Blueprint:

@@ -21,6 +21,7 @@ from scenario_compiler.carla_server.actors import (
 from scenario_compiler.carla_server.blueprints import Blueprint
 from scenario_compiler.carla_server.debug_shapes import DebugShapes
 from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.impacts import Footprint, impact
 from scenario_compiler.carla_server.snapshot import ACTIVE, LIGHT, SIGN, VEHICLE, WALKER, Rows
 from scenario_compiler.carla_server.towns import Town
 from scenario_compiler.carla_server.traffic_lights import GREEN, Light, groups_of, signs_of
@@ -52,9 +53,6 @@ FASTEST = 300.0
 LEAP = 3.0
 """How many times farther than its speed takes it an actor has moved that was put somewhere else."""
 
-RESTITUTION = 0.1
-"""Share of the speed at which bodies meet with which they part again."""
-
 DEFAULT_LIMIT = 30.0
 """Speed limit where the map gives none, km/h: CARLA's."""
 
@@ -66,10 +64,16 @@ verified for CARLA's).
 TRIGGER = "static.trigger.friction"
 """Blueprint of a friction trigger."""
 
+WALKER_GAIN = 3.0
+"""How fast a walker gains speed again after an impact, or loses it, m/s2."""
+
 SETTLES = 0.2
 """For how long a vehicle that has been put somewhere is on its springs before it leans as the road does, s."""
 
 NO_FAILURE = 0
+NEUTRAL = 0
+"""No failure of a vehicle, and the gear in which its engine drives nothing."""
+
 GRAVITY = 9.81
 
 REMEMBERED = 10.0
@@ -134,6 +138,7 @@ class Stage:
         self._falling: dict[int, Fall] = {}
         self._triggers: list[Actor] = []
         self._attached: list[Actor] = []
+        self._carried: list[Body] = []
         self._before = np.zeros((PLACES, 6))
         self._bodies: list[Body] = []
         self._place = np.empty(0, np.intp)
@@ -195,10 +200,10 @@ class Stage:
         if not isinstance(body, Car | Walker):
             self.simulation.pose(place, pose, 0.0)
         elif self.simulation.state.road[place] < 0:
-            ground = self.town.ground_at(pose.x, pose.y)
-            self.simulation.pose(place, Pose(pose.x, pose.y, ground.z if ground else 0.0, pose.heading, 0, 0), 0.0)
-        touched = self.simulation.touched(place)
-        if touched is not None and touched in self._by_place and not self._is_above(body, self._by_place[touched]):
+            self.simulation.pose(place, self._on_ground(pose), 0.0)
+        index = self.simulation.touched(place)
+        touched = None if index is None else self._by_place.get(index)
+        if touched is not None and not self._is_above(body, touched) and not self._are_joined(body, touched):
             self.simulation.remove(place)
             self._places.append(place)
             raise CallError("Spawn failed because of collision at spawn position")
@@ -313,16 +318,37 @@ class Stage:
             if not self._stale:
                 self.rows.every["transform"][actor.row] = self.transform_of(actor)
             return
+        if actor.parent in self.actors:
+            actor.relative = transform
+            self._carry(actor)
+            return
         pose = Pose(*pose_from_carla(transform, actor.shape.center, actor.up))
-        self.simulation.pose(actor.place, pose, self.simulation.state.v[actor.place])
+        falls = isinstance(actor, Car) and actor.simulates
+        self.simulation.pose(
+            actor.place, self._on_ground(pose) if falls else pose, self.simulation.state.v[actor.place]
+        )
         self._leapt.add(actor.place)
         self._falling.pop(actor.place, None)
-        if isinstance(actor, Car) and actor.simulates:
+        if falls:
             self._falling[actor.place] = Fall(pose, self.time)
 
+    def _on_ground(self, pose: Pose) -> Pose:
+        """Return the pose of what lies on the ground below; where a road is, the engine puts it onto that."""
+        ground = self.town.ground_at(pose.x, pose.y)
+        return Pose(pose.x, pose.y, ground.z if ground else 0.0, pose.heading, 0.0, 0.0)
+
+    def _carry(self, body: Body) -> None:
+        """Put an attached body to where what carries it has taken it."""
+        if body.parent in self.actors and body.relative is not None:
+            at = carla_attached(self.transform_of(self.actors[body.parent]), body.relative)
+            self.simulation.pose(body.place, Pose(*pose_from_carla(at, body.shape.center, body.up)), 0.0)
+
     def let_simulate(self, body: Body, simulates: bool) -> None:
-        """Say whether physics moves a body; a vehicle falls from where it is then, or stays in the air."""
-        if simulates == body.simulates:
+        """Say whether physics moves a body; a vehicle falls from where it is then, or stays in the air.
+
+        A prop stays where it has been put.
+        """
+        if simulates == body.simulates or not isinstance(body, Car | Walker):
             return
         body.simulates = simulates
         now = self.transform_of(body)
@@ -368,7 +394,7 @@ class Stage:
         scale = car.steers / MAX_STEER
         self.simulation.command(
             car.place,
-            min(max(throttle, 0.0), 1.0) * car.grip,
+            min(max(throttle, 0.0), 1.0) * car.grip if car.gear != NEUTRAL else 0.0,
             -min(max(steer, -1.0), 1.0) * scale,
             brake * car.grip,
             reverse=bool(reverse) or car.gear < 0,
@@ -398,6 +424,8 @@ class Stage:
         self.simulation.set_step(dt)
         self.simulation.step()
         self._collide()
+        for body in self._carried:
+            self._carry(body)
         for group in self.groups:
             group.step(dt)
         self.time += dt
@@ -406,6 +434,8 @@ class Stage:
     def _drive(self, dt: float) -> None:
         st = self.simulation.state
         for body in self._by_place.values():
+            if isinstance(body, Walker):
+                self._walk_on(body, dt)
             if not isinstance(body, Car):
                 continue
             if self._triggers:
@@ -424,6 +454,13 @@ class Stage:
                     lost = body.slowing.at(speed, body.grip) * dt
                     st.v[body.place] = math.copysign(max(abs(speed) - lost, 0.0), speed)
 
+    def _walk_on(self, walker: Walker, dt: float) -> None:
+        """Let a walker that has been stopped or pushed by an impact walk as it did."""
+        wanted, speed = max(walker.control[1], 0.0), self.simulation.state.v[walker.place]
+        if speed != wanted:
+            change = WALKER_GAIN * dt
+            self.set_speed(walker, min(max(wanted, speed - change), speed + change))
+
     def _enter_triggers(self, car: Car) -> None:
         """Give the tires of a vehicle the friction of the trigger that it is in."""
         friction = self.friction_at(self.transform_of(car))
@@ -432,11 +469,10 @@ class Stage:
             self.command(car)
 
     def _follow_target(self, car: Car, target: list[float], dt: float) -> None:
-        """Steer and accelerate for an Ackermann controller's target."""
+        """Steer and accelerate for an Ackermann controller's target: it sets the vehicle's control, as CARLA's does."""
         steer, steer_speed, speed, acceleration, _ = target
         st, place = self.simulation.state, car.place
-        most = math.radians(MAX_STEER)
-        wanted, now = -steer, st.steer[place]
+        wanted, now = steer, -st.steer[place]
         if steer_speed > 0.0:
             wanted = now + min(max(wanted - now, -steer_speed * dt), steer_speed * dt)
         gain = (speed - st.v[place]) / max(dt, 0.2)
@@ -445,29 +481,39 @@ class Stage:
         pushes = gain if speed >= 0.0 else -gain
         throttle = min(max(pushes / car.shape.max_acceleration, 0.0), 1.0) if car.shape.max_acceleration > 0 else 0.0
         brake = min(max(-pushes / car.shape.max_deceleration, 0.0), 1.0) if car.shape.max_deceleration > 0 else 0.0
-        self.simulation.command(place, throttle, min(max(wanted / most, -1.0), 1.0), brake, reverse=speed < 0.0)
+        turned = min(max(wanted / math.radians(car.steers), -1.0), 1.0) if car.steers > 0.0 else 0.0
+        car.gear = -1 if speed < 0.0 else 1
+        car.control = [throttle, turned, brake, False, speed < 0.0, False, car.gear]
+        self.command(car)
 
     def _collide(self) -> None:
         """Find the bodies that touch; those that run into each other lose the speed at which they meet."""
         self.collisions = []
-        st = self.simulation.state
         for i, j in self.simulation.contacts():
             one, other = self._by_place.get(i), self._by_place.get(j)
-            if one is None or other is None or not (one.collides and other.collides):
+            if one is None or other is None or not (one.collides and other.collides) or self._are_joined(one, other):
                 continue
-            dx, dy = st.middle_x[j] - st.middle_x[i], st.middle_y[j] - st.middle_y[i]
-            apart = math.hypot(dx, dy)
-            nx, ny = (dx / apart, dy / apart) if apart > 1e-6 else (1.0, 0.0)
-            along = [math.cos(st.h[k]) * nx + math.sin(st.h[k]) * ny for k in (i, j)]
-            meets = st.v[i] * along[0] - st.v[j] * along[1]
-            impulse = 0.0
-            if meets > 0.0:
-                share = [1.0 / body.mass if body.simulates else 0.0 for body in (one, other)]
-                impulse = (1.0 + RESTITUTION) * meets / max(sum(share), 1e-9) if sum(share) > 0.0 else 0.0
-                self.set_speed(one, st.v[i] - impulse * share[0] * along[0])
-                self.set_speed(other, st.v[j] + impulse * share[1] * along[1])
-            x, y, z = vector_from_carla(-impulse * nx, -impulse * ny, 0.0)
-            self.collisions.append((one, other, (x, y, z)))
+            found = impact(self._footprint(one), self._footprint(other))
+            self.set_speed(one, found.speed)
+            self.set_speed(other, found.other_speed)
+            self.collisions.append((one, other, vector_from_carla(found.x, found.y, 0.0)))
+
+    def _footprint(self, body: Body) -> Footprint:
+        st, place = self.simulation.state, body.place
+        walks = isinstance(body, Walker)
+        inertia = body.mass if walks or body.simulates else math.inf
+        at = (st.middle_x[place], st.middle_y[place], st.h[place])
+        return Footprint(*at, body.shape.length, body.shape.width, st.v[place], inertia, rolls=not walks)
+
+    def _are_joined(self, one: Body, other: Body) -> bool:
+        """Return whether two bodies hang together: one is attached to the other, or both to a third."""
+        return self._carrier_of(one) is self._carrier_of(other)
+
+    def _carrier_of(self, actor: Actor) -> Actor:
+        """Return what carries an actor in the end, itself if nothing does."""
+        while actor.parent in self.actors:
+            actor = self.actors[actor.parent]
+        return actor
 
     def _arrange(self) -> None:
         """Assign new rows of the snapshot to all actors."""
@@ -486,6 +532,7 @@ class Stage:
                 rows.put(SIGN, actor.row, actor.attributes["signal"].encode()[:31])
         self.rows = rows
         self._attached = [actor for actor in self.actors.values() if actor.parent and not isinstance(actor, Body)]
+        self._carried = [actor for actor in self.actors.values() if actor.parent and isinstance(actor, Body)]
         self._bodies = list(self._by_place.values())
         self._place = np.array([body.place for body in self._bodies], np.intp)
         self._index = {body.place: index for index, body in enumerate(self._bodies)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -17,7 +17,7 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import read_document
 from scenario_compiler.frames import CarlaTransform, carla_from_pose
 from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
-from scenario_compiler.roads import Network, Pose, load_network
+from scenario_compiler.roads import LanePosition, Network, Pose, load_network
 from scenario_compiler.roads.export_carla import export_for_carla
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.spawn_points import read_spawn_points
@@ -41,6 +41,11 @@ APART = 11.5
 SPACING = 12.0
 LIFTED = 0.5
 """Distance along a lane at which spawn points are tried, and their height over the road, m."""
+
+AHEAD = 30.0
+"""How far a lane goes on from a spawn point, m, unless there is no such place: a Traffic Manager removes a vehicle at
+the end of a lane at once.
+"""
 
 MOST_POINTS = 400
 NARROWEST = 2.5
@@ -196,17 +201,27 @@ def _spawn_points(network: Network, path: Path) -> list[CarlaTransform]:
 
     for point in read_spawn_points(str(path), Diagnostics()).values():
         try_at(point.road, point.lane, point.s)
-    for road in network.road_ids:
-        described = network.road(road)
-        if described.junction is not None:
-            continue
-        s = min(6.0, 0.5 * described.length)
-        while s < described.length:
-            for one in network.lanes_at(road, s):
-                if one.type == "driving" and one.t_left - one.t_right >= NARROWEST:
-                    try_at(road, one.lane, s)
-            s += SPACING
+    for ahead in (AHEAD, 0.0):
+        for road in network.road_ids:
+            for lane, s in _places_on(network, road):
+                if ahead == 0.0 or network.next(LanePosition(road, lane, s, 0.0), ahead) is not None:
+                    try_at(road, lane, s)
+        if found:
+            break
     return found
+
+
+def _places_on(network: Network, road: str) -> Iterator[tuple[int, float]]:
+    """Yield lane and s of the places along a road's driving lanes, none for one in a junction."""
+    described = network.road(road)
+    if described.junction is not None:
+        return
+    s = min(6.0, 0.5 * described.length)
+    while s < described.length:
+        for one in network.lanes_at(road, s):
+            if one.type == "driving" and one.t_left - one.t_right >= NARROWEST:
+                yield one.lane, s
+        s += SPACING
 
 
 def _driving(network: Network, road: str, lane: int, s: float) -> Pose:

@@ -58,7 +58,7 @@ class Light:
         actor: Id of its actor.
         pole: Its number in the group.
         state: RED, YELLOW or GREEN.
-        times: Green, yellow and red time, s.
+        times: Green, yellow and red time, s; one list for all lights of a controller, which has them in CARLA.
         elapsed: How long it has had its state, s.
         frozen: Whether it keeps it.
     """
@@ -68,10 +68,10 @@ class Light:
     stops: tuple[CarlaTransform, ...]
     stretches: tuple[Stretch, ...]
     group: Group = field(repr=False)
+    times: list[float]
     actor: int = 0
     pole: int = 0
     state: int = RED
-    times: list[float] = field(default_factory=lambda: [GREEN_TIME, YELLOW_TIME, RED_TIME])
     elapsed: float = 0.0
     frozen: bool = False
 
@@ -188,7 +188,8 @@ def groups_of(network: Network) -> list[Group]:
             continue
         group = Group()
         for phase in phases:
-            group.phases.append([_light(network, one, group) for one in phase])
+            times = [GREEN_TIME, YELLOW_TIME, RED_TIME]
+            group.phases.append([_light(network, one, group, times) for one in phase])
         for pole, light in enumerate(group.lights):
             light.pole = pole
         group.reset()
@@ -223,7 +224,7 @@ def _by_direction(network: Network, signals: Sequence[Signal]) -> list[list[Sign
     return [phase for phase in phases if phase]
 
 
-def _light(network: Network, signal: Signal, group: Group) -> Light:
+def _light(network: Network, signal: Signal, group: Group, times: list[float]) -> Light:
     stops: list[CarlaTransform] = []
     stretches: list[Stretch] = []
     for stop in _stop_lines(network, signal):
@@ -232,7 +233,7 @@ def _light(network: Network, signal: Signal, group: Group) -> Light:
         turned = 0.0 if lane_direction(network.tables, road, stop.lane) > 0 else math.pi
         stops.append(carla_from_pose(pose._replace(heading=(pose.heading + turned) % math.tau)))
         stretches += _before(network, stop)
-    return Light(signal.id, _stands(network, signal), tuple(stops), tuple(stretches), group)
+    return Light(signal.id, _stands(network, signal), tuple(stops), tuple(stretches), group, times)
 
 
 def _stands(network: Network, signal: Signal) -> CarlaTransform:

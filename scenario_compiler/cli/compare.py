@@ -33,7 +33,7 @@ def add(commands: Commands) -> None:
         help="compare two runs: when they begin to differ, by how much, and which events are in one of them only",
         description="Compare two runs: when they begin to differ, by how much, and which events are in one of them "
         "only. The exit code is 0 if the same happened in both, else 1. Differences between plans, seeds and versions "
-        "are shown, but do not count.",
+        "are shown, but do not count; nor do the reports of sensors that only one of two worlds has.",
     )
     for name in ("first", "second"):
         parser.add_argument(
@@ -172,8 +172,11 @@ def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
     for fact in found.facts:
         if fact.counts and fact.first != fact.second:
             yield f"The runs differ in: {fact.what}."
-    if found.events:
-        yield f"Events that differ: {len(found.events)}."
+    counting = sum(one.counts for one in found.events)
+    if counting:
+        yield f"Events that differ: {counting}."
+    if counting < len(found.events):
+        yield f"Events that only the sensors of one world report: {len(found.events) - counting}."
     within = "" if tolerance is None else f" within {tolerance:g} m"
     yield f"The same happened in both{within}." if found.equal else "The runs differ."
 

@@ -30,8 +30,8 @@ written.
 `compare`: the runs differ. `sweep`: all variants broke off, or the sweep itself did. |
 | 2 | wrong use: an unknown option, a missing name, a folder that is not empty, a file that cannot be written |
 | 3 | `run --strict`: a criterion failed; `sweep --pass-rate`: too few variants passed |
-| 130 | interrupted by Ctrl-C or SIGTERM: one line reports it, and no file is left half written; a sweep keeps its \
-finished variants for `--resume` |
+| 130 | interrupted by Ctrl-C or SIGTERM: one line reports it, and no file is left half written; `run` keeps \
+what it has recorded, a sweep its finished variants for `--resume` |
 
 ## Diagnostics
 

@@ -36,6 +36,7 @@ from scenario_compiler.cli.worlds import add_world, note_findings, world_options
 from scenario_compiler.diagnostics import Diagnostics, FilePlace, code_named
 from scenario_compiler.files import split_target
 from scenario_compiler.forms.machine_code import why_interpreted
+from scenario_compiler.interruption import Interruption, noted
 from scenario_compiler.outputs import whole_folder
 
 if TYPE_CHECKING:
@@ -208,12 +209,14 @@ def run_command(options: argparse.Namespace) -> int:
         options.seed = 1 if person is None else person.seed
     try:
         with nullcontext() if options.output is None else whole_folder(options.output) as draft:
-            finished = _finished_run(plan, network, options, of_world, sink, person)
+            finished, interrupted = _finished_run(plan, network, options, of_world, sink, person)
             _write_run(finished, options, draft)
     except WorldError as fault:
         sink.add(fault.code, str(fault), FilePlace(split_target(options.target)[0]))
         show(sink, options)
         return AT_FAULT
+    if interrupted:  # what was recorded until then is written
+        raise KeyboardInterrupt
     print_run(finished, options.output, text_stream(options))
     note_failures(finished.recording, options, sink)
     if show(sink, options):
@@ -228,20 +231,24 @@ def _finished_run(
     of_world: dict[str, object],
     sink: Diagnostics,
     person: RecordedPerson | None,
-) -> Run:
-    """Execute a plan in the named world, judge it, and report where the world deviates from the plan."""
+) -> tuple[Run, bool]:
+    """Execute a plan in the named world, judge it, and report where the world deviates from the plan.
+
+    An interruption ends the run; the second value says whether one came.
+    """
     from scenario_compiler.recording.outcome import judge
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
 
     if options.watch:
-        return _watched_run(plan, network, options, of_world, sink)
+        return _watched_run(plan, network, options, of_world, sink), False
     if not options.interpreted and (reason := why_interpreted()):
         complain(f"the engine runs interpreted: {reason}")
     with open_world(options.world, plan, network, **of_world) as world:
-        recording = run_with_progress(plan, world, options, person)
+        with noted() as interruption:
+            recording = run_with_progress(plan, world, options, interruption, person)
         note_findings(world.findings, plan, sink)
-    return Run(plan, network, recording, judge(plan, recording))
+    return Run(plan, network, recording, judge(plan, recording)), interruption.came
 
 
 def _watched_run(
@@ -286,8 +293,10 @@ def note_failures(recording: Recording, options: argparse.Namespace, sink: Diagn
             sink.add(code, event.message, FilePlace(split_target(options.target)[0]))
 
 
-def run_with_progress(plan: Plan, world: World, options: argparse.Namespace, person: Person | None = None) -> Recording:
-    """Run a plan, with a progress bar if stderr is a terminal."""
+def run_with_progress(
+    plan: Plan, world: World, options: argparse.Namespace, interruption: Interruption, person: Person | None = None
+) -> Recording:
+    """Run a plan until it is interrupted, with a progress bar if stderr is a terminal."""
     from scenario_compiler.runtime import run
 
     start = partial(
@@ -299,6 +308,7 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace, per
         interpreted=options.interpreted,
         trust=trust_of(options),
         person=person,
+        ended=lambda: interruption.came,
     )
     with shown_progress(plan.name) as shown:
         return start(progress=None if shown is None else lambda t: shown(t, plan.duration))

@@ -152,16 +152,27 @@ SHINES, TAG, TRAITS = 3, 4, 5
 
 @lru_cache(maxsize=256)
 def traits_of(
-    kind: Kind, length: float, width: float, height: float, body: Colour, lamps: Lamp, coarse: bool = False
+    kind: Kind,
+    length: float,
+    width: float,
+    height: float,
+    body: Colour,
+    lamps: Lamp,
+    coarse: bool = False,
+    tag: Tag | None = None,
 ) -> Floats:
-    """Return (F, TRAITS): colours of a model's faces in full light, whether they are lamps that shine, their tags."""
+    """Return (F, TRAITS): colours of a model's faces in full light, whether they are lamps that shine, their tags.
+
+    A tag stands for that of the kind; a rider keeps its own.
+    """
     model = model_of(kind, length, width, height, coarse)
     of_bulbs, shine = _bulbs(lamps)
     colours = np.where(model.body[:, None], np.array(body, np.float64), model.colours)
     colours = np.where((model.bulbs != NO_BULB)[:, None], of_bulbs[model.bulbs], colours)
     shines = shine[model.bulbs]
     colours *= np.where(shines, 1.0, model.shades)[:, None]
-    return np.column_stack([colours, shines, model.tags])
+    tags = model.tags if tag is None else np.where(model.tags == _KINDS[kind][1], tag, model.tags)
+    return np.column_stack([colours, shines, tags])
 
 
 def _bulbs(lamps: Lamp) -> tuple[Floats, NDArray[np.bool_]]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import View
 from scenario_compiler.perception.ground import Spot, Spots, Traced, hidden
+from scenario_compiler.perception.labels import Tag
 from scenario_compiler.perception.lighting import Air, Light
 from scenario_compiler.perception.models import SHINES, TAG, TRAITS, Colour, Kind, Lamp, model_of, traits_of
 from scenario_compiler.perception.polygons import SUBPIXEL, Floats, Index, Polygon, flatten
@@ -62,6 +63,7 @@ class Box(NamedTuple):
         roll: Roll, rad, positive with the left side up.
         lamps: Which lamps are on.
         instance: Its number in the picture of instances, above 0.
+        tag: What it is labelled as; None for what things of its kind are.
     """
 
     x: float
@@ -77,6 +79,7 @@ class Box(NamedTuple):
     roll: float = 0.0
     lamps: Lamp = Lamp.AUTOMATIC
     instance: int = 1
+    tag: Tag | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +206,8 @@ def faces_of(
         shown = order[(eye @ model.normals > model.offsets)[order]]
         corners = rotation @ model.points[:, :, shown].reshape(3, -1) + origin[:, None]
         points.append(corners.reshape(3, 4, -1))
-        traits.append(traits_of(box.kind, box.length, box.width, box.height, box.colour, lamps, coarse)[shown])
+        size_of_box = (box.length, box.width, box.height)
+        traits.append(traits_of(box.kind, *size_of_box, box.colour, lamps, coarse, box.tag)[shown])
         counts.append(len(shown))
     every = np.concatenate(points, axis=2)
     flat = flatten(every, view.camera)

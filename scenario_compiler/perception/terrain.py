@@ -185,9 +185,9 @@ class Window:
         """Follow rays to one of the surfaces; write distance and normal for rays that meet it sooner."""
         least, most = self._bounds
         fall = -directions[:, 2]
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):  # a level ray: both are infinite, or not a number
             to_most, to_least = (begin[2] - most) / fall, (begin[2] - least) / fall
-        enters = np.clip(np.where(fall > 0.0, to_most, to_least), 0.0, reach)
+        enters = np.clip(np.where(fall > 0.0, to_most, np.where(fall < 0.0, to_least, 0.0)), 0.0, reach)
         leaves = np.clip(np.where(fall > 0.0, to_least, np.where(fall < 0.0, to_most, reach)), 0.0, reach)
         some = np.flatnonzero(leaves > enters)
         if not len(some):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.recording.decimals import shortest, to_the_nanosecond
 from scenario_compiler.recording.events import EventRow
-from scenario_compiler.recording.names import CAUSES, SOURCES, TAKEOVER_STATES, WISHES
+from scenario_compiler.recording.names import CAUSES, SOURCES, TAKEOVER_STATES, WISHES, WORLD_EVENTS
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import COLUMNS, Column, Floats, Integers, Recording
 from scenario_compiler.recording.trajectory import TRAJECTORY_COLUMNS
@@ -93,6 +93,7 @@ class EventPair:
         message: The message to the driver, or a name.
         first: Time in the first run, s; None if it is not in it.
         second: Time in the second run, s; None if it is not in it.
+        counts: Whether the runs differ by it; not if only the sensors of one of two worlds report such events.
     """
 
     kind: str
@@ -101,6 +102,7 @@ class EventPair:
     message: str
     first: float | None
     second: float | None
+    counts: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +142,7 @@ class Comparison:
     def equal(self) -> bool:
         """Whether the same happened in both runs; their sources may differ."""
         counting = all(fact.first == fact.second for fact in self.facts if fact.counts)
-        return counting and self.same_times and self.parting is None and not self.events
+        return counting and self.same_times and self.parting is None and not any(one.counts for one in self.events)
 
 
 def compare(
@@ -333,7 +335,8 @@ def _events(first: Recording, second: Recording, slack: float, *, values: bool) 
             else:
                 others.remove(alike)
         times = ([to_the_nanosecond(event.t) for event in events] for events in (alone, others))
-        differing += [EventPair(*about, *pair) for pair in zip_longest(*times)]
+        counts = about[0] not in WORLD_EVENTS or first.header.world == second.header.world
+        differing += [EventPair(*about, t, other_t, counts) for t, other_t in zip_longest(*times)]
     return sorted(differing, key=lambda pair: min(t for t in (pair.first, pair.second) if t is not None))
 
 

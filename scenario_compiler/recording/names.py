@@ -65,6 +65,9 @@ EVENT_TEXTS: dict[EventKind, str] = {
 }
 """Every kind of event, and its meaning: the engine's events, its actions', the worlds' and the loop's."""
 
+WORLD_EVENTS: frozenset[EventKind] = frozenset({"world_collision", "lane_invasion"})
+"""Events that only the sensors of some worlds report."""
+
 SOURCES: dict[int, str] = {0: "automation", 1: "driver model", 2: "person", 3: "minimum-risk manoeuvre"}
 """The source of the automated vehicle's commands."""
 

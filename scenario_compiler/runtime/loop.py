@@ -126,6 +126,7 @@ def run(
     progress: Callable[[float], None] | None = None,
     trust: Trust | None = None,
     person: Person | None = None,
+    ended: Callable[[], bool] | None = None,
 ) -> Recording:
     """Execute a plan in a world.
 
@@ -142,6 +143,7 @@ def run(
         trust: Trusted code that the plan may name as its controller.
         person: The person at the wheel of a plan with a person; without one nobody responds. A recorded person ends the
             run where the user ended the recorded one.
+        ended: Asked after every step whether the user has ended the run.
     """
     execution = Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust, person=person)
     while execution.going:
@@ -149,6 +151,8 @@ def run(
         if progress is not None:
             progress(execution.state.clock[0])
         if isinstance(person, RecordedPerson) and person.has_ended_the_run:
+            return execution.finish("user")
+        if ended is not None and ended():
             return execution.finish("user")
     return execution.finish()
 

@@ -279,17 +279,18 @@ class CarlaWorld:
             self._client.start_recorder(self.options.recording)
 
     def close(self) -> None:
-        """Destroy the actors and restore the settings; a server that does not respond is left unchanged."""
+        """Destroy the actors and restore the settings; a server that does not respond does so if it ever goes on."""
         if not self._open:
             return
         self._open = False
         TAKEN.discard((self.options.host, self.options.port))
         if self._before is not None:
+            self._client.set_timeout(min(self.options.timeout, 2.0))
             with contextlib.suppress(RuntimeError):
-                self._client.set_timeout(min(self.options.timeout, 2.0))
                 self._clear()
                 if self.options.recording:
                     self._client.stop_recorder()
+            with contextlib.suppress(RuntimeError):
                 self._world.apply_settings(self._before)
         self._built_in.close()
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from scenario_compiler.carla_server.actors import Actor, Car
-from scenario_compiler.carla_server.blueprints import library
-from scenario_compiler.carla_server.spawning import new_actor
+from scenario_compiler.carla_server.blueprints import KINDS, first_kind, library
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.host import VERSIONS
+from scenario_compiler.carla_server.spawning import check_attributes, new_actor
 from scenario_compiler.frames import CarlaTransform
 
 VERSION = "0.9.16"
@@ -68,3 +70,28 @@ def test_each_default_is_true_or_false() -> None:
         one.value for blueprint in library(VERSION).values() for one in blueprint.attributes if one.kind == "bool"
     }
     assert defaults == {"true", "false"}
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        *(("colour", text) for text in ("red", "", "300,0,0", "1,2", "1,2,3,", "1,x,3", "9" * 5000)),
+        *(("bool", text) for text in ("1", "", "maybe")),
+    ],
+)
+def test_a_text_that_no_client_can_read_is_refused(version: str, kind: str, text: str) -> None:
+    """A client asks for the attributes of all actors: one that it cannot read hides them all from everybody."""
+    description = [1, "vehicle.audi.tt", [["mine", first_kind(version) + KINDS.index(kind), text]]]
+    with pytest.raises(CallError, match="'mine'"):
+        check_attributes(version, description)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_what_clients_can_read_passes(version: str) -> None:
+    read = [("colour", "255, 0,7"), ("bool", "True"), ("int", "abc"), ("float", ""), ("str", "red")]
+    number = {kind: first_kind(version) + place for place, kind in enumerate(KINDS)}
+    check_attributes(version, [1, "vehicle.audi.tt", [["mine", number[kind], text] for kind, text in read]])
+    for wrong in (first_kind(version) - 1, first_kind(version) + len(KINDS)):
+        with pytest.raises(CallError, match="type"):
+            check_attributes(version, [1, "vehicle.audi.tt", [["mine", wrong, ""]]])

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from scenario_compiler.carla_server.traffic_lights import GREEN, RED, groups_of
+from scenario_compiler.carla_server.traffic_lights import GREEN, RED, YELLOW, groups_of
 from scenario_compiler.roads.network import load_network
 
 
@@ -36,3 +36,17 @@ def test_lights_of_a_junction_take_turns(repository: Path, tmp_path: Path, contr
         assert sum(states[0] != RED for states in shown) <= 1
         seen |= {k for k, states in enumerate(shown) if states[0] == GREEN}
     assert seen == {0, 1}
+
+
+def test_the_lights_of_a_controller_have_the_same_times(repository: Path) -> None:
+    """CARLA's controllers have the times; setting one light's must not be lost because another one leads its phase."""
+    network = load_network(repository / "maps" / "signal_crossing" / "signal_crossing.xodr", cache=False)
+    (group,) = groups_of(network)
+    first, second = group.phases[0]
+    second.times[0] = 1.0
+    assert first.times[0] == 1.0
+    assert group.phases[1][0].times[0] != 1.0
+    group.reset()
+    for _ in range(21):
+        group.step(0.05)
+    assert [light.state for light in group.phases[0]] == [YELLOW, YELLOW]

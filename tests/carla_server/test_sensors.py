@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from scenario_compiler.carla_server.sensors.bearings import on_globe, reference_of
 from scenario_compiler.perception.labels import Tag
 from tests.carla_server.conftest import LANDED, STEP, Served
 from tests.perception.test_terrain import tilted
@@ -331,7 +332,8 @@ def test_an_obstacle_ahead_is_reported_with_its_distance(world: Any, scene: Any)
     world.tick()
     event = near.next()
     assert event.other_actor.id == front.id
-    assert event.distance == pytest.approx(AHEAD - 2.4 - front.bounding_box.extent.x, abs=0.05)
+    gap = AHEAD - 2.4 - front.bounding_box.extent.x
+    assert event.distance == pytest.approx(gap - 0.5, abs=0.05)  # until a sphere of 0.5 m touches, as Unreal's sweeps
     world.tick()
     assert far.nothing()
 
@@ -343,6 +345,52 @@ def test_gnss_agrees_with_the_clients_own_map(world: Any, scene: Any) -> None:
     told = gnss.next()
     expected = world.get_map().transform_to_geolocation(rear.get_location())
     assert (told.latitude, told.longitude) == pytest.approx((expected.latitude, expected.longitude), abs=1e-8)
+
+
+GEOREFERENCES = (
+    "",
+    "+lat_0=4.9000000000000000e+1 +lon_0=8.0000000000000000e+0",
+    "+proj=tmerc +lat_0=-37.4168716 +lon_0=.5 +k=1 +x_0=0 +y_0=0 +datum=WGS84 +units=m +no_defs",
+    "+proj=utm +zone=32 +datum=WGS84",
+    "+proj=merc +lon_0=8",
+    "+lat_0=49,+lon_0=8",
+)
+
+
+@pytest.mark.parametrize("georeference", GEOREFERENCES)
+def test_every_georeference_is_read_as_the_client_reads_it(georeference: str, client_version: str) -> None:
+    """Among them that of CARLA's own towns, whose numbers have an exponent."""
+    import carla
+
+    text = tilted(0.0, 0.0).replace(
+        '<header revMajor="1" revMinor="6"/>',
+        f'<header revMajor="1" revMinor="6"><geoReference><![CDATA[{georeference}]]></geoReference></header>',
+    )
+    of_client = carla.Map("straight", text)
+    for x, y in ((0.0, 0.0), (800.0, -300.0)):
+        expected = of_client.transform_to_geolocation(carla.Location(x=x, y=y))
+        told = on_globe(client_version, reference_of(georeference), x, y)
+        assert told == pytest.approx((expected.latitude, expected.longitude), abs=1e-8)
+
+
+def test_an_imu_away_from_the_origin_feels_the_turn_there(world: Any, scene: Any) -> None:
+    """As CARLA computes it: by the sensor's own places, two steps apart."""
+    import carla
+
+    rear, _, attach = scene
+    imu = attach("sensor.other.imu", x=6.0)
+    places: list[NDArray[np.float64]] = []
+    for _ in range(40):
+        rear.apply_control(carla.VehicleControl(throttle=0.5, steer=0.4))
+        world.tick()
+        told = imu.next()
+        at = told.transform
+        places.append(np.array([at.location.x, at.location.y]))
+    gained = (places[-1] - 2.0 * places[-2] + places[-3]) / STEP**2
+    ahead, right = at.get_forward_vector(), at.get_right_vector()
+    expected = (gained @ [ahead.x, ahead.y], gained @ [right.x, right.y])
+    assert abs(expected[1]) > 1.0
+    assert (told.accelerometer.x, told.accelerometer.y) == pytest.approx(expected, abs=0.15)
 
 
 def test_imu_feels_gravity_acceleration_and_turns(world: Any, scene: Any) -> None:
@@ -395,3 +443,50 @@ def test_too_large_an_image_is_refused(spawn: Spawn) -> None:
 
     with pytest.raises(RuntimeError, match="pixels"):
         spawn("sensor.camera.rgb", carla.Transform(), image_size_x=100_000, image_size_y=100_000)
+
+
+@pytest.mark.parametrize(
+    ("name", "tag"),
+    [
+        ("vehicle.audi.tt", Tag.CAR),
+        ("vehicle.mercedes.sprinter", Tag.TRUCK),
+        ("vehicle.carlamotors.firetruck", Tag.TRUCK),
+        ("vehicle.mitsubishi.fusorosa", Tag.BUS),
+        ("vehicle.vespa.zx125", Tag.MOTORCYCLE),
+        ("vehicle.bh.crossbike", Tag.BICYCLE),
+        ("walker.pedestrian.0003", Tag.PEDESTRIAN),
+        ("static.prop.streetbarrier", Tag.DYNAMIC),
+        ("static.prop.warningconstruction", Tag.DYNAMIC),
+        ("static.prop.bench01", Tag.STATIC),
+        ("static.prop.kiosk_01", Tag.BUILDING),
+    ],
+)
+def test_a_thing_has_one_tag_whoever_is_asked(world: Any, spawn: Spawn, name: str, tag: Tag) -> None:
+    """The actor itself, the pictures, the semantic lidar and the rays of clients."""
+    import carla
+
+    low = carla.Transform(carla.Location(x=1000.0, y=1000.0, z=1.0), carla.Rotation(yaw=30.0))
+    ahead = low.get_forward_vector()
+    there = carla.Location(low.location.x + 8.0 * ahead.x, low.location.y + 8.0 * ahead.y, 0.3)
+    thing = spawn(name, carla.Transform(there, carla.Rotation(yaw=70.0)))
+    cameras = {
+        kind: Listening(spawn(f"sensor.camera.{kind}_segmentation", low, **SMALL)) for kind in ("semantic", "instance")
+    }
+    lidar = Listening(
+        spawn("sensor.lidar.ray_cast_semantic", low, points_per_second=200_000, upper_fov=5, lower_fov=-10)
+    )
+    for _ in range(LANDED):
+        world.tick()
+        seen = {kind: camera.next() for kind, camera in cameras.items()}
+        cloud = lidar.next()
+    instance = pixels(seen["instance"])
+    own = instance[..., 1] + 256 * instance[..., 0].astype(int) == thing.id
+    tags = set(np.unique(pixels(seen["semantic"])[own][:, 2]).tolist())
+    assert tags - {int(Tag.RIDER)} == {int(tag)}
+    assert (pixels(seen["semantic"])[..., 2] == instance[..., 2]).all()
+    assert {point.object_tag for point in cloud if point.object_idx == thing.id} == {int(tag)}
+    assert thing.semantic_tags == [int(tag)]
+    assert int(world.project_point(low.location, there - low.location, 20.0).label) == int(tag)
+    for one in (*cameras.values(), lidar):
+        one.sensor.stop()
+        one.sensor.destroy()

@@ -122,6 +122,14 @@ def test_a_crest_hides_the_valley_behind_it(tmp_path: Path) -> None:
             assert point[2] == pytest.approx(surface.z, abs=0.03)  # straight pieces of the rounded crest
 
 
+def test_a_level_ray_meets_the_hill_before_it(tmp_path: Path) -> None:
+    """From 1.8 m above the 60th metre of a grade of 10 %, it is 18 m to the ground."""
+    _, terrain = read(tmp_path, world_of(road(1, ALONG, '<elevation s="0" a="0" b="0.1" c="0" d="0"/>')))
+    ways = np.array([[1.0, 0.0, 0.0], [1.0, 0.0, -0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    found, _ = terrain.window(60.0, -15.0, REACH).meet(np.array([60.0, -15.0, 7.8]), ways, REACH)
+    assert found == pytest.approx([18.0, 18.0, math.inf, math.inf], abs=1e-3)
+
+
 def test_a_bridge_is_met_from_above_and_from_below(tmp_path: Path) -> None:
     over = '<elevation s="0" a="6" b="0" c="0" d="0"/>'
     crossing = road(2, f'x="100" y="-100" hdg="{math.pi / 2!r}"', over, width=5.0)

@@ -195,3 +195,15 @@ def test_a_file_without_trajectories_is_refused(tmp_path: Path, text: str, reaso
     file.write_bytes(text.encode("latin-1"))
     with pytest.raises(TrajectoryError, match=rf"it\.csv does not contain trajectories: .*{reason}"):
         read_trajectory(file)
+
+
+def test_what_only_the_sensors_of_one_world_report_does_not_count() -> None:
+    """CARLA's lane sensor reports each crossing of a mark; in the built-in world nothing does."""
+    told = record(IDS, 40, approach(), [*EVENTS, (3.0, "lane_invasion", ""), (3.5, "world_collision", "")])
+    in_carla = replace(told, header=told.header.model_copy(update={"world": "carla"}))
+    found = compare(made(), in_carla)
+    assert found.equal
+    assert [(one.kind, one.counts) for one in found.events] == [("lane_invasion", False), ("world_collision", False)]
+    assert not compare(replace(made(), header=in_carla.header), in_carla).equal
+    without_request = record(IDS, 40, approach(), [EVENTS[0], EVENTS[2]])
+    assert not compare(without_request, in_carla).equal

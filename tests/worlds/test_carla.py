@@ -16,6 +16,7 @@ import pytest
 
 from scenario_compiler import Plan, Recording, compile_scenario, judge, load_network, open_world, run
 from scenario_compiler.compiler import Overrides
+from scenario_compiler.recording.store import read_recording
 from scenario_compiler.vocabulary.sensors import Failure
 from scenario_compiler.worlds import WorldError
 from scenario_compiler.worlds.carla import PURPLE, YELLOW
@@ -207,6 +208,46 @@ def test_a_server_that_ends_loses_the_world_and_keeps_the_recording(tmp_path: Pa
         assert broken.cause == "SC520"
         assert f"127.0.0.1:{dying.port}" in broken.message
         dying.process.wait(10)
+
+
+def test_a_server_that_hung_has_its_settings_again_when_it_goes_on(tmp_path: Path, client_version: str) -> None:
+    plan = ideal("obstacle_ahead").model_copy(update={"duration": 20.0})
+    with served(tmp_path, "--carla-version", client_version) as server:
+        there = server.client().get_world()
+
+        def hang(t: float) -> None:
+            if t > 1.0:
+                server.process.send_signal(signal.SIGSTOP)
+
+        with open_world("carla", plan, load_network(plan.map.file), port=server.port, timeout=2.0) as world:
+            hung = run(plan, world, progress=hang)
+        server.process.send_signal(signal.SIGCONT)
+        assert hung.stop_reason == "world_lost"
+        there.wait_for_tick(10.0)
+        assert not there.get_settings().synchronous_mode
+        assert [one for one in there.get_actors() if one.type_id.startswith(("vehicle", "sensor"))] == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_is_kept(tmp_path: Path, client_version: str, number: signal.Signals) -> None:
+    with served(tmp_path, "--carla-version", client_version) as server:
+        watching = server.client().get_world()
+        command = [sys.executable, "-m", "scenario_compiler", "run", "obstacle_ahead", "--perception", "ideal"]
+        command += ["--world", "carla", "--carla-port", str(server.port), "-o", str(tmp_path / "out")]
+        running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        for _ in range(2000):
+            watching.wait_for_tick(60.0)
+            if any(one.attributes.get("role_name") == "hero" for one in watching.get_actors().filter("vehicle.*")):
+                break
+        running.send_signal(number)
+        _, told = running.communicate(timeout=60)
+        assert running.returncode == 130
+        assert told.splitlines()[-1] == "scenario-compiler: interrupted"
+        kept = read_recording(tmp_path / "out" / "recording.parquet")
+        assert kept.stop_reason == "user"
+        assert len(kept.t) >= 1
+        assert (tmp_path / "out" / "report.html").is_file()
+        assert not watching.get_settings().synchronous_mode
 
 
 def test_another_version_is_refused_with_both_numbers(tmp_path: Path, client_version: str) -> None:

@@ -9,7 +9,7 @@ from scenario_compiler.carla_server.actors import Actor, Body, Car, Sensor, Walk
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.sensors.kinds import INSTRUMENTS
-from scenario_compiler.carla_server.spawning import new_actor
+from scenario_compiler.carla_server.spawning import check_attributes, new_actor
 from scenario_compiler.carla_server.stage import FARTHEST, FASTEST
 from scenario_compiler.frames import CarlaTransform, carla_attached
 
@@ -34,16 +34,18 @@ def spawn(host: Host, description: list[Any], transform: CarlaTransform, parent:
     """Spawn an actor.
 
     Raises:
-        CallError: There is no such blueprint or parent, something is in the way, or there are too many.
+        CallError: There is no such blueprint or parent, no client can read an attribute, something is in the way, or
+            there are too many.
     """
     stage = host.stage
     if max(abs(value) for value in transform[:3]) > FARTHEST or max(abs(value) for value in transform[3:]) > 1e6:
         raise CallError("unable to spawn actor: the transform is out of bounds")
+    check_attributes(host.version, description)
     actor = new_actor(host.version, description, transform)
     if parent:
         carrier = stage.get(parent)
         actor.transform = carla_attached(stage.transform_of(carrier), transform)
-        if not isinstance(actor, Body):
+        if not isinstance(actor, Car | Walker):
             actor.parent, actor.relative = parent, transform
     if isinstance(actor, Body):
         return stage.add_body(actor)

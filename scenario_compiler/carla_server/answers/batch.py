@@ -112,7 +112,7 @@ async def _after(cued: Awaitable[int], found: list[Any]) -> list[Any]:
 
 
 def _carry_out(host: Host, wrapped: Any, spawned: int = 0) -> list[Any]:
-    """Carry one command out; return its response. The actor 0 of one that follows a spawning is the spawned one."""
+    """Carry one command out; return its response. One that follows a spawning is for the spawned actor, as in CARLA."""
     try:
         number, values = _unwrapped(wrapped)
         if number == 0:
@@ -120,7 +120,7 @@ def _carry_out(host: Host, wrapped: Any, spawned: int = 0) -> list[Any]:
         command = COMMANDS[number]
         if not values or not U32.holds(values[0]):
             raise CallError(f"{command.name}: the command does not begin with an actor's id")
-        actor = values[0] or spawned
+        actor = spawned or values[0]
         given = values[1:]
         wanted = command.layouts[: len(given)] if command.name == "SetAutopilot" else command.layouts
         if len(given) != len(wanted) or not all(one.holds(value) for one, value in zip(wanted, given, strict=True)):
@@ -142,6 +142,8 @@ def _unwrapped(wrapped: Any) -> tuple[int, list[Any]]:
 def _spawn(host: Host, values: list[Any]) -> int:
     if not SPAWN[host.version].holds(values):
         raise CallError("SpawnActor: the command does not have the layout of its version")
+    if values[2][0]:
+        host.stage.get(values[2][1])  # CARLA does not put the spawned actor into the place of its parent
     parent = values[2][1] if values[2][0] else 0
     actor = actors.spawn(host, values[0], transform_of(values[1]), parent)
     for one in values[-1][:MOST_AFTER]:

@@ -25,17 +25,17 @@ def set_state(host: Host, number: int, state: int) -> None:
 
 
 def set_green(host: Host, number: int, seconds: float) -> None:
-    """Set how long a light is green."""
+    """Set how long a light, and with it all lights of its controller, is green."""
     light_of(host, number).times[0] = max(seconds, 0.0)
 
 
 def set_yellow(host: Host, number: int, seconds: float) -> None:
-    """Set how long a light is yellow."""
+    """Set how long a light, and with it all lights of its controller, is yellow."""
     light_of(host, number).times[1] = max(seconds, 0.0)
 
 
 def set_red(host: Host, number: int, seconds: float) -> None:
-    """Set for how long all lights of the group are red after a light's turn."""
+    """Set for how long all lights of the group are red after the turn of a light's controller."""
     light_of(host, number).times[2] = max(seconds, 0.0)
 
 

@@ -32,17 +32,20 @@ def stop(host: Host) -> None:
 
 async def info(host: Host, name: str, everything: bool) -> str:
     """Answer with what a recording holds."""
-    return (await _read(host, name)).info(everything)
+    recording = await _read(host, name)
+    return _missing(name) if recording is None else recording.info(everything)
 
 
 async def collisions(host: Host, name: str, first: int, second: int) -> str:
     """Answer with the collisions of a recording between two kinds of actors."""
-    return (await _read(host, name)).collisions(chr(first & 255), chr(second & 255))
+    recording = await _read(host, name)
+    return _missing(name) if recording is None else recording.collisions(chr(first & 255), chr(second & 255))
 
 
 async def blocked(host: Host, name: str, least_time: float, least_distance: float) -> str:
     """Answer with who stood still in a recording."""
-    return (await _read(host, name)).blocked(least_time, least_distance)
+    recording = await _read(host, name)
+    return _missing(name) if recording is None else recording.blocked(least_time, least_distance)
 
 
 async def replay(
@@ -51,6 +54,8 @@ async def replay(
     """Play a recording: its bodies appear and are posed as they were."""
     del follow, sensors, offset
     recording = await _read(host, name)
+    if recording is None:
+        return _missing(name)
     if recording.town != host.stage.town.name:
         host.change_town(await host.load(recording.town), reset=False)
     last = recording.frames[-1][1] if recording.frames else 0.0
@@ -78,5 +83,13 @@ def set_pace(host: Host, factor: float) -> None:
         host.replay.pace = factor
 
 
-async def _read(host: Host, name: str) -> Recording:
+async def _read(host: Host, name: str) -> Recording | None:
+    """Return a recording, None if there is none of that name."""
+    if not file_below(host.files, name).is_file():
+        return None
     return await asyncio.to_thread(Recording.read, host.files, name)
+
+
+def _missing(name: str) -> str:
+    """Return what CARLA says of a file that it does not have: a text, no error."""
+    return f"File {name} not found on server\n"

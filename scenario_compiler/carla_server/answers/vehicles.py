@@ -103,6 +103,8 @@ def set_physics(host: Host, number: int, wire: list[Any]) -> None:
     mass, wheels = wire[11], wire[15]
     if not mass > 0.0 or any(not 0.0 <= wheel[2] <= STEEPEST for wheel in wheels):
         raise CallError(f"a mass is positive, and a wheel turns 0 to {STEEPEST:g} degrees")
+    if len(wheels) != len(car.physics_control()[15]):
+        raise CallError(f"a physics control has {len(car.physics_control()[15])} wheels, not {len(wheels)}")
     car.physics, car.mass = wire, mass
     car.weigh_up()
     host.stage.command(car)

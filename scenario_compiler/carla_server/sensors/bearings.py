@@ -13,13 +13,15 @@ import re
 
 import msgpack
 import numpy as np
+from numpy.typing import NDArray
 
 from scenario_compiler.carla_server.actors import Sensor
 from scenario_compiler.carla_server.sensors.instrument import Simple, generator
 from scenario_compiler.carla_server.stage import Stage
 from scenario_compiler.frames import carla_axes
-from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.weather import Weather
+
+Vector = NDArray[np.float64]
 
 EARTH_RADIUS = 6378137.0
 """m, as LibCarla has it."""
@@ -28,13 +30,20 @@ REFERENCE = (42.0, 2.0)
 """Latitude and longitude, degrees, of a map without a reference: LibCarla's."""
 
 
-def reference_of(network: Network) -> tuple[float, float]:
-    """Return latitude and longitude of a map's reference point, degrees."""
-    text = network.model().header.geo_reference
-    found = [re.search(rf"\+{name}=(-?[0-9.]+)", text) for name in ("lat_0", "lon_0")]
+NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+"""A number as clients read it (C++'s `stod`): CARLA's towns have 4.9000000000000000e+1."""
+
+
+def reference_of(georeference: str) -> tuple[float, float]:
+    """Return latitude and longitude of a map's reference point, degrees, from the PROJ string of its header.
+
+    As the clients do, it takes `+lat_0` and `+lon_0` whatever the projection; a map that lacks one has LibCarla's.
+    """
+    given = dict(part.split("=", 1) for part in georeference.split() if "=" in part)
+    found = [NUMBER.match(given.get(name, "")) for name in ("+lat_0", "+lon_0")]
     if found[0] is None or found[1] is None:
         return REFERENCE
-    return float(found[0].group(1)), float(found[1].group(1))
+    return float(found[0].group()), float(found[1].group())
 
 
 SHRUNK = 0.9996
@@ -63,7 +72,7 @@ class Gnss(Simple):
     def __init__(self, stage: Stage, sensor: Sensor) -> None:
         """Look the map's reference point up."""
         super().__init__(stage, sensor)
-        self.reference = reference_of(stage.town.network)
+        self.reference = reference_of(stage.town.network.model().header.geo_reference)
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
         """Return latitude, longitude and altitude with their noise."""
@@ -82,9 +91,14 @@ class Gnss(Simple):
 class Imu(Simple):
     """An inertial unit with a compass."""
 
+    def __init__(self, stage: Stage, sensor: Sensor) -> None:
+        """Begin without a turning rate."""
+        super().__init__(stage, sensor)
+        self._turned: Vector | None = None
+
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
         """Return acceleration with gravity, m/s2, and turning rates, rad/s, in the sensor's axes; the compass, rad."""
-        del frame, dt, weather
+        del frame, weather
         at = stage.transform_of(sensor)
         axes = np.array(carla_axes(*at[3:]))
         parent = stage.actors.get(sensor.parent)
@@ -92,6 +106,8 @@ class Imu(Simple):
         if parent is not None and parent.row >= 0:
             row = stage.rows.every[parent.row]
             gained, turning = row["acceleration"].astype(np.float64), np.radians(row["angular"].astype(np.float64))
+            arm = np.array(at[:3]) - np.array(stage.transform_of(parent)[:3])
+            gained += self._swing(turning, arm, dt)
         drawn = generator(sensor).standard_normal(6)
         felt = axes @ (gained + np.array([0.0, 0.0, stage.gravity]))
         turned = axes @ turning
@@ -102,3 +118,13 @@ class Imu(Simple):
         compass = (math.radians(at.yaw) + 0.5 * math.pi) % math.tau
         packed: bytes = msgpack.packb([felt.tolist(), turned.tolist(), compass], use_single_float=True)
         return packed
+
+    def _swing(self, turning: Vector, arm: Vector, dt: float) -> Vector:
+        """Return by how much a point at an arm from its carrier's origin accelerates more than that, m/s2.
+
+        That is a rigid body's acceleration: the change of the turning rate across the arm, and towards the axis the
+        square of the rate times the arm.
+        """
+        before, self._turned = self._turned, turning
+        changed = np.zeros(3) if before is None else (turning - before) / dt
+        return np.asarray(np.cross(changed, arm) + np.cross(turning, np.cross(turning, arm)))

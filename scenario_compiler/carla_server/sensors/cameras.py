@@ -164,6 +164,7 @@ def boxes_of(stage: Stage, without: int) -> list[Box]:
                 pose.roll,
                 lamps | Lamp.BRAKE if braking else lamps,
                 body.id,
+                body.tag,
             )
         )
     return boxes

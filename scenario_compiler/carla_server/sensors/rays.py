@@ -31,6 +31,10 @@ MOST_RAYS = 2_000_000
 MIRRORED = np.array([1.0, -1.0, 1.0])
 """What turns CARLA's axes to OpenDRIVE's, and back."""
 
+MOST_MOVES = 256
+TOUCHES = 1e-4
+"""Steps of an obstacle sensor's sphere at most, and the distance from which on it touches, m."""
+
 GROUND = -1
 NOTHING = -2
 """What a ray meets in place of a body's number."""
@@ -106,10 +110,7 @@ class Rays:
         self.normal[meets] = up
 
     def _meet_box(self, stage: Stage, body: Body, origin: Floats, directions: Floats, reach: float) -> None:
-        x, y, z, pitch, yaw, roll = stage.transform_of(body)
-        axes = np.array(carla_axes(pitch, yaw, roll))
-        half = np.array(body.box)
-        middle = np.array([x, y, z]) + axes[2] * (half[2] - body.up)
+        axes, middle, half = _box_of(stage, body)
         to = middle - origin
         if float(np.linalg.norm(to)) > reach + float(np.linalg.norm(half)):
             return
@@ -222,24 +223,33 @@ class Lidar(RayCaster):
 class Radar(RayCaster):
     """A radar: rays at random in its field; it sees boxes and the road, and how fast they come nearer."""
 
+    def __init__(self, stage: Stage, sensor: Sensor) -> None:
+        """Remember where it is; see `RayCaster`."""
+        super().__init__(stage, sensor)
+        self._before = np.array(stage.transform_of(sensor)[:3])
+
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
-        """Return the detections: velocity towards the sensor is negative, azimuth, altitude, depth."""
+        """Return the detections: velocity towards the sensor is negative, azimuth, altitude, depth.
+
+        As in CARLA, rays are spread evenly over the distance from the middle of the field and the angle about it, and
+        the radar's own velocity is by how far it has come since the last measurement's tick.
+        """
         del frame, weather
         count = min(int(sensor.number("points_per_second") * dt), MOST_RAYS)
         noise = generator(sensor)
-        radius, angle = np.sqrt(noise.random(count)), noise.random(count) * math.tau
-        azimuth = radius * np.cos(angle) * math.radians(0.5 * sensor.number("horizontal_fov"))
-        altitude = radius * np.sin(angle) * math.radians(0.5 * sensor.number("vertical_fov"))
-        level = np.cos(altitude)
-        local = np.stack([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(altitude)], axis=1)
+        radius, angle = noise.random(count), noise.random(count) * math.tau
+        wide, high = (math.tan(math.radians(0.5 * sensor.number(f"{name}_fov"))) for name in ("horizontal", "vertical"))
+        local = np.stack([np.ones(count), wide * radius * np.cos(angle), high * radius * np.sin(angle)], axis=1)
+        local /= np.linalg.norm(local, axis=1)[:, None]
+        azimuth, altitude = np.arctan2(local[:, 1], local[:, 0]), np.arcsin(local[:, 2])
         at = stage.transform_of(sensor)
+        origin = np.array(at[:3])
         directions = local @ np.array(carla_axes(*at[3:]))
-        rays = Rays(stage, np.array(at[:3]), directions, sensor.number("range"), sensor.parent)
+        rays = Rays(stage, origin, directions, sensor.number("range"), sensor.parent)
         met = np.isfinite(rays.distance)
+        own, self._before = (origin - self._before) / dt, origin
         velocities = stage.rows.every["velocity"]
         still = np.zeros(3)
-        parent = stage.actors.get(sensor.parent)
-        own = velocities[parent.row].astype(np.float64) if parent is not None and parent.row >= 0 else still
         others = [velocities[body.row].astype(np.float64) if body.row >= 0 else still for body in rays.bodies]
         relative = np.array([*others, still, still])[rays.target] - own
         speed = (relative * directions).sum(axis=1)
@@ -247,30 +257,54 @@ class Radar(RayCaster):
         return bytes(found.astype("<f4").tobytes())
 
 
-class Obstacle(RayCaster):
-    """An obstacle sensor: it reports the nearest thing that a sphere moved forward would touch."""
+class Obstacle(Simple):
+    """An obstacle sensor: it reports the nearest body that a sphere moved forward touches, as Unreal's sweeps do."""
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes | None:
-        """Return the carrier, the obstacle and its distance; None if the way is free."""
+        """Return the carrier, the obstacle and how far the sphere comes; None if the way is free."""
         del frame, dt, weather
+        carrier = stage.actors.get(sensor.parent)
+        if carrier is None:
+            return None
         at = stage.transform_of(sensor)
-        axes = np.array(carla_axes(*at[3:]))
+        ahead = np.array(carla_axes(*at[3:])[0])
         radius, reach = sensor.number("hit_radius"), sensor.number("distance")
-        offsets = [(0.0, 0.0), (radius, 0.0), (-radius, 0.0), (0.0, radius), (0.0, -radius)]
         moving = sensor.says("only_dynamics")
         best: tuple[float, Body] | None = None
-        for right, up in offsets:
-            begin = np.array(at[:3]) + right * axes[1] + up * axes[2]
-            rays = Rays(stage, begin, axes[:1], reach, sensor.parent)
-            if rays.target[0] < 0:
+        for body in stage.bodies():
+            if body is carrier or (moving and not isinstance(body, Walker) and not body.simulates):
                 continue
-            body = rays.bodies[rays.target[0]]
-            if (not moving or isinstance(body, Walker) or body.simulates) and (
-                best is None or rays.distance[0] < best[0]
-            ):
-                best = (float(rays.distance[0]), body)
-        carrier = stage.actors.get(sensor.parent)
-        if best is None or carrier is None:
+            way = _sweep(stage, body, np.array(at[:3]), ahead, radius, reach if best is None else best[0])
+            if way is not None:
+                best = (way, body)
+        if best is None:
             return None
         packed: bytes = msgpack.packb([stage.wire(carrier), stage.wire(best[1]), best[0]], use_single_float=True)
         return packed
+
+
+def _sweep(stage: Stage, body: Body, begin: Floats, ahead: Floats, radius: float, reach: float) -> float | None:
+    """Return how far a sphere comes until it touches a body's box, m; None if it does not within its reach.
+
+    Sphere tracing: it moves by its distance from the box until that is nothing.
+    """
+    axes, middle, half = _box_of(stage, body)
+    here, way = axes @ (begin - middle), axes @ ahead
+    gone = 0.0
+    for _ in range(MOST_MOVES):
+        outside = np.abs(here + gone * way) - half
+        distance = float(np.linalg.norm(np.maximum(outside, 0.0)) + min(outside.max(), 0.0)) - radius
+        if distance < TOUCHES:
+            return gone
+        gone += distance
+        if gone >= reach:
+            return None
+    return None
+
+
+def _box_of(stage: Stage, body: Body) -> tuple[Floats, Floats, Floats]:
+    """Return a body's box: its axes (3, 3), its middle and its half extents, CARLA's axes."""
+    x, y, z, pitch, yaw, roll = stage.transform_of(body)
+    axes = np.array(carla_axes(pitch, yaw, roll))
+    half = np.array(body.box)
+    return axes, np.array([x, y, z]) + axes[2] * (half[2] - body.up), half

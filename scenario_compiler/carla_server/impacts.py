@@ -1,0 +1,95 @@
+"""What happens where bodies touch: speeds along their headings that change by an impulse, and keep them apart.
+
+A vehicle's wheels do not slip here, so that an impulse changes its speed along its heading only, and its tires hold it
+against the rest; a walker gives way in every direction; what no physics moves stands fast.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+RESTITUTION = 0.1
+"""Share of the speed at which bodies meet with which they part again."""
+
+PARTING = 2.0
+FASTEST_PARTING = 0.5
+"""Speed with which bodies part that overlap, m/s for each metre by which they do, and the greatest, m/s."""
+
+
+class Footprint(NamedTuple):
+    """A body's box from above, and how it moves. OpenDRIVE axes.
+
+    Attributes:
+        x: Middle, m.
+        y: Middle, m.
+        heading: Direction of its front, rad.
+        length: Along the heading, m.
+        width: Across it, m.
+        speed: Along the heading, m/s.
+        inertia: Its mass, kg; infinite for what stands fast.
+        rolls: Whether it moves along its heading only.
+    """
+
+    x: float
+    y: float
+    heading: float
+    length: float
+    width: float
+    speed: float
+    inertia: float
+    rolls: bool
+
+    @property
+    def ahead(self) -> tuple[float, float]:
+        """The direction of its front."""
+        return math.cos(self.heading), math.sin(self.heading)
+
+    def half_along(self, x: float, y: float) -> float:
+        """Return half of its extent along a direction, m."""
+        c, s = self.ahead
+        return 0.5 * (self.length * abs(c * x + s * y) + self.width * abs(c * y - s * x))
+
+
+class Impact(NamedTuple):
+    """The impulse of the second of two bodies on the first, N s, and the speeds of both after it, m/s."""
+
+    x: float
+    y: float
+    speed: float
+    other_speed: float
+
+
+def impact(one: Footprint, other: Footprint) -> Impact:
+    """Return what happens to two bodies whose boxes overlap.
+
+    They meet along the direction in which they overlap least (separating axis theorem). The impulse is that of two
+    bodies each of which can move as it can only: the speed at which they meet, over the sum of their mobilities.
+    """
+    x, y, depth = _least_overlap(one, other)
+    along, across = (body.ahead[0] * x + body.ahead[1] * y for body in (one, other))
+    meets = one.speed * along - other.speed * across
+    moves = [(at * at if body.rolls else 1.0) / body.inertia for body, at in ((one, along), (other, across))]
+    parts = max(RESTITUTION * meets, min(PARTING * depth, FASTEST_PARTING))
+    if meets + parts <= 0.0 or sum(moves) < 1e-9:
+        return Impact(0.0, 0.0, one.speed, other.speed)
+    impulse = (meets + parts) / sum(moves)
+    return Impact(
+        -impulse * x,
+        -impulse * y,
+        one.speed - impulse / one.inertia * along,
+        other.speed + impulse / other.inertia * across,
+    )
+
+
+def _least_overlap(one: Footprint, other: Footprint) -> tuple[float, float, float]:
+    """Return the direction from one box to another in which they overlap least, and by how much they do, m."""
+    dx, dy = other.x - one.x, other.y - one.y
+    least = (1.0, 0.0, math.inf)
+    for c, s in (one.ahead, other.ahead):
+        for x, y in ((c, s), (-s, c)):
+            away = dx * x + dy * y
+            depth = one.half_along(x, y) + other.half_along(x, y) - abs(away)
+            if depth < least[2]:
+                least = (x, y, depth) if away >= 0.0 else (-x, -y, depth)
+    return least
