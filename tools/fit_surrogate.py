@@ -1,7 +1,7 @@
 """Fits surrogate perception to runs with camera perception, and evaluates it on runs that were not fitted to.
 
     python tools/fit_surrogate.py gather MAPS RUNS [--first 0] [--fitted 2000] [--jobs 32] [--seconds 370]
-    python tools/fit_surrogate.py fit RUNS
+    python tools/fit_surrogate.py fit RUNS MAPS
     python tools/fit_surrogate.py judge RUNS MAPS [--pages docs]
 
 `gather` makes the runs with camera perception: MAPS is a folder of road files, RUNS the folder to which the runs are
@@ -17,11 +17,12 @@ from __future__ import annotations
 import argparse
 import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from surrogate_runs import LOOK_COLUMNS, Made, cases, keep, kept, make
+from surrogate_runs import LOOK_COLUMNS, Made, all_views, cases, keep, kept, make
 
 from scenario_compiler.engine.columns import view as at
 from scenario_compiler.engine.columns.view import HIDDEN, OUTPUTS, UNITS, VIEW_SIZE
@@ -83,14 +84,16 @@ class Looks:
         run: (N,) index of the run.
     """
 
-    def __init__(self, runs: list[Made]) -> None:
-        """Concatenate the looks of the runs."""
-        looks = np.concatenate([one.looks for one in runs]).astype(np.float64)
-        rest = dict(zip(LOOK_COLUMNS, looks[:, VIEW_SIZE:].T, strict=True))
-        self.view = np.stack([looks[:, :VIEW_SIZE], looks[:, MIRRORED]], axis=1)
+    def __init__(self, runs: Sequence[Made], views: Sequence[Singles]) -> None:
+        """Concatenate the looks of the runs and their features."""
+        view = np.concatenate(views).astype(np.float64)
+        known = np.isfinite(view).all(axis=1)
+        view, looks = view[known], np.concatenate([one.looks for one in runs]).astype(np.float64)[known]
+        rest = dict(zip(LOOK_COLUMNS, looks.T, strict=True))
+        self.view = np.stack([view, view[:, MIRRORED]], axis=1)
         self.p = np.stack([rest["p_left"], rest["p_right"]], axis=1)
         self.path, self.asking, self.s, self.road = rest["path_error"], rest["asking"], rest["s"], rest["road"]
-        self.run = np.repeat(np.arange(len(runs)), [len(one.looks) for one in runs])
+        self.run = np.repeat(np.arange(len(runs)), [len(one.looks) for one in runs])[known]
 
     @property
     def leads(self) -> NDArray[np.bool_]:
@@ -216,9 +219,9 @@ def noise_of(residual: Floats, looks: Looks) -> tuple[float, float]:
     return math.sqrt(near), 40.0 / HALF_LEFT
 
 
-def fitted(runs: list[Made]) -> Surrogate:
-    """Return surrogate perception fitted to the runs."""
-    looks = Looks(runs)
+def fitted(runs: Sequence[Made], jobs: int) -> Surrogate:
+    """Return surrogate perception fitted to the runs, whose features are worked out in `jobs` processes."""
+    looks = Looks(runs, all_views(runs, jobs))
     low, high = domain_of(looks)
     first, second = fit(looks)
     logit, drawn = answers(looks.view, low, high, first, second)
@@ -267,6 +270,8 @@ def main() -> None:
     gathering.add_argument("--seconds", type=float, default=36000.0)
     fitting = commands.add_parser("fit")
     fitting.add_argument("runs", type=Path)
+    fitting.add_argument("maps", type=Path)
+    fitting.add_argument("--jobs", type=int, default=2)
     judging = commands.add_parser("judge")
     judging.add_argument("runs", type=Path)
     judging.add_argument("maps", type=Path)
@@ -277,16 +282,16 @@ def main() -> None:
         todo = cases(sorted(options.maps.glob("*.xodr")), options.first, options.fitted)
         keep(make(todo, options.jobs, options.seconds), options.runs)
     elif options.command == "fit":
-        found = fitted([one for one in kept(options.runs) if one.case.number >= 0])
+        found = fitted([one for one in kept(options.runs, options.maps) if one.case.number >= 0], options.jobs)
         file = Path(surrogate.__file__).with_name(surrogate.FILE)
         file.write_text(surrogate_text(found), encoding="utf-8")
         print(f"{found.runs} runs, noise {found.noise}: {file}")
     else:
         from surrogate_page import write_page
 
-        of_no_fit = [one for one in kept(options.runs) if one.case.number < 0]
+        of_no_fit = [one for one in kept(options.runs, options.maps) if one.case.number < 0]
         judged = [one for one in of_no_fit if not one.case.faster]
-        write_page(judged, [one for one in of_no_fit if one.case.faster], options.maps, options.pages)
+        write_page(judged, [one for one in of_no_fit if one.case.faster], options.pages)
         write_sample(judged, options.sample)
 
 

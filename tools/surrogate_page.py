@@ -68,13 +68,12 @@ class Pairs(NamedTuple):
         return found[0], found[1]
 
 
-def write_page(judged: Sequence[Made], again: Sequence[Made], maps: Path, folder: Path) -> None:
+def write_page(judged: Sequence[Made], again: Sequence[Made], folder: Path) -> None:
     """Repeat the runs with surrogate and ideal perception, and write the page and its figure.
 
     Args:
         judged: The runs with camera perception.
         again: The same runs, a little faster.
-        maps: Folder of the road files.
         folder: Folder of the pages.
 
     Raises:
@@ -84,12 +83,9 @@ def write_page(judged: Sequence[Made], again: Sequence[Made], maps: Path, folder
     for perception in PERCEPTIONS[1:]:
         made = []
         for one in judged:
-            case = one.case
-            if case.map:
-                case = case._replace(map=str(maps / Path(case.map).name))
-            run_again = run_case(case, perception, looks=False)
+            run_again = run_case(one.case, perception, looks=False)
             if run_again is None:
-                raise RuntimeError(f"{case} cannot be driven any more")
+                raise RuntimeError(f"{one.case} cannot be driven any more")
             made.append(run_again.outcome)
         pairs[perception] = Pairs([one.outcome for one in judged], made)
     faster = {one.case.number: one.outcome for one in again}
@@ -309,7 +305,7 @@ The file of coefficients contains the detector's answers for some pictures. A te
 again, and fails if the renderer or the detector now gives other answers. Then the surrogate has to be fitted again:
 
     python tools/fit_surrogate.py gather MAPS RUNS
-    python tools/fit_surrogate.py fit RUNS
+    python tools/fit_surrogate.py fit RUNS MAPS
     python tools/fit_surrogate.py judge RUNS MAPS
 
 {ranges}

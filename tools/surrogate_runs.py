@@ -18,9 +18,10 @@ import math
 import multiprocessing
 import re
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import count, islice, pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal, NamedTuple
@@ -32,9 +33,12 @@ from numpy.typing import NDArray
 from scenario_compiler import compile_scenario, load_network, open_world
 from scenario_compiler.batch.measuring import row_of_recording
 from scenario_compiler.compiler import Overrides
+from scenario_compiler.controllers import Control, ControllerModel
 from scenario_compiler.diagnostics import CompileError
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.view import VIEW_SIZE
+from scenario_compiler.plan.model import Plan
 from scenario_compiler.resources import library_folder
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.lane_types import is_drivable
@@ -43,6 +47,7 @@ from scenario_compiler.runtime.loop import Execution
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 from scenario_compiler.vocabulary.sensors import Perception
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS
+from scenario_compiler.worlds import World
 
 Floats = NDArray[np.float64]
 Kind = Literal["road", "map", "conflict"]
@@ -62,6 +67,9 @@ The numbers -1 to -5040 are not used: those runs evaluated earlier features.
 
 FASTER = 0.01
 """Share by which the runs for evaluation are faster the second time."""
+
+RUNS_IN_FILE = 40
+"""Number of runs that are written to one file."""
 
 MAPS_SHARE = 0.45
 """Share of maps in the runs of the fit."""
@@ -98,6 +106,10 @@ class Case(NamedTuple):
     map: str
     faster: float = 0.0
 
+    def on(self, maps: Path) -> Case:
+        """Return the same run with its road file in another folder."""
+        return self._replace(map=str(maps / Path(self.map).name)) if self.map else self
+
 
 @dataclass(frozen=True, eq=False)
 class Made:
@@ -105,22 +117,28 @@ class Made:
 
     Attributes:
         case: The run.
-        looks: (N, VIEW_SIZE + 9) one row a look until the driver drives: the features as the left side has them, then
-            `LOOK_COLUMNS`.
+        looks: (N, 9) one row a look until the driver drives: `LOOK_COLUMNS`.
+        commands: (M, 7) what the controller has told the engine at each control step: `COMMANDS`.
         outcome: Measures by name, NaN where undefined; `cause` and `resolution` as texts.
     """
 
     case: Case
     looks: NDArray[np.float32]
+    commands: NDArray[np.float32]
     outcome: dict[str, Any]
 
 
 LOOK_COLUMNS = ("p_left", "p_right", "health", "path_error", "road", "lane", "s", "t", "asking")
-"""Columns that follow a look's features.
+"""What is stored of a look.
 
-They are the confidence of each side without the factor of the sensor's health; that health; how far left of the lane's
+It is the confidence of each side without the factor of the sensor's health; that health; how far left of the lane's
 centre the followed path lies at the look-ahead distance, m; the ego's road, lane and s; the time, s; and 1 from the
 takeover request on, else 0.
+"""
+
+COMMANDS = ("auto_throttle", "auto_steer", "auto_brake", "conf_left", "conf_right", "health", "auto_request")
+"""Columns of the engine's state that the controller writes. With them a run is repeated without a camera, which works
+out its features (`views_of`): they are not stored, so that a change of the features needs no other runs.
 """
 
 
@@ -129,8 +147,8 @@ def cases(maps: Sequence[Path], first: int, fitted: int) -> list[Case]:
     unseen = sorted(str(one) for one in maps if one.stem in UNSEEN_MAPS)
     seen = sorted(str(one) for one in maps if one.stem not in UNSEEN_MAPS)
     judged = []
-    for kind, (number, count) in JUDGED.items():
-        for k in range(count if kind != "map" or unseen else 0):
+    for kind, (number, many) in JUDGED.items():
+        for k in range(many if kind != "map" or unseen else 0):
             judged.append(Case(kind, number - k, unseen[k % len(unseen)] if kind == "map" else ""))
     again = [one._replace(faster=FASTER) for one in judged]
     on_maps = round(MAPS_SHARE * fitted) if seen else 0
@@ -145,48 +163,150 @@ def cases(maps: Sequence[Path], first: int, fitted: int) -> list[Case]:
 def run_case(case: Case, perception: Perception, *, looks: bool) -> Made | None:
     """Make a run; None if its scenario does not compile. Without `looks` only the measures are kept."""
     cv2.setNumThreads(1)
-    with TemporaryDirectory() as folder:
-        draw = np.random.default_rng([7, case.number % (1 << 32)])
-        try:
-            path, arguments = _scenario(case, Path(folder), draw)
-            plan = compile_scenario(path, overrides=Overrides(perception=perception), **arguments)
-        except CompileError:
+    with _opened(case, perception) as opened:
+        if opened is None:
             return None
-        network = load_network(plan.map.file)
-        assert network is not None
-        with open_world("kinematic", plan, network) as world:
-            execution = Execution(plan, world, seed=1 + case.number % 1000)
-            rows = [row for row in _looks(execution, keep=looks)]
-            recording = execution.finish()
+        plan, world = opened
+        execution = Execution(plan, world, seed=_seed(case))
+        rows: list[Sequence[float]] = []
+        commands: list[Sequence[float]] = []
+        while execution.going:
+            before = _Before.of(execution) if looks else None
+            execution.advance()
+            if before is not None and execution.control is not None:
+                rows += before.looks(execution.control)
+                commands += before.commands(execution.control, execution.state)
+        recording = execution.finish()
     row = row_of_recording(plan, recording)
     outcome: dict[str, Any] = {name: _number(row[name][0]) for name in KEPT}
     outcome |= {"cause": row["cause"][0], "resolution": row["resolution"][0], "result": row["result"][0]}
     outcome |= {"name": plan.name, "map": Path(plan.map.file).stem}
-    made = np.array(rows, np.float32).reshape(-1, VIEW_SIZE + len(LOOK_COLUMNS))
-    return Made(case, made, outcome)
+    return Made(case, _table(rows, LOOK_COLUMNS), _table(commands, COMMANDS), outcome)
+
+
+def _table(rows: Sequence[Sequence[float]], columns: Sequence[str]) -> NDArray[np.float32]:
+    return np.array(rows, np.float32).reshape(-1, len(columns))
 
 
 def _number(value: Any) -> float:
     return math.nan if value is None else float(value)
 
 
-def _looks(execution: Execution, *, keep: bool) -> Iterator[Floats]:
-    """Advance a run to its end. If `keep`, yield a row for each look at which the automation drives."""
-    st, program, simulation = execution.state, execution.program, execution.simulation
-    while execution.going:
-        view = None
-        if keep and st.frame[0] % program.image_every[0] == 0 and st.takeover_state[0] not in BY_HAND:
-            view = simulation.look_at_view()
-            way = simulation.look_out().way
-            road, lane, s, now, v = st.path_road[0], st.path_lane[0], st.path_s[0], st.clock[0], st.v[0]
-            asking = 0.0 if st.takeover_state[0] in AUTOMATED else 1.0
-        execution.advance()
-        control = execution.control
-        if view is None or control is None or control.lanes is None:
-            continue
-        error = _path_error(control.trajectory, way, _look_ahead(v))
-        seen = (control.lanes.left.p, control.lanes.right.p, control.sensor_health, error, road, lane, s, now, asking)
-        yield np.concatenate([view[0], seen])
+def _seed(case: Case) -> int:
+    return 1 + case.number % 1000
+
+
+@contextmanager
+def _opened(case: Case, perception: Perception) -> Iterator[tuple[Plan, World] | None]:
+    """Compile a run's scenario and open its world; None if it does not compile."""
+    with TemporaryDirectory() as folder:
+        draw = np.random.default_rng([7, case.number % (1 << 32)])
+        try:
+            path, arguments = _scenario(case, Path(folder), draw)
+            plan = compile_scenario(path, overrides=Overrides(perception=perception), **arguments)
+        except CompileError:
+            yield None
+            return
+        network = load_network(plan.map.file)
+        assert network is not None
+        with open_world("kinematic", plan, network) as world:
+            yield plan, world
+
+
+@dataclass(frozen=True)
+class _Before:
+    """What is noted before a step: whether it is a control step, and the place of a look of the automation.
+
+    Attributes:
+        controls: Whether the controller is called in the step.
+        place: Road, lane, s, time and 1 from the request on; None if the step has no look.
+        way: The lane's centre line ahead, in the ego's frame, m.
+        speed: The ego's speed, m/s.
+    """
+
+    controls: bool
+    place: tuple[float, ...] | None
+    way: Sequence[tuple[float, float]]
+    speed: float
+
+    @classmethod
+    def of(cls, execution: Execution) -> _Before:
+        st = execution.state
+        controls = st.frame[0] % execution.plan.control_every == 0
+        if not looks_now(execution):
+            return cls(controls, None, (), 0.0)
+        asking = 0.0 if st.takeover_state[0] in AUTOMATED else 1.0
+        place = st.path_road[0], st.path_lane[0], st.path_s[0], st.clock[0], asking
+        return cls(controls, place, execution.simulation.look_out().way, st.v[0])
+
+    def looks(self, control: Control) -> list[Sequence[float]]:
+        if self.place is None or control.lanes is None:
+            return []
+        error = _path_error(control.trajectory, self.way, _look_ahead(self.speed))
+        return [(control.lanes.left.p, control.lanes.right.p, control.sensor_health, error, *self.place)]
+
+    def commands(self, control: Control, st: State) -> list[Sequence[float]]:
+        if not self.controls:
+            return []
+        sides = control.confidence_left, control.confidence_right
+        asks = st.auto_request[0]
+        return [(control.throttle, control.steer, control.brake, *sides, control.sensor_health, asks)]
+
+
+def looks_now(execution: Execution) -> bool:
+    """Return whether the next step has a look of the automation."""
+    st = execution.state
+    return st.frame[0] % execution.program.image_every[0] == 0 and st.takeover_state[0] not in BY_HAND
+
+
+def views_of(made: Made) -> NDArray[np.float32]:
+    """Return the features of a camera run's looks, (N, VIEW_SIZE) as the left side has them; NaN where there are none.
+
+    The run is repeated with its stored commands in place of camera and controller.
+
+    Raises:
+        RuntimeError: The engine no longer drives the run as it did.
+    """
+    views: dict[float, Floats] = {}
+    with _opened(made.case, "camera") as opened:
+        if opened is None:
+            raise RuntimeError(f"{made.case} cannot be driven any more")
+        execution = Repeated(*opened, seed=_seed(made.case), commands=made.commands.tolist())
+        while execution.going:
+            if looks_now(execution):
+                view = execution.simulation.look_at_view()
+                views[round(execution.state.clock[0], 3)] = np.full(VIEW_SIZE, math.nan) if view is None else view[0]
+            execution.advance()
+    times = [round(float(t), 3) for t in made.looks[:, LOOK_COLUMNS.index("t")]]
+    if not views.keys() >= set(times):
+        raise RuntimeError(f"{made.case} does not go as it went")
+    return np.array([views[t] for t in times], np.float32).reshape(-1, VIEW_SIZE)
+
+
+def all_views(runs: Sequence[Made], jobs: int) -> list[NDArray[np.float32]]:
+    """Return the features of several runs, worked out in `jobs` processes."""
+    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
+        return pool.map(views_of, runs, chunksize=8)
+
+
+class Repeated(Execution):
+    """A run in which stored commands take the place of the controller."""
+
+    def __init__(self, plan: Plan, world: World, seed: int, commands: Sequence[Sequence[float]]) -> None:
+        """Prepare everything for the start of the run.
+
+        Args:
+            plan: The plan.
+            world: The world.
+            seed: The seed of the run.
+            commands: `COMMANDS` of each control step.
+        """
+        super().__init__(plan, world, seed)
+        self.told = iter(commands)
+
+    def _let_control(self, controller: ControllerModel) -> None:
+        for name, value in zip(COMMANDS, next(self.told), strict=True):
+            getattr(self.state, name)[0] = int(value) if name == "auto_request" else value
 
 
 def _look_ahead(speed: float) -> float:
@@ -224,52 +344,53 @@ def _reached(path: Sequence[tuple[float, float]], reach: float) -> tuple[float, 
     return math.nan, math.nan
 
 
-def make(todo: Sequence[Case], jobs: int, seconds: float, perception: Perception = "camera") -> list[Made]:
+def make(todo: Sequence[Case], jobs: int, seconds: float, perception: Perception = "camera") -> Iterator[Made]:
     """Make runs with their looks in `jobs` processes.
 
-    Returns:
-        The runs that were made within `seconds`, ordered by number.
+    Yields:
+        The runs that are made within `seconds`, in the order in which they end.
     """
-    began, done = time.monotonic(), []
+    began = time.monotonic()
     with multiprocessing.get_context("spawn").Pool(jobs) as pool:
         for made in pool.imap_unordered(_make, [(case, perception) for case in todo]):
             if made is not None:
-                done.append(made)
+                yield made
             if time.monotonic() - began > seconds:
                 pool.terminate()
                 break
-    return sorted(done, key=lambda one: one.case.number)
 
 
 def _make(job: tuple[Case, Perception]) -> Made | None:
     return run_case(job[0], job[1], looks=True)
 
 
-def keep(runs: Sequence[Made], folder: Path, parts: int = 6) -> None:
-    """Write runs to `parts` files in a folder."""
+def keep(runs: Iterable[Made], folder: Path) -> None:
+    """Write runs to files in a folder as they come, so that what is made is there if the making is ended."""
     folder.mkdir(parents=True, exist_ok=True)
-    for part in range(parts):
-        some = runs[part::parts]
-        looks = np.concatenate([one.looks for one in some]) if some else np.zeros((0, VIEW_SIZE + len(LOOK_COLUMNS)))
-        about = [(one.case, len(one.looks), one.outcome) for one in some]
+    coming = iter(runs)
+    for number in count():
+        some = list(islice(coming, RUNS_IN_FILE))
+        if not some:
+            return
         np.savez_compressed(
-            folder / f"runs{part}.npz",
-            view=looks[:, :VIEW_SIZE].astype(np.float16),
-            rest=looks[:, VIEW_SIZE:].astype(np.float32),
-            about=np.array(json.dumps(about)),
+            folder / f"runs{number:03d}.npz",
+            looks=np.concatenate([one.looks for one in some]),
+            commands=np.concatenate([one.commands for one in some]),
+            about=np.array(json.dumps([(one.case, len(one.looks), len(one.commands), one.outcome) for one in some])),
         )
 
 
-def kept(folder: Path) -> list[Made]:
-    """Return the runs that `keep` wrote to a folder, ordered by number."""
+def kept(folder: Path, maps: Path) -> list[Made]:
+    """Return the runs in the files of a folder, ordered by number, with the road files of another folder."""
     found = []
-    for file in sorted(folder.glob("runs*.npz")):
+    for file in sorted(folder.glob("*.npz")):
         with np.load(file) as stored:
-            looks = np.concatenate([stored["view"].astype(np.float32), stored["rest"]], axis=1)
-            first = 0
-            for case, count, outcome in json.loads(str(stored["about"])):
-                found.append(Made(Case(*case), looks[first : first + count], outcome))
-                first += count
+            looks, commands = stored["looks"], stored["commands"]
+            look = told = 0
+            for case, looks_of, told_of, outcome in json.loads(str(stored["about"])):
+                mine = looks[look : look + looks_of], commands[told : told + told_of]
+                found.append(Made(Case(*case).on(maps), *mine, outcome))
+                look, told = look + looks_of, told + told_of
     return sorted(found, key=lambda one: one.case.number)
 
 

@@ -147,16 +147,41 @@ def painted_share(n: RoadTables, mark: int, begin: float, end: float) -> float:
 
 
 @compiled
-def evenly_painted(n: RoadTables, mark: int) -> int:
-    """Return 1 if `painted_share` of a mark's row is the same for every stretch: no mark, or one without dashes."""
-    if mark < 0:
-        return 1
+def usual_share(n: RoadTables, mark: int, begin: float, end: float) -> float:
+    """Return `painted_share`, but of dashes the share of a line that they paint in the long run, wherever they lie."""
+    if mark < 0 or n.mark_type[mark] == MARK_NONE:
+        return 0.0
+    most = 0.0
     for k in range(n.mark_line[mark], n.mark_line[mark + 1]):
-        if n.line_once[k] == 1 or (n.line_length[k] > 0.0 and n.line_space[k] > 0.0):
-            return 0
+        if n.line_once[k] == 1:
+            return painted_share(n, mark, begin, end)
+        most = max(most, dashes_share(n.line_length[k], n.line_space[k]))
     if n.mark_line[mark + 1] > n.mark_line[mark]:
-        return 1
-    return 0 if n.mark_type[mark] in (MARK_BROKEN, MARK_BROKEN_BROKEN, MARK_BOTTS_DOTS) else 1
+        return most
+    kind = n.mark_type[mark]
+    if kind in (MARK_BROKEN, MARK_BROKEN_BROKEN):
+        return dashes_share(STANDARD_DASH, STANDARD_GAP)
+    if kind == MARK_BOTTS_DOTS:
+        return dashes_share(DOT, DOT_GAP)
+    return 1.0 if kind < MARK_GRASS else 0.0
+
+
+@compiled
+def dashes_share(length: float, space: float) -> float:
+    """Return the share of a line that dashes of a length, m, paint with a space between them, m; 1 of a solid line."""
+    if length <= 0.0 or space <= 0.0:
+        return 1.0
+    return length / max(length + space, 0.01)
+
+
+@compiled
+def evenly_painted(n: RoadTables, mark: int) -> int:
+    """Return 1 if `usual_share` of a mark's row is the same for every stretch: no line of it is painted only once."""
+    if mark >= 0:
+        for k in range(n.mark_line[mark], n.mark_line[mark + 1]):
+            if n.line_once[k] == 1:
+                return 0
+    return 1
 
 
 @compiled

@@ -35,6 +35,7 @@ HELD_INPUT = fixed("held input", op.HELD_INPUTS)
 FAILURE_KIND = fixed("kind of failure", op.FAILURES)
 WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 SIDE = fixed("side of the lane", 2)
+NOISE = fixed("noise of a place: of the left side, of the right side, of the path", 3)
 UNIT = fixed("unit of a network, for each side", 2 * UNITS)
 HIDDEN_UNIT = fixed("hidden unit of a network", HIDDEN)
 VIEW = fixed("feature of a view", VIEW_SIZE)
@@ -378,6 +379,12 @@ class State(Columns):
     """Logit of the confidence in each side for that view."""
     seen_drawn: list[float] = column(RUN)
     """How far both sides together shift the path to the left, m."""
+    noise_road: list[int] = column(NOISE, op.NONE)
+    """Road, lane and cell of which the random numbers are known, and those of the cell's beginning and end."""
+    noise_lane: list[int] = column(NOISE)
+    noise_cell: list[int] = column(NOISE)
+    noise_here: list[float] = column(NOISE)
+    noise_there: list[float] = column(NOISE)
     path_error: list[float] = column(RUN)
     """Offset to the left of the lane's centre of the path that surrogate perception follows, m."""
     slow_square: list[float] = column(RUN)

@@ -42,37 +42,47 @@ def mark_visibility(n: RoadTables, p: Program, road: int, lane: int, s: float) -
 
 
 @compiled
-def keeps_quality(n: RoadTables, st: State, row: int, s: float) -> float:
-    """Return the map's quality of the mark on the outer border of a lane's row at s, or -1 if it changes along s.
+def mark_changes(n: RoadTables, st: State, row: int, s: float) -> int:
+    """Return 1 if the quality that the map gives the mark on the outer border of a lane's row at s changes along s.
 
     The stretch from `even_from` to `even_to` is narrowed to where this mark holds.
     """
     if row < 0:
-        return 0.0
+        return 0
     mark = row_mark(n, row, s)
     following = n.lane_mark[row] if mark < 0 else mark + 1
     if following < n.lane_mark[row + 1]:
         st.even_to[0] = min(st.even_to[0], n.mark_s[following])
     if mark < 0:
-        return 0.0
+        return 0
     st.even_from[0] = max(st.even_from[0], n.mark_s[mark])
-    if n.mark_type[mark] == MARK_NONE:
-        return 0.0
-    if n.mark_quality_to[mark] != n.mark_quality_from[mark]:
-        return -1.0
-    return clip(n.mark_quality_from[mark], 0.0, 1.0)
+    return 1 if n.mark_type[mark] != MARK_NONE and n.mark_quality_to[mark] != n.mark_quality_from[mark] else 0
 
 
 @compiled
-def keep_off_stretches(p: Program, st: State, s: float) -> None:
-    """Narrow the stretch from `even_from` to `even_to` so that the plan's own statements on marks lie outside of it."""
+def keep_to_stretches(p: Program, st: State, s: float) -> int:
+    """Narrow the stretch from `even_from` to `even_to` to where the plan's statements on marks stay the same.
+
+    Return 1 if a statement that holds at s lets the quality change along s.
+    """
+    changes = 0
     for k in range(p.stretch_count[0]):
+        if p.stretch_road[k] != st.path_road[0]:
+            continue
         base = p.stretch_const[k]
-        if p.stretch_road[k] == st.path_road[0]:
-            if p.const[base + slot.M_TO] < s:
-                st.even_from[0] = max(st.even_from[0], p.const[base + slot.M_TO])
-            else:
-                st.even_to[0] = min(st.even_to[0], p.const[base + slot.M_FROM])
+        begin = p.const[base + slot.M_FROM]
+        end = p.const[base + slot.M_TO]
+        if end < s:
+            st.even_from[0] = max(st.even_from[0], end)
+        elif begin > s:
+            st.even_to[0] = min(st.even_to[0], begin)
+        else:
+            st.even_from[0] = max(st.even_from[0], begin)
+            st.even_to[0] = min(st.even_to[0], end)
+            first = p.const[base + slot.M_QUALITY]
+            if first >= 0.0 and first != p.const[base + slot.M_QUALITY_TO]:
+                changes = 1
+    return changes
 
 
 @compiled
@@ -80,22 +90,23 @@ def note_even_marks(n: RoadTables, p: Program, st: State) -> None:
     """Write the stretch of s around the ego on which the marks of both sides do not change, and their qualities."""
     row = st.path_row[0]
     s = st.path_s[0]
+    road = st.path_road[0]
     lane = st.path_lane[0]
+    inside = lane_inside(lane)
     section = n.lane_section[row]
     st.even_row[0] = row
     st.even_from[0] = n.section_s[section]
     st.even_to[0] = n.section_end[section]
-    outer = keeps_quality(n, st, row, s)
-    inner = keeps_quality(n, st, lane_row_in(n, section, lane_inside(lane)), s)
-    keep_off_stretches(p, st, s)
-    if outer < 0.0 or inner < 0.0:
+    outer_changes = mark_changes(n, st, row, s)
+    inner_changes = mark_changes(n, st, lane_row_in(n, section, inside), s)
+    if keep_to_stretches(p, st, s) == 1 or outer_changes == 1 or inner_changes == 1:
         st.even_row[0] = op.NONE
-    elif (lane > 0) == (st.path_sense[0] > 0):
-        st.even_left[0] = outer
-        st.even_right[0] = inner
-    else:
-        st.even_left[0] = inner
-        st.even_right[0] = outer
+        return
+    outer = mark_visibility(n, p, road, lane, s)
+    inner = mark_visibility(n, p, road, inside, s)
+    outer_is_left = (lane > 0) == (st.path_sense[0] > 0)
+    st.even_left[0] = outer if outer_is_left else inner
+    st.even_right[0] = inner if outer_is_left else outer
 
 
 @compiled

@@ -1,7 +1,8 @@
 """How strongly the lines of the lane ahead stand out for a camera, piece by piece.
 
-What is seen of a line depends on its paint (its dashes where they lie), on the light and the air (`air_ahead`), on the
-field of view, and on what stands before it.
+What is seen of a line depends on its paint, on the light and the air (`air_ahead`), on the field of view, and on what
+stands before it. Dashes count with the share of the line that they paint in the long run: the detector's running means
+and the time that a request takes cover several of them.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from scenario_compiler.engine.ego.lane_confidence import mark_visibility
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction, lane_inside, lane_row_in, row_width
-from scenario_compiler.roads.marks import MARK_COLOUR_CODES, evenly_painted, mark_row, painted_share, row_mark
+from scenario_compiler.roads.marks import MARK_COLOUR_CODES, evenly_painted, mark_row, row_mark, usual_share
 from scenario_compiler.roads.tables import RoadTables
 
 CAMERA_AT = 1.9
@@ -229,8 +230,8 @@ def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colo
         if rest <= 0.0 and row >= 0:
             half = 0.5 * row_width(n, row, s)
             inside = lane_inside(lane)
-            outer_share = painted_share(n, row_mark(n, row, s), s - HALF_PIECE, s + HALF_PIECE)
-            inner_share = painted_share(n, mark_row(n, road, inside, s), s - HALF_PIECE, s + HALF_PIECE)
+            outer_share = usual_share(n, row_mark(n, row, s), s - HALF_PIECE, s + HALF_PIECE)
+            inner_share = usual_share(n, mark_row(n, road, inside, s), s - HALF_PIECE, s + HALF_PIECE)
             outer = mark_visibility(n, p, road, lane, s)
             inner = mark_visibility(n, p, road, inside, s)
         if rest <= 0.0 and n.road_junction[road] >= 0:
@@ -254,14 +255,15 @@ def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colo
 def lay_even_line(n: RoadTables, st: State, first: int, mark: int, quality: float) -> None:
     """Note the paint in the pieces of a line whose mark and quality are the same in all of them.
 
-    `first` is the first piece of its side. Where dashes differ from piece to piece, `view_dashed` becomes 1.
+    `first` is the first piece of its side. Where the share that is painted differs between pieces, `view_dashed`
+    becomes 1.
     """
     even = evenly_painted(n, mark)
     share = 0.0
     for k in range(at.SAMPLES):
         if k == 0 or even == 0:
             s = st.path_s[0] + st.path_sense[0] * (CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k)
-            share = painted_share(n, mark, s - HALF_PIECE, s + HALF_PIECE)
+            share = usual_share(n, mark, s - HALF_PIECE, s + HALF_PIECE)
         st.piece_share[first + k] = share
         st.piece_quality[first + k] = quality
         if share != st.piece_share[first]:

@@ -99,15 +99,22 @@ def draw_at(road: int, lane: int, side: int, cell: int) -> float:
 
 
 @compiled
-def noise_at(road: int, lane: int, side: int, s: float, cell: float) -> float:
-    """Return the noise at s, with mean 0 and standard deviation 1, linear between cells of length `cell`, m."""
+def noise_at(st: State, road: int, lane: int, side: int, s: float, cell: float) -> float:
+    """Return the noise at s, with mean 0 and standard deviation 1, linear between cells of length `cell`, m.
+
+    The random numbers of a cell are kept while the ego is in it.
+    """
     place = s / max(cell, 0.1)
     number = int(clip(place, 0.0, 1.0e9))
     share = clip(place - number, 0.0, 1.0)
-    here = draw_at(road, lane, side, number)
-    there = draw_at(road, lane, side, number + 1)
+    if st.noise_cell[side] != number or st.noise_road[side] != road or st.noise_lane[side] != lane:
+        st.noise_road[side] = road
+        st.noise_lane[side] = lane
+        st.noise_cell[side] = number
+        st.noise_here[side] = draw_at(road, lane, side, number)
+        st.noise_there[side] = draw_at(road, lane, side, number + 1)
     whole = safe_sqrt(share * share + (1.0 - share) * (1.0 - share))
-    return ((1.0 - share) * here + share * there) / max(whole, 0.5)
+    return ((1.0 - share) * st.noise_here[side] + share * st.noise_there[side]) / max(whole, 0.5)
 
 
 @compiled
@@ -251,11 +258,14 @@ def surrogate_confidence(n: RoadTables, p: Program, st: State) -> None:
     s = st.path_s[0]
     cell = p.const[noise + N_CONFIDENCE_CELL]
     size = p.const[noise + N_CONFIDENCE]
-    left = logistic(st.seen_logit[0] + size * noise_at(road, lane, 0, s, cell))
-    right = logistic(st.seen_logit[1] + size * noise_at(road, lane, 1, s, cell))
+    of_left = noise_at(st, road, lane, 0, s, cell)
+    of_right = noise_at(st, road, lane, 1, s, cell)
+    left = logistic(st.seen_logit[0] + size * of_left)
+    right = logistic(st.seen_logit[1] + size * of_right)
     if max(left, right) >= TRUSTED:
-        off = p.const[noise + N_PATH] * noise_at(road, lane, PATH_SIDE, s, p.const[noise + N_PATH_CELL])
-        st.path_error[0] = clip(st.seen_drawn[0] + off, -FARTHEST_OFF, FARTHEST_OFF)
+        of_path = noise_at(st, road, lane, PATH_SIDE, s, p.const[noise + N_PATH_CELL])
+        drawn = st.seen_drawn[0] + p.const[noise + N_PATH] * of_path
+        st.path_error[0] = clip(drawn, -FARTHEST_OFF, FARTHEST_OFF)
     st.conf_left[0] = health * left
     st.conf_right[0] = health * right
 
