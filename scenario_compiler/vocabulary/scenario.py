@@ -70,7 +70,9 @@ class Parameter(Word):
         "Quantity that the parameter measures. Numbers are in the unit that XML uses for this quantity."
     )
     default: str | None = attribute(
-        "Default value. A parameter without a default must be given a value at each use.", default=None
+        "Default value, which cannot depend on other parameters. "
+        "A parameter without a default must be given a value at each use.",
+        default=None,
     )
     min: Number | None = attribute("Least value.", default=None)
     max: Number | None = attribute("Greatest value.", default=None)
