@@ -304,7 +304,7 @@ class Repeated(Execution):
         super().__init__(plan, world, seed)
         self.told = iter(commands)
 
-    def _let_control(self, controller: ControllerModel) -> None:
+    def _let_control(self, _: ControllerModel) -> None:
         for name, value in zip(COMMANDS, next(self.told), strict=True):
             getattr(self.state, name)[0] = int(value) if name == "auto_request" else value
 
