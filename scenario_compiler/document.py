@@ -122,7 +122,7 @@ class Document:
             if match.group("name") == written:
                 begin, length = match.start("value") + 1, len(match.group("value")) - 2
                 if length == 0 or of_name:
-                    begin, length = match.start("name"), len(written)
+                    begin, length = match.start("name"), len(match.group("name"))
         return (*self._line_and_column(begin), length)
 
     def _line_and_column(self, offset: int) -> tuple[int, int]:
