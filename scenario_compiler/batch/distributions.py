@@ -16,15 +16,13 @@ from typing import Literal
 from scenario_compiler.expressions import Value, format_value
 from scenario_compiler.vocabulary.grammar import outside
 from scenario_compiler.vocabulary.scenario import ParameterKind
+from scenario_compiler.vocabulary.variation import in_far_tail
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
 ValueKind = Literal["number", "boolean", "text"]
 
 GREATEST_MEAN = 500.0
 """Greatest mean of a Poisson distribution: its quantiles are summed up from exp(-mean)."""
-
-LEAST_PROBABILITY = 1e-290
-"""Least probability between the limits of a normal distribution from which its quantiles can be computed."""
 
 
 class SweepError(ValueError):
@@ -178,12 +176,12 @@ def _bounded(text: str, mean: float, deviation: float, limits: Sequence[float]) 
     """
     if not limits:
         return NormalDist(mean, deviation).inv_cdf
+    if in_far_tail(mean, deviation, limits):
+        raise SweepError(f"'{text}' is not possible: its limits are too many standard deviations away from its mean")
     low, high = ((limit - mean) / deviation for limit in limits)
     side = -1.0 if low > 0.0 else 1.0
     ends = (-high, -low) if side < 0.0 else (low, high)
     below, above = (0.5 * math.erfc(-end / math.sqrt(2.0)) for end in ends)
-    if above < LEAST_PROBABILITY:
-        raise SweepError(f"'{text}' is not possible: its limits are too many standard deviations away from its mean")
     standard = NormalDist()
 
     def quantile(u: float) -> float:

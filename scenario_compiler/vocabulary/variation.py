@@ -1,11 +1,24 @@
 """Variation: the parameters that a sweep varies, their distributions, and the condition that every variant meets."""
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Literal
 
 from scenario_compiler.expressions import format_value
 from scenario_compiler.vocabulary.word import IDENTIFIER, Word, attribute, child
+
+FARTHEST = 36.0
+"""Greatest distance of both limits of a normal distribution from its mean, in standard deviations, on the same side.
+
+The probability beyond it is below 1e-283, near the least numbers that can be computed with.
+"""
+
+
+def in_far_tail(mean: float, deviation: float, limits: Sequence[float]) -> bool:
+    """Return whether the limits of a normal distribution, if there are any, leave out nearly all of its probability."""
+    distances = [(limit - mean) / deviation for limit in limits]
+    return bool(distances) and (min(distances) > FARTHEST or max(distances) < -FARTHEST)
 
 
 class Axis(Word):
@@ -72,6 +85,9 @@ class Uniform(Axis):
         return ("greatest", "greatest must not be below least") if self.greatest < self.least else ("", "")
 
 
+_TOO_FAR = "the limits are too many standard deviations away from the mean"
+
+
 class Normal(Between):
     """A normal distribution, truncated at the limits if they are given."""
 
@@ -83,6 +99,11 @@ class Normal(Between):
     def arguments(self) -> Sequence[str]:
         """Return mean, deviation and the limits."""
         return _texts(self.mean, self.deviation, *self._limits())
+
+    def fault(self) -> tuple[str, str]:
+        """Return what is wrong with the limits."""
+        far = in_far_tail(self.mean, self.deviation, self._limits())
+        return ("mean", _TOO_FAR) if far else super().fault()
 
 
 class Lognormal(Between):
@@ -100,7 +121,10 @@ class Lognormal(Between):
     def fault(self) -> tuple[str, str]:
         """Return what is wrong with the limits, which must be above 0."""
         limits = self._limits()
-        return ("least", "least must be above 0") if limits and limits[0] <= 0.0 else super().fault()
+        if limits and limits[0] <= 0.0:
+            return "least", "least must be above 0"
+        far = in_far_tail(self.mu, self.sigma, [math.log(limit) for limit in limits if limit > 0.0])
+        return ("mu", _TOO_FAR) if far else super().fault()
 
 
 class Triangular(Axis):

@@ -56,7 +56,7 @@ def test_an_overlap_points_at_the_other_entity_in_every_format(tmp_path: Path, f
     else:
         (other,) = found["runs"][0]["results"][0]["relatedLocations"]
         assert other["message"]["text"] == "'a' is placed here"
-        assert other["physicalLocation"]["region"] == {"startLine": 3, "startColumn": 1}
+        assert other["physicalLocation"]["region"] == {"startLine": 3, "startColumn": 1, "endColumn": 8}
 
 
 def test_a_plan_keeps_no_text_of_a_very_long_line(tmp_path: Path) -> None:

@@ -72,6 +72,8 @@ def test_the_variation_of_a_file_is_found(tmp_path: Path) -> None:
         ('<normal parameter="pace" mean="1" deviation="0"/>', ["SC112"]),
         ('<normal parameter="pace" mean="1" deviation="1" least="0"/>', ["SC250"]),
         ('<lognormal parameter="gap" mu="3" sigma="1" least="0" greatest="50"/>', ["SC250"]),
+        ('<normal parameter="pace" mean="1" deviation="0.1" least="5" greatest="6"/>', ["SC250"]),
+        ('<lognormal parameter="gap" mu="3" sigma="0.01" least="30" greatest="50"/>', ["SC250"]),
         ('<histogram parameter="gap" edges="30 20" weights="1"/>', ["SC250"]),
         ('<histogram parameter="gap" edges="20 30" weights="0"/>', ["SC250"]),
         ('<choice parameter="gap" of="30 100"/>', ["SC112"]),
