@@ -22,9 +22,9 @@ def with_derived_columns(tables: RoadTables) -> RoadTables:
     Args:
         tables: The contents of a file, as lists; they are consumed.
     """
-    _resize(tables, LANE, len(tables.lane_id))
-    _resize(tables, CHUNK, CHUNKS_A_PART * (len(tables.piece_s) + len(tables.section_s)))
     n: RoadTables = _form(tables).containers["n"]
+    _resize(n, LANE, len(n.lane_id))
+    _resize(n, CHUNK, CHUNKS_A_PART * (len(n.piece_s) + len(n.section_s)))
     _form(n).enter("note_steady_lanes")
     while (count := _form(n).enter("lay_chunks")) > len(n.chunk_s):
         _resize(n, CHUNK, count)
@@ -52,7 +52,9 @@ def _resize(n: RoadTables, of: Of, size: int) -> None:
             column = getattr(n, name)
             wanted = size + (declared.starts is not None)
             del column[wanted:]
-            column.extend([start_of(RoadTables, name)] * (wanted - len(column)))
+            more = column[:0]
+            more.append(start_of(RoadTables, name))
+            column.extend(more * (wanted - len(column)))
 
 
 def _ints(count: int) -> array[int]:

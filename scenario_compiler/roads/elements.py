@@ -2,70 +2,33 @@
 
 With lxml's elements, which lxml makes for each visit from a tree of the whole file, visiting them would take most of
 the time to read a road file. Here lxml's parser only reports which elements begin and end, so the same files are
-well-formed, and a road is read and forgotten before the next one is parsed. If a finding needs a place,
-`parse_document` parses the file again, and its element with the same number has the place.
+well-formed, and the elements are those of Python's library, which are made once. A road is read and emptied before the
+next one is parsed. If a finding needs a place, `parse_document` parses the file again, and its element at the same
+position in the tree has the place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import cached_property
-from itertools import count
-from typing import TypeAlias, cast, overload
+from typing import TypeAlias, cast
+from xml.etree import ElementTree
 
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document, Origin, is_unusual, parse_document, quiet_parser
 
-
-class PlainElement(list["PlainElement"]):
-    """An element as the list of its child elements, with the part of lxml's interface that reading a network needs.
-
-    Attributes:
-        tag: Its name, without the namespace of the file's root.
-        attrib: Its attributes.
-        number: Number of elements before it in the file.
-    """
-
-    __slots__ = ("attrib", "number", "tag")
-    __eq__ = object.__eq__
-    __hash__ = object.__hash__  # type: ignore[assignment]
-
-    tag: str
-    attrib: Mapping[str, str]
-    number: int
-
-    @overload
-    def get(self, name: str) -> str | None: ...
-
-    @overload
-    def get(self, name: str, default: str) -> str: ...
-
-    def get(self, name: str, default: str | None = None) -> str | None:
-        """Return the value of an attribute."""
-        return self.attrib.get(name, default)
-
-    def findall(self, path: str) -> list[PlainElement]:
-        """Return the descendants at a path of names, such as "lanes/laneSection", in the order of the file."""
-        found: list[PlainElement] = [self]
-        for name in path.split("/"):
-            found = [child for one in found for child in one if child.tag == name]
-        return found
-
-    def find(self, path: str) -> PlainElement | None:
-        """Return the first descendant at a path, None if there is none."""
-        return next(iter(self.findall(path)), None)
-
-    def iter(self) -> Iterator[PlainElement]:
-        """Yield this element and all that it contains."""
-        yield self
-        for child in self:
-            yield from child.iter()
-
+PlainElement: TypeAlias = ElementTree.Element
+"""An element of a `RoadFile`. Names in the namespace of the file's root have no namespace."""
 
 Element: TypeAlias = etree._Element | PlainElement
 """An element of a `Document` or of a `RoadFile`."""
+
+
+def grandchildren(element: PlainElement, tag: str, inner: str) -> list[PlainElement]:
+    """Return the children with the tag `inner` of an element's children with another tag, in the order of the file."""
+    return [one for child in element.findall(tag) for one in child.findall(inner)]
 
 
 class RoadFile:
@@ -75,20 +38,27 @@ class RoadFile:
         """Keep both; nothing is parsed yet."""
         self.path = path
         self._raw = raw
+        self._root, self._at = PlainElement(""), 0
+        self._placed: dict[PlainElement, etree._Element] = {}
 
     def parse(self, take: Callable[[PlainElement], None], sink: Diagnostics) -> PlainElement | None:
         """Parse the file and return its root.
 
         Args:
-            take: Receives each child of the root when it is complete, and may empty it.
+            take: Receives each road when it is complete. It may clear elements in it, but not move any.
             sink: Receives the diagnostics of `parse_document` if the file cannot be used.
 
         Returns:
             The root; None if the file cannot be used. What `take` has received then means nothing.
         """
+
+        def take_road(root: PlainElement, at: int) -> None:
+            self._root, self._at = root, at
+            take(root[at])
+
         if is_unusual(self._raw) and parse_document(self._raw, self.path, sink) is None:
             return None
-        builder = _Builder(take)
+        builder = _Builder(take_road)
         parser = quiet_parser(builder)
         try:
             root = cast(PlainElement, etree.fromstring(self._raw, parser))
@@ -97,20 +67,32 @@ class RoadFile:
             return None
         if (builder.unusual or len(parser.error_log) > 0) and parse_document(self._raw, self.path, sink) is None:
             return None
+        self._root = root
         return root
 
     @cached_property
-    def _placed(self) -> tuple[Document, list[etree._Element]]:
-        """The file with places, and its elements by their numbers."""
+    def _document(self) -> tuple[Document, list[etree._Element]]:
+        """The file with places, and the children of its root."""
         document = parse_document(self._raw, self.path, Diagnostics())
         if document is None:
             raise _Unusable("the file is not well-formed after the element that is reported")
-        return document, list(document.root.iter(etree.Element))
+        return document, list(document.root.iterchildren(etree.Element))
 
     def origin(self, element: PlainElement, attribute: str | None = None) -> Origin:
         """Return the place of an element's start tag, or of one of its attributes."""
-        document, elements = self._placed
-        return document.origin(elements[element.number], attribute)
+        document, parts = self._document
+        here = slice(self._at, self._at + 1)
+        for mine, theirs in (*zip(self._root[here], parts[here], strict=True), (self._root, document.root)):
+            if element not in self._placed:
+                self._placed = dict(_pairs(mine, theirs))
+        return document.origin(self._placed[element], attribute)
+
+
+def _pairs(mine: PlainElement, theirs: etree._Element) -> Iterator[tuple[PlainElement, etree._Element]]:
+    """Yield the elements of a tree with those at the same positions of a tree that has the same elements or more."""
+    yield mine, theirs
+    for one, other in zip(mine, theirs.iterchildren(etree.Element), strict=False):
+        yield from _pairs(one, other)
 
 
 class _Unusable(Exception):
@@ -127,46 +109,54 @@ class _Builder:
         unusual: Whether an element has an id of XML's own, which only `parse_document` judges.
     """
 
-    def __init__(self, take: Callable[[PlainElement], None]) -> None:
-        """Begin with an element above the root."""
+    def __init__(self, take: Callable[[PlainElement, int], None]) -> None:
+        """Begin before the root; `take` receives the root and the index of each road in it when it is complete."""
         self.unusual = False
-        self._open = [PlainElement()]
-        self.start, self.end = self._events(take)
+        self.start, self.end, self.close = self._events(take)
 
     def _events(
-        self, take: Callable[[PlainElement], None]
-    ) -> tuple[Callable[[str, Mapping[str, str]], None], Callable[[str], None]]:
-        """Return the functions for begins and ends; variables of a function are faster than attributes of an object."""
-        opened, next_number, namespace = self._open, count().__next__, ""
+        self, take: Callable[[PlainElement, int], None]
+    ) -> tuple[Callable[[str, dict[str, str]], None], Callable[[str], PlainElement], Callable[[], PlainElement]]:
+        """Return the functions for begins, ends and the end of the file.
 
-        def start(tag: str, attributes: Mapping[str, str]) -> None:
+        Variables of a function are faster than attributes of an object, and `TreeBuilder.end` is faster than a function
+        that calls it; therefore a road is taken when the next one begins or the file ends.
+        """
+        tree = ElementTree.TreeBuilder()
+        begin = tree.start
+        above = begin("", {})
+        namespace, at = "", -1
+
+        def bare(tag: str) -> str:
             nonlocal namespace
+            if len(above) == 0:
+                namespace = tag[: tag.rindex("}") + 1]
+            return tag.removeprefix(namespace)
+
+        def start(tag: str, attributes: dict[str, str]) -> None:
+            """Begin an element; without attributes lxml gives an empty mapping that is not a dictionary."""
+            nonlocal at
             if tag[0] == "{":
-                if len(opened) == 1:
-                    namespace = tag[: tag.rindex("}") + 1]
-                tag = tag.removeprefix(namespace)
-            element = PlainElement()
-            element.tag = tag
-            element.attrib = attributes
-            element.number = next_number()
-            opened[-1].append(element)
-            opened.append(element)
+                tag = bare(tag)
+            element = begin(tag, attributes or {})
+            if tag == "road" and above[0][-1:] == [element]:
+                if at >= 0:
+                    take(above[0], at)
+                at = len(above[0]) - 1
             if _ID in attributes:
                 self.unusual = True
 
-        def end(_: str) -> None:
-            element = opened.pop()
-            if len(opened) == 2:
-                take(element)
+        def close() -> PlainElement:
+            """Return the root, and let go of `take`: lxml keeps this function until the next garbage collection."""
+            nonlocal take
+            root = next(iter(above), above)
+            if at >= 0:
+                take(root, at)
+            del take
+            return root
 
-        return start, end
+        return start, tree.end, close
 
     def doctype(self, *_: str | None) -> None:
         """Refuse a document type, which could declare entities."""
         raise _Unusable("a document type")
-
-    def close(self) -> PlainElement | None:
-        """Return the root and let go of it, because lxml keeps a target until the next garbage collection."""
-        root = next(iter(self._open[0]), None)
-        self._open.clear()
-        return root

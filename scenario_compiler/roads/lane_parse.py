@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.attachments import CUT_TOLERANCE
-from scenario_compiler.roads.elements import PlainElement
+from scenario_compiler.roads.elements import PlainElement, grandchildren
 from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, NONE
 from scenario_compiler.roads.marks import (
     CHANGE_BOTH,
@@ -70,6 +70,12 @@ QUALITY_CODE = "marking_quality"
 UNCROSSED_MARKS = frozenset({"solid", "solid solid", "curb", "edge"})
 """Marks that forbid a lane change if the file has no `laneChange`; the others allow it."""
 
+MARK_COLUMNS = (
+    *("mark_type", "mark_colour", "mark_change", "mark_width", "mark_quality_from", "mark_quality_to"),
+    *("mark_sway_first", "mark_sway_last", "mark_line"),
+)
+"""The columns that each mark fills by itself."""
+
 LANE_DIRECTIONS = {"standard": 0, "reversed": 1, "both": 2}
 
 
@@ -80,6 +86,9 @@ class LaneLinks:
     before: list[list[int]]
     after: list[list[int]]
 
+
+Paint = tuple[int, int, int, float]
+"""Codes of a mark's type, colour and lane change, and its width, m."""
 
 Side = tuple[PlainElement | None, float]
 """The side's element and the s from which its records count."""
@@ -93,6 +102,8 @@ class LaneReader:
         self._reader = reader
         self._n = tables
         self._copies = COPY_LIMIT
+        self._paints: dict[tuple[str | None, ...], Paint] = {}
+        self._mark_columns = [getattr(tables, name) for name in MARK_COLUMNS]
         self.links = LaneLinks([], [])
 
     def read(self, road_element: PlainElement, road: int, length: float, cuts: Sequence[float] = ()) -> None:
@@ -154,7 +165,7 @@ class LaneReader:
         n.section_end.append(span[1])
         n.section_road.append(road)
         lefts = self._side(left[0], 1)
-        centre = element.find("center/lane")
+        centre = next(iter(grandchildren(element, "center", "lane")), None)
         n.section_left.append(len(lefts))
         outwards: list[tuple[int, PlainElement | None, float]] = []
         outwards.extend((lane, one, left[1]) for lane, one in reversed(lefts))
@@ -206,20 +217,16 @@ class LaneReader:
         n.lane_direction.append(direction)
         if direction == 1:
             n.road_directions[n.section_road[-1]] = 1
-        marks: list[PlainElement] = []
-        for child in element:
-            tag = child.tag
-            if tag == "roadMark":
-                marks.append(child)
-            elif tag == "link":
-                self._links(child, before, after)
-            elif tag == "speed":
-                n.speed_s.append(origin + self._reader.number(child, "sOffset", 0.0, limit=LENGTH_LIMIT))
-                n.speed_max.append(self._reader.speed(child))
-            elif tag == "height":
-                n.height_s.append(origin + self._reader.number(child, "sOffset", 0.0, limit=LENGTH_LIMIT))
-                n.height_inner.append(self._reader.number(child, "inner", 0.0))
-                n.height_outer.append(self._reader.number(child, "outer", 0.0))
+        for link in element.findall("link"):
+            self._links(link, before, after)
+        for speed in element.findall("speed"):
+            n.speed_s.append(origin + self._reader.number(speed, "sOffset", 0.0, limit=LENGTH_LIMIT))
+            n.speed_max.append(self._reader.speed(speed))
+        for height in element.findall("height"):
+            n.height_s.append(origin + self._reader.number(height, "sOffset", 0.0, limit=LENGTH_LIMIT))
+            n.height_inner.append(self._reader.number(height, "inner", 0.0))
+            n.height_outer.append(self._reader.number(height, "outer", 0.0))
+        marks = element.findall("roadMark")
         if marks:
             self._marks(marks, origin, end)
 
@@ -285,56 +292,57 @@ class LaneReader:
 
     def _marks(self, elements: list[PlainElement], origin: float, end: float) -> None:
         n = self._n
-        rows = []
-        for element in elements:
-            offset = element.attrib.get("sOffset")
-            s = 0.0
-            if offset is not None and offset != "0":
-                s = self._reader.number(element, "sOffset", 0.0, limit=LENGTH_LIMIT)
-            rows.append((origin + s, element))
-        if any(rows[i][0] > rows[i + 1][0] for i in range(len(rows) - 1)):
+        number = self._reader.number
+        starts = [origin + number(one, "sOffset", 0.0, limit=LENGTH_LIMIT) for one in elements]
+        if starts != sorted(starts):
             self._reader.report(UNSORTED, "the lane's road marks are not in ascending order", elements[0])
-            rows.sort(key=lambda row: row[0])
-        for i, (s, element) in enumerate(rows):
-            n.mark_s.append(s)
-            n.mark_end.append(rows[i + 1][0] if i + 1 < len(rows) else max(s, end))
-            self._mark(element)
+            elements = [elements[i] for i in sorted(range(len(elements)), key=starts.__getitem__)]
+            starts.sort()
+        n.mark_s.extend(starts)
+        n.mark_end.extend(starts[1:])
+        n.mark_end.append(max(starts[-1], end))
+        rows = [self._mark(s, element) for s, element in zip(starts, elements, strict=True)]
+        for column, values in zip(self._mark_columns, zip(*rows, strict=True), strict=True):
+            column.extend(values)
 
-    def _mark(self, element: PlainElement) -> None:
+    def _mark(self, s: float, element: PlainElement) -> tuple[float, ...]:
+        """Return the values of a mark from s on for `MARK_COLUMNS`, and append its lines."""
         n = self._n
-        get = element.attrib.get
-        name = get("type", "none")
-        code = MARK_TYPE_CODES.get(name, -1)
-        if code < 0:
-            code = MARK_CUSTOM
-            self._reader.report(
-                UNKNOWN_LANE_WORD, f"unknown mark type '{name[:40]}'; 'custom' is used", element, "type"
-            )
-        n.mark_type.append(code)
-        n.mark_colour.append(MARK_COLOUR_CODES.get(get("color", "standard"), 0))
-        change = get("laneChange")
-        if change is None:
-            n.mark_change.append(CHANGE_NONE if name in UNCROSSED_MARKS else CHANGE_BOTH)
-        else:
-            n.mark_change.append(LANE_CHANGE_CODES.get(change.lower(), CHANGE_BOTH))
-        width = self._reader.number(element, "width", 0.0)
-        if width <= 0.0:
-            width = 2.0 * STANDARD_WIDTH if get("weight") == "bold" else STANDARD_WIDTH
-        n.mark_width.append(width)
+        get = element.get
+        written = get("type"), get("color"), get("laneChange"), get("width"), get("weight")
+        kind, colour, change, width = self._paints.get(written) or self._paint(element, written)
         quality = 1.0
         first = last = 0
         if len(element):
             quality = self._quality(element)
             sways = element.findall("sway")
             if sways:
-                first, last = self._reader.cubics(n, sways, "ds", n.mark_s[-1])
-            self._lines(element.findall("type/line"), 0)
-            self._lines(element.findall("explicit/line"), 1)
-        n.mark_quality_from.append(quality)
-        n.mark_quality_to.append(quality)
-        n.mark_sway_first.append(first)
-        n.mark_sway_last.append(last)
-        n.mark_line.append(len(n.line_length))
+                first, last = self._reader.cubics(n, sways, "ds", s)
+            self._lines(grandchildren(element, "type", "line"), 0, width, colour)
+            self._lines(grandchildren(element, "explicit", "line"), 1, width, colour)
+        return kind, colour, change, width, quality, quality, first, last, len(n.line_length)
+
+    def _paint(self, element: PlainElement, written: tuple[str | None, ...]) -> Paint:
+        """Return the paint of a mark, and keep it for marks with the same attributes unless one is reported."""
+        reported = self._reader.sink.reported
+        name = element.get("type", "none")
+        kind = MARK_TYPE_CODES.get(name, -1)
+        if kind < 0:
+            kind = MARK_CUSTOM
+            message = f"unknown mark type '{name[:40]}'; 'custom' is used"
+            self._reader.report(UNKNOWN_LANE_WORD, message, element, "type")
+        colour = MARK_COLOUR_CODES.get(element.get("color", "standard"), 0)
+        allowed = element.get("laneChange")
+        if allowed is None:
+            change = CHANGE_NONE if name in UNCROSSED_MARKS else CHANGE_BOTH
+        else:
+            change = LANE_CHANGE_CODES.get(allowed.lower(), CHANGE_BOTH)
+        width = self._reader.number(element, "width", 0.0)
+        if width <= 0.0:
+            width = 2.0 * STANDARD_WIDTH if element.get("weight") == "bold" else STANDARD_WIDTH
+        if self._reader.sink.reported == reported:
+            self._paints[written] = kind, colour, change, width
+        return kind, colour, change, width
 
     def _quality(self, element: PlainElement) -> float:
         for data in element.findall("userData"):
@@ -342,7 +350,7 @@ class LaneReader:
                 return min(1.0, max(0.0, self._reader.number(data, "value", 1.0)))
         return 1.0
 
-    def _lines(self, elements: Iterable[PlainElement], once: int) -> None:
+    def _lines(self, elements: Iterable[PlainElement], once: int, width: float, colour: int) -> None:
         n = self._n
         for line in elements:
             number = self._reader.number
@@ -350,8 +358,8 @@ class LaneReader:
             n.line_space.append(number(line, "space", 0.0))
             n.line_t.append(number(line, "tOffset", 0.0))
             n.line_s.append(number(line, "sOffset", 0.0))
-            n.line_width.append(number(line, "width", n.mark_width[-1]))
-            n.line_colour.append(MARK_COLOUR_CODES.get(line.get("color", ""), n.mark_colour[-1]))
+            n.line_width.append(number(line, "width", width))
+            n.line_colour.append(MARK_COLOUR_CODES.get(line.get("color", ""), colour))
             n.line_once.append(once)
 
 

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.roads.attachments import Attachment, cuts_of, read_attachments
 from scenario_compiler.roads.derived import with_derived_columns
-from scenario_compiler.roads.elements import PlainElement, RoadFile
+from scenario_compiler.roads.elements import PlainElement, RoadFile, grandchildren
 from scenario_compiler.roads.lane_parse import LaneReader
 from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
 from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
@@ -76,6 +76,7 @@ def read_network(file: RoadFile, sink: Diagnostics) -> ParsedNetwork | None:
             return None
         attachments = read_attachments(reading.reader, root)
     parsed = reading.finish(root, attachments)
+    root.clear()  # lxml keeps it until the next garbage collection
     sink.absorb(reading.findings)
     return parsed
 
@@ -97,14 +98,14 @@ class _Reading:
         self._n = RoadTables()
         self._lanes = LaneReader(self.reader, self._n)
         self._roads: dict[str, PlainElement] = {}
-        self._repeats: list[PlainElement] = []
 
     def take(self, element: PlainElement) -> None:
-        """Read a child of the root; of a road only the links are left in the element."""
-        if element.tag == "road":
-            self._take_road(element)
-            self._repeats.extend(element.findall("objects/object/repeat"))
-            element[:] = element.findall("link")
+        """Read a road; only its links are left in the element."""
+        self._take_road(element)
+        _report_repeats(self.reader, element)
+        for part in element:
+            if part.tag != "link":
+                part.clear()
 
     def _take_road(self, element: PlainElement) -> None:
         road_id = element.get("id")
@@ -126,12 +127,6 @@ class _Reading:
         junctions = {name: i for i, name in reversed(list(enumerate(junction_ids)))}
         n.road_junction.extend(junctions.get(road.get("junction", "-1"), -1) for road in roads)
         build_links(self.reader, n, root, roads, road_ids, junctions, self._lanes.links, attachments)
-        if self._repeats:
-            from scenario_compiler.roads.model import (
-                report_repeats,  # to import it takes a third of a small file's time
-            )
-
-            report_repeats(self.reader, self._repeats)
         return ParsedNetwork(with_derived_columns(n), road_ids, junction_ids)
 
 
@@ -148,7 +143,7 @@ def _read_road(
         if element.get("length") is not None:
             reader.report(UNUSABLE_ROAD, "the road's length is not positive; it is left out", element, "length")
             return False
-        geometries = element.findall("planView/geometry")
+        geometries = grandchildren(element, "planView", "geometry")
         length = sum(reader.number(one, "length", 0.0, limit=LENGTH_LIMIT) for one in geometries)
     if length <= 0.0 or not read_reference_line(reader, n, element, length):
         reader.report(UNUSABLE_ROAD, "the road has no reference line of positive length; it is left out", element)
@@ -166,12 +161,20 @@ def _read_road(
     return True
 
 
+def _report_repeats(reader: Reader, road: PlainElement) -> None:
+    repeats = [one for element in grandchildren(road, "objects", "object") for one in element.findall("repeat")]
+    if repeats:
+        from scenario_compiler.roads.model import report_repeats  # to import it takes a third of a small file's time
+
+        report_repeats(reader, repeats)
+
+
 def _read_profiles(reader: Reader, n: RoadTables, element: PlainElement) -> None:
-    elevation = reader.cubics(n, element.findall("elevationProfile/elevation"), "s", 0.0)
-    roll = reader.cubics(n, element.findall("lateralProfile/superelevation"), "s", 0.0)
-    offset = reader.cubics(n, element.findall("lanes/laneOffset"), "s", 0.0)
+    elevation = reader.cubics(n, grandchildren(element, "elevationProfile", "elevation"), "s", 0.0)
+    roll = reader.cubics(n, grandchildren(element, "lateralProfile", "superelevation"), "s", 0.0)
+    offset = reader.cubics(n, grandchildren(element, "lanes", "laneOffset"), "s", 0.0)
     left, right = (0, 0), (0, 0)
-    falls = element.findall("lateralProfile/crossfall")
+    falls = grandchildren(element, "lateralProfile", "crossfall")
     if falls:
         left = reader.cubics(n, [one for one in falls if one.get("side") != "right"], "s", 0.0)
         right = reader.cubics(n, [one for one in falls if one.get("side") != "left"], "s", 0.0)
@@ -185,7 +188,7 @@ def _read_profiles(reader: Reader, n: RoadTables, element: PlainElement) -> None
         getattr(n, f"road_{name}_first").append(first)
         getattr(n, f"road_{name}_last").append(last)
     stations: dict[float, list[PlainElement]] = {}
-    for one in element.findall("lateralProfile/shape"):
+    for one in grandchildren(element, "lateralProfile", "shape"):
         stations.setdefault(reader.number(one, "s", 0.0), []).append(one)
     for s in sorted(stations):
         first, last = reader.cubics(n, stations[s], "t", 0.0)

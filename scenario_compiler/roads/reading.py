@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from math import inf
+from collections.abc import Sequence
+from math import hypot, inf
+from operator import itemgetter
 from typing import Any, Protocol
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
@@ -39,6 +40,24 @@ NUMBER_LIMIT = 1e12
 
 SPEED_UNITS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
 """Factor to m/s of each unit of speed (OpenDRIVE e_unitSpeed)."""
+
+
+class Numbers:
+    """The attributes of a kind of record that are numbers, 0 if they are missing: two or more.
+
+    Attributes:
+        limits: Their names, with the largest absolute value of each.
+        texts: Returns their texts from an element's attributes.
+    """
+
+    def __init__(self, lengths: Sequence[str], others: Sequence[str]) -> None:
+        """Take the names of those with the limit `LENGTH_LIMIT`, and of those with `NUMBER_LIMIT`."""
+        self.limits = (*((name, LENGTH_LIMIT) for name in lengths), *((name, NUMBER_LIMIT) for name in others))
+        self.texts = itemgetter(*lengths, *others)
+
+
+CUBICS = {station: Numbers((station,), "abcd") for station in ("s", "t", "sOffset", "ds")}
+"""The numbers of a cubic by the attribute for its start."""
 
 
 class Places(Protocol):
@@ -79,6 +98,16 @@ class Reader:
         self.report(BAD_NUMBER, f"{name} is {value:g}; {default:g} is used", element, name)
         return default
 
+    def numbers(self, record: PlainElement, read: Numbers) -> tuple[float, ...]:
+        """Return several attributes of a record; see `number`."""
+        try:
+            found = tuple(map(float, read.texts(record.attrib)))
+            if hypot(*found) < LENGTH_LIMIT:  # none of them is larger, infinite or NaN
+                return found
+        except (KeyError, ValueError):
+            pass
+        return tuple(self.number(record, name, 0.0, limit=limit) for name, limit in read.limits)
+
     def integer(self, element: Element, name: str) -> int | None:
         """Return an attribute as an integer, or None (with a finding) for any other text."""
         text = element.get(name)
@@ -103,36 +132,28 @@ class Reader:
             return NO_SPEED
         return value * SPEED_UNITS.get(element.get("unit", "m/s"), 1.0)
 
-    def cubics(self, n: RoadTables, records: Iterable[PlainElement], station: str, origin: float) -> tuple[int, int]:
+    def cubics(self, n: RoadTables, records: Sequence[PlainElement], station: str, origin: float) -> tuple[int, int]:
         """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere.
 
         Args:
             n: The tables.
             records: Elements with the attributes a, b, c, d.
-            station: Name of the attribute for a record's start: "s", "t" or "sOffset".
+            station: Name of the attribute for a record's start: "s", "t", "sOffset" or "ds".
             origin: Value to which that attribute is relative.
         """
+        read = CUBICS[station]
         rows = []
         ordered = True
         last = -inf
         for record in records:
-            get = record.attrib.get
-            try:
-                s = float(get(station, "?"))
-                a, b, c, d = float(get("a", "?")), float(get("b", "?")), float(get("c", "?")), float(get("d", "?"))
-                fine = abs(s) + abs(a) + abs(b) + abs(c) + abs(d) < NUMBER_LIMIT and abs(s) <= LENGTH_LIMIT
-            except ValueError:
-                fine = False
-            if not fine:
-                s = self.number(record, station, 0.0, limit=LENGTH_LIMIT)
-                a, b, c, d = (self.number(record, name, 0.0) for name in "abcd")
+            s, a, b, c, d = self.numbers(record, read)
             if s < last:
                 ordered = False
                 self.report(UNSORTED, f"{station} is smaller than that of the record before", record, station)
             last = s
             rows.append((origin + s, a, b, c, d))
         if not ordered:
-            rows.sort(key=lambda row: row[0])
+            rows.sort(key=itemgetter(0))
         return append_cubics(n, rows)
 
 
@@ -143,14 +164,12 @@ Cubic = tuple[float, float, float, float, float]
 def append_cubics(n: RoadTables, rows: Sequence[Cubic]) -> tuple[int, int]:
     """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere."""
     first = len(n.cubic_s)
-    if not rows:
-        return first, first
-    s, a, b, c, d = zip(*rows, strict=True)
-    if not (any(a) or any(b) or any(c) or any(d)):
-        return first, first
-    n.cubic_s.extend(s)
-    n.cubic_a.extend(a)
-    n.cubic_b.extend(b)
-    n.cubic_c.extend(c)
-    n.cubic_d.extend(d)
+    if rows:
+        s, a, b, c, d = zip(*rows, strict=True)
+        if any(a) or any(b) or any(c) or any(d):
+            n.cubic_s.extend(s)
+            n.cubic_a.extend(a)
+            n.cubic_b.extend(b)
+            n.cubic_c.extend(c)
+            n.cubic_d.extend(d)
     return first, len(n.cubic_s)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil, cos, isfinite, sin, sqrt
+from operator import itemgetter
 
 from scenario_compiler.diagnostics import Code, Severity
-from scenario_compiler.roads.elements import PlainElement
-from scenario_compiler.roads.reading import LENGTH_LIMIT, UNSORTED, Reader
+from scenario_compiler.roads.elements import PlainElement, grandchildren
+from scenario_compiler.roads.reading import UNSORTED, Numbers, Reader
 from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, SPIRAL, RoadTables
 
 UNKNOWN_GEOMETRY = Code(
@@ -26,6 +28,10 @@ COARSE_SPIRAL = Code(
     "Check the unit of the curvatures: 1/m, not degrees and not a radius.",
     Severity.WARNING,
 )
+
+GEOMETRY = Numbers(("s", "length"), ("x", "y", "hdg"))
+POLY3 = Numbers((), "abcd")
+PARAM_POLY3 = Numbers((), ("aU", "bU", "cU", "dU", "aV", "bV", "cV", "dV"))
 
 TURN_LIMIT = 0.1
 """Greatest change of direction in one piece of a spiral, rad. With `RATE_LIMIT` it keeps the error of the three-point
@@ -54,30 +60,29 @@ GAUSS = (
 
 def read_reference_line(reader: Reader, n: RoadTables, road: PlainElement, length: float) -> bool:
     """Append the pieces of a road's reference line and their index; return False if it has none."""
+    elements = grandchildren(road, "planView", "geometry")
+    if not elements:
+        return False
     geometries = []
     last = -1.0
-    for element in road.findall("planView/geometry"):
-        s = reader.number(element, "s", 0.0, limit=LENGTH_LIMIT)
+    for element in elements:
+        s, length_of_piece, x, y, h = reader.numbers(element, GEOMETRY)
         if s < last:
             reader.report(UNSORTED, "s is smaller than that of the geometry before", element, "s")
         last = s
-        geometries.append((s, element))
-    geometries.sort(key=lambda pair: pair[0])
-    if not geometries:
-        return False
+        geometries.append((s, length_of_piece, x, y, h, element))
+    geometries.sort(key=itemgetter(0))
     first = len(n.piece_s)
-    for s, element in geometries:
-        _read_geometry(reader, n, s, element)
+    for geometry in geometries:
+        _append_geometry(reader, n, *geometry)
     n.road_piece.append(len(n.piece_s))
     _append_index(n, first, length)
     return True
 
 
-def _read_geometry(reader: Reader, n: RoadTables, s: float, element: PlainElement) -> None:
-    x = reader.number(element, "x", 0.0)
-    y = reader.number(element, "y", 0.0)
-    h = reader.number(element, "hdg", 0.0)
-    length = reader.number(element, "length", 0.0, limit=LENGTH_LIMIT)
+def _append_geometry(
+    reader: Reader, n: RoadTables, s: float, length: float, x: float, y: float, h: float, element: PlainElement
+) -> None:
     for shape in element:
         if shape.tag == "line":
             _append_piece(n, s, x, y, h, 0.0, 0.0, LINE)
@@ -87,14 +92,13 @@ def _read_geometry(reader: Reader, n: RoadTables, s: float, element: PlainElemen
         elif shape.tag == "spiral":
             _append_spiral(reader, n, s, x, y, h, length, shape)
         elif shape.tag == "poly3":
-            a, b, c, d = (reader.number(shape, name, 0.0) for name in "abcd")
+            a, b, c, d = reader.numbers(shape, POLY3)
             _append_polynomial(n, s, x, y, h, (0.0, 1.0, 0.0, 0.0, a, b, c, d), _poly3_scale(b, c, d, length))
         elif shape.tag == "paramPoly3":
-            names = ("aU", "bU", "cU", "dU", "aV", "bV", "cV", "dV")
             scale = 1.0
             if shape.get("pRange") != "arcLength" and length > 0.0:
                 scale = 1.0 / length
-            _append_polynomial(n, s, x, y, h, tuple(reader.number(shape, name, 0.0) for name in names), scale)
+            _append_polynomial(n, s, x, y, h, reader.numbers(shape, PARAM_POLY3), scale)
         else:
             continue
         return
@@ -161,7 +165,7 @@ def _advance(h: float, k: float, rate: float, step: float) -> tuple[float, float
 
 
 def _append_polynomial(
-    n: RoadTables, s: float, x: float, y: float, h: float, coefficients: tuple[float, ...], scale: float
+    n: RoadTables, s: float, x: float, y: float, h: float, coefficients: Sequence[float], scale: float
 ) -> None:
     columns = (n.poly_au, n.poly_bu, n.poly_cu, n.poly_du, n.poly_av, n.poly_bv, n.poly_cv, n.poly_dv)
     for column, value in zip(columns, coefficients, strict=True):

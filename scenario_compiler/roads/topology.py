@@ -15,7 +15,7 @@ from math import pi
 
 from scenario_compiler.diagnostics import Code, Severity, did_you_mean
 from scenario_compiler.roads.attachments import CUT_TOLERANCE, Attachment
-from scenario_compiler.roads.elements import PlainElement
+from scenario_compiler.roads.elements import PlainElement, grandchildren
 from scenario_compiler.roads.geometry import road_reference, wrap_angle
 from scenario_compiler.roads.lane_parse import LaneLinks
 from scenario_compiler.roads.lanes import lane_row_in
@@ -104,7 +104,7 @@ def _read_road_links(
         ("predecessor", n.road_start_road, n.road_start_contact, n.road_start_junction),
         ("successor", n.road_end_road, n.road_end_contact, n.road_end_junction),
     ):
-        link = element.find(f"link/{name}")
+        link = next(iter(grandchildren(element, "link", name)), None)
         road = junction = contact = -1
         end = AT_START if name == "predecessor" else AT_END
         if link is not None and (element.get("id", ""), end) not in inside:
@@ -272,18 +272,19 @@ def _store(n: RoadTables, links: _Links) -> None:
     turns = [_turn(n, road) for road in range(len(n.road_length))]
     exits: list[list[tuple[int, int]]] = [[] for _ in range(2 * len(n.road_length))]
     for i, ends in enumerate(links.ends):
-        row, end = divmod(i, 2)
-        section = n.lane_section[row]
-        road = n.section_road[section]
-        for other, contact in ends:
-            target = n.section_road[n.lane_section[other]]
-            n.link_lane.append(other)
-            n.link_contact.append(contact)
-            branch = (row, end, other) in links.branches
-            n.link_turn.append(pi if branch else turns[target] if n.road_junction[target] >= 0 else 0.0)
+        if ends:
+            row, end = divmod(i, 2)
+            section = n.lane_section[row]
+            road = n.section_road[section]
             at_road_end = section == _end_section(n, road, end)
-            if at_road_end and not branch and (target, contact) not in exits[2 * road + end]:
-                exits[2 * road + end].append((target, contact))
+            for other, contact in ends:
+                target = n.section_road[n.lane_section[other]]
+                n.link_lane.append(other)
+                n.link_contact.append(contact)
+                branch = (row, end, other) in links.branches
+                n.link_turn.append(pi if branch else turns[target])
+                if at_road_end and not branch and (target, contact) not in exits[2 * road + end]:
+                    exits[2 * road + end].append((target, contact))
         n.lane_link.append(len(n.link_lane))
     for roads in exits:
         n.exit_road.extend(road for road, _ in roads)

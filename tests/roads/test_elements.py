@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from pathlib import Path
 
 import pytest
@@ -12,7 +14,8 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.document import MAX_ATTRIBUTES, drop_namespace, parse_document
 from scenario_compiler.roads import load_network
-from scenario_compiler.roads.elements import PlainElement, RoadFile
+from scenario_compiler.roads.elements import PlainElement, RoadFile, grandchildren
+from scenario_compiler.roads.parse import read_network
 from tests.roads.make import road
 
 PIECES = (
@@ -38,7 +41,6 @@ def test_elements_and_findings_are_those_of_a_document(pieces: list[str], start:
         drop_namespace(document.root)
         expected = [(one.tag, dict(one.attrib)) for one in document.root.iter(etree.Element)]
         assert [(one.tag, dict(one.attrib)) for one in root.iter()] == expected
-        assert [one.number for one in root.iter()] == list(range(len(expected)))
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "us-ascii", "iso-8859-1", "windows-1252", "utf-16", "utf-16-le"])
@@ -75,27 +77,55 @@ def test_the_place_of_an_element_is_found_after_comments_and_instructions() -> N
     assert [(one.line, one.column) for one in places] == [(2, 12), (3, 9)]
 
 
-def test_children_of_the_root_are_given_when_they_are_complete() -> None:
-    given_so_far: list[str] = []
+def test_a_road_is_given_when_it_is_complete() -> None:
+    raw = b"<a><road><c/><road><e/></road></road><f><road/></f><road n='1'/></a>"
+    given_so_far: list[list[str]] = []
 
     def take(element: PlainElement) -> None:
-        given_so_far.append(f"{element.tag}{len(element)}")
+        given_so_far.append([one.tag for one in element.iter()])
         element.clear()
 
-    root = RoadFile("a.xodr", b"<a><b><c/><d><e/></d></b><f/></a>").parse(take, Diagnostics())
+    root = RoadFile("a.xodr", raw).parse(take, Diagnostics())
     assert root is not None
-    assert given_so_far == ["b2", "f0"]
-    assert [one.tag for one in root.iter()] == ["a", "b", "f"]
+    assert given_so_far == [["road", "c", "road", "e"], ["road"]]
+    assert [one.tag for one in root.iter()] == ["a", "road", "f", "road", "road"]
 
 
-def test_descendants_are_found_by_paths() -> None:
-    root = RoadFile("a.xodr", b"<a><b><c n='1'/><d/><c n='2'/></b><b><c n='3'/></b></a>").parse(print, Diagnostics())
+def test_the_place_of_an_element_is_found_in_its_road_and_after_roads_were_emptied() -> None:
+    road_text = "<road><b c='1'/>\n<link><d/></link></road>"
+    file = RoadFile("a.xodr", f"<a><!-- -->{road_text}\n<e/>{road_text}</a>".encode())
+    lines: list[int] = []
+
+    def take(element: PlainElement) -> None:
+        lines.extend(file.origin(one).line for one in element.iter())
+        element[0].clear()
+
+    root = file.parse(take, Diagnostics())
     assert root is not None
-    assert [one.get("n") for one in root.findall("b/c")] == ["1", "2", "3"]
-    first = root.find("b/c")
-    assert first is not None
-    assert (first.get("n"), first.get("m"), first.get("m", "0")) == ("1", None, "0")
-    assert root.find("c") is None
+    assert lines == [1, 1, 2, 2, 3, 3, 4, 4]
+    assert [file.origin(one).line for one in root.iter()] == [1, *lines[:4], 3, *lines[4:]]
+
+
+def test_a_read_file_is_not_kept() -> None:
+    """The receiver of the events is kept by lxml together with its parser until the next garbage collection."""
+    gc.disable()
+    try:
+        file = RoadFile("a.xodr", f"<OpenDRIVE>{road()}</OpenDRIVE>".encode())
+        kept = weakref.ref(file)
+        assert read_network(file, Diagnostics()) is not None
+        del file
+        assert kept() is None
+    finally:
+        gc.enable()
+
+
+def test_grandchildren_are_in_the_order_of_the_file() -> None:
+    root = RoadFile("a.xodr", b"<a><b><c n='1'/><d/><c n='2'/></b><c n='4'/><b><c n='3'/></b></a>").parse(
+        print, Diagnostics()
+    )
+    assert root is not None
+    assert [one.get("n") for one in grandchildren(root, "b", "c")] == ["1", "2", "3"]
+    assert grandchildren(root, "c", "b") == []
 
 
 def test_a_file_that_breaks_off_after_a_wrong_number_is_only_malformed(tmp_path: Path) -> None:

@@ -104,6 +104,13 @@ def test_a_billion_repeats_are_reported_and_bounded(tmp_path: Path) -> None:
     assert len(list(repeat.places())) == 10_000
 
 
+def test_a_wrong_repeat_is_reported_in_a_file_without_a_usable_road(tmp_path: Path) -> None:
+    thing = '<objects><object id="1" s="0" t="0"><repeat s="x" length="1" distance="1"/></object></objects>'
+    made, codes = load(tmp_path, whole(road(length=0.0, more=thing)))
+    assert made is None
+    assert codes == {"SC301", "SC303", "SC305"}
+
+
 def test_very_long_roads_have_bounded_tables(tmp_path: Path) -> None:
     made, _ = load(tmp_path, whole(*(road(str(i), length=1e7) for i in range(4))))
     assert made is not None
