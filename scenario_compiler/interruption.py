@@ -87,6 +87,23 @@ def noted() -> Iterator[Interruption]:
 
 
 @contextlib.contextmanager
+def ended_with_this() -> Iterator[None]:
+    """If the user interrupts, end the processes that were started in the context, because they ignore Ctrl-C.
+
+    They are those that `left_to_this_process` started. In a pool of processes, this context is the inner one.
+    """
+    from multiprocessing import active_children
+
+    before = set(active_children())
+    try:
+        yield
+    except (KeyboardInterrupt, GeneratorExit):
+        for process in set(active_children()) - before:
+            process.kill()
+        raise
+
+
+@contextlib.contextmanager
 def put_off() -> Iterator[None]:
     """Delay an interruption until the context ends, for short tasks that must be completed."""
     if threading.current_thread() is not threading.main_thread():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -14,7 +14,7 @@ from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePla
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.garbage_collection import collect_seldom, keep_loaded
-from scenario_compiler.interruption import left_to_this_process
+from scenario_compiler.interruption import ended_with_this, left_to_this_process
 from scenario_compiler.languages import check_source, drop_allowed
 from scenario_compiler.plan.store import read_plan
 from scenario_compiler.resources import templates_from, templates_given
@@ -157,7 +157,7 @@ def checked_by_processes(tasks: Sequence[Sequence[Path]], processes: int, check:
     """
     in_hand = 2 * processes + 1  # each process has one, and the pool prepares one more than it has processes
     alone: set[int] = set()
-    with _ended_with_this(), ExitStack() as pools:
+    with ended_with_this(), ExitStack() as pools:
 
         def hand_out(numbers: Sequence[int]) -> dict[int, Future[list[list[Diagnostic]]]]:
             pool = _pool(processes)
@@ -193,20 +193,6 @@ def _one_by_one(files: Sequence[Path], check: Check) -> Iterator[list[Diagnostic
             ended = "the system ended the process that checked it, and also a second one"
             yield [_unchecked(file, ended)]
     pool.shutdown()
-
-
-@contextmanager
-def _ended_with_this() -> Iterator[None]:
-    """If the user interrupts, end the processes that were started in the context, because they ignore Ctrl-C."""
-    from multiprocessing import active_children
-
-    before = set(active_children())
-    try:
-        yield
-    except (KeyboardInterrupt, GeneratorExit):
-        for process in set(active_children()) - before:
-            process.kill()
-        raise
 
 
 def _pool(processes: int) -> ProcessPoolExecutor:

@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.files import split_target
+from scenario_compiler.interruption import ended_with_this, left_to_this_process
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.outcome import Outcome, judge
 from scenario_compiler.report.wording import CAUSE_WORDS, outcome_words
@@ -94,17 +95,19 @@ def separate_all(
 
     Args:
         targets: FILE#name of each.
-        processes: Number of processes to spread them over.
+        processes: Number of processes.
         maps: Folders in which maps are looked for first.
-        perception: What tells the automation of its lane.
-        progress: Called with how many are done, and of how many.
+        perception: Source of the lane confidence.
+        progress: Called with the number of finished scenarios and the total.
     """
     task = partial(separate, maps=tuple(maps), templates=templates_given(), perception=perception)
     if processes < 2:
         yield from _counted(map(task, targets), len(targets), progress)
         return
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        yield from _counted(pool.map(task, targets), len(targets), progress)
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool, ended_with_this():
+        with left_to_this_process():
+            found = pool.map(task, targets)
+        yield from _counted(found, len(targets), progress)
 
 
 def _counted(

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity, position_text
 from scenario_compiler.files import split_target
+from scenario_compiler.interruption import ended_with_this, left_to_this_process
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.resources import templates_from, templates_given
 from scenario_compiler.runtime import open_world, run
@@ -79,23 +80,25 @@ def study_all(
     """
     task = partial(study, runs=runs, maps=tuple(maps), templates=templates_given())
     few = processes < 2 or len(targets) <= FEW
-    for done, one in enumerate(map(task, targets) if few else _spread(targets, task, processes), start=1):
+    for done, one in enumerate(map(task, targets) if few else spread(targets, task, processes), start=1):
         if progress is not None:
             progress(done, len(targets))
         yield one
 
 
-def _spread(targets: Sequence[str], task: Task, processes: int) -> Iterator[Studied]:
+def spread(targets: Sequence[str], task: Task, processes: int) -> Iterator[Studied]:
     """Yield results from worker processes. If one dies, its scenario is tried again alone, and then given up."""
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        waiting = [pool.submit(task, target) for target in targets]
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool, ended_with_this():
+        with left_to_this_process():
+            waiting = [pool.submit(task, target) for target in targets]
         for target, future in zip(targets, waiting, strict=True):
             yield _alone(target, task) if _was_lost(future) else future.result()
 
 
 def _alone(target: str, task: Task) -> Studied:
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        future = pool.submit(task, target)
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool, ended_with_this():
+        with left_to_this_process():
+            future = pool.submit(task, target)
         if _was_lost(future):
             return _given_up(target, "the process that studied it was ended by the system")
         return future.result()

@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.resources import library_folder
-from scenario_compiler.survey import studying
 from scenario_compiler.survey.page import page_of
-from scenario_compiler.survey.studying import Studied, study, study_all
+from scenario_compiler.survey.studying import Studied, spread, study, study_all
 from scenario_compiler.survey.survey import Survey, survey
 from tests.command import call
 
@@ -121,9 +124,36 @@ def killed_by(target: str) -> Studied:
 @pytest.mark.slow
 def test_a_process_that_dies_costs_only_its_own_scenario(folder: Path) -> None:
     targets = [f"{folder / 'good.xml'}#{name}" for name in ("blocked", "nested", "blocked_faster", "nothing_there")]
-    found = list(studying._spread(targets, killed_by, 2))
+    found = list(spread(targets, killed_by, 2))
     assert [bool(one.fault) for one in found] == [False, True, False, False]
     assert "ended by the system" in found[1].fault
+
+
+def takes_long(target: str) -> Studied:
+    """Study a scenario for ten minutes."""
+    sys.stdout.write("begun\n")
+    sys.stdout.flush()
+    time.sleep(600.0)
+    return study(target)
+
+
+def test_ctrl_c_ends_all_processes_at_once(repository: Path) -> None:
+    """The signal goes to the whole group, as a terminal sends it; the scenarios that wait are not begun."""
+    program = f"from {__name__} import spread, takes_long; list(spread(['one'] * 8, takes_long, 2))"
+    with subprocess.Popen(
+        [sys.executable, "-c", program],
+        cwd=repository,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        assert process.stdout is not None
+        assert [process.stdout.readline() for _ in range(2)] == ["begun\n"] * 2
+        os.killpg(process.pid, signal.SIGINT)
+        _, told = process.communicate(timeout=120)
+    assert told.splitlines()[-1] == "KeyboardInterrupt"
+    assert "SpawnProcess" not in told
 
 
 def test_scenarios_with_other_content_are_not_near_duplicates(folder: Path) -> None:

@@ -178,13 +178,13 @@ def plan_answer(p: Program, st: State) -> None:
 def note_stages(st: State) -> None:
     """Log once that the eyes are on the road, and once that the hands are on the wheel."""
     now = st.clock[0]
-    if now >= st.eyes_on_at[0] - 1.0e-6:
+    if now >= st.eyes_on_at[0] - op.TOLERANCE:
         st.eyes_on_at[0] = op.FAR
         st.looking[0] = 1
         if st.time_eyes_on[0] < 0.0:
             st.time_eyes_on[0] = now
         log_event(st, op.EVENT_EYES_ON, now - st.request_at[0])
-    if now >= st.hands_on_at[0] - 1.0e-6:
+    if now >= st.hands_on_at[0] - op.TOLERANCE:
         st.hands_on_at[0] = op.FAR
         if st.time_hands_on[0] < 0.0:
             st.time_hands_on[0] = now

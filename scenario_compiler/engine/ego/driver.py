@@ -206,7 +206,7 @@ def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> 
     if st.looks_beside[0] < 0.0:
         st.looks_beside[0] = st.clock[0]
     looked = st.clock[0] - st.looks_beside[0]
-    return free if looked >= p.const[slot.K_LOOK_BESIDE] - 1.0e-6 else 0
+    return free if looked >= p.const[slot.K_LOOK_BESIDE] - op.TOLERANCE else 0
 
 
 @compiled

@@ -116,7 +116,7 @@ def notice(p: Program, st: State, i: int, blocker: int) -> None:
 def reacts_to(p: Program, st: State, j: int) -> int:
     """Return 1 if the driver acts on an entity, because the perception and reaction times have passed."""
     due = p.const[slot.K_PERCEPTION_TIME] + p.const[slot.K_REACTION_TIME]
-    return 1 if st.noticed_at[j] >= 0.0 and st.clock[0] - st.noticed_at[j] >= due - 1.0e-6 else 0
+    return 1 if st.noticed_at[j] >= 0.0 and st.clock[0] - st.noticed_at[j] >= due - op.TOLERANCE else 0
 
 
 @compiled

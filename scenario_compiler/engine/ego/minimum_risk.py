@@ -33,7 +33,7 @@ def minimum_risk_due(p: Program, st: State, i: int) -> int:
     """Return 1 if the manoeuvre has to begin now; never if the policy has no such manoeuvre."""
     if p.minimum_risk[0] == 0 or behaviour(p, st) == op.BEHAVIOUR_LET_GO:
         return 0
-    if st.clock[0] - st.request_at[0] >= p.const[slot.K_RISK_AFTER + st.cause[0]] - 1.0e-6:
+    if st.clock[0] - st.request_at[0] >= p.const[slot.K_RISK_AFTER + st.cause[0]] - op.TOLERANCE:
         return 1
     blocked = st.blocked_distance[0]
     if blocked < op.FAR and blocked <= stopping_distance(p, st.v[i], st.blocked_speed[0]) + STOP_MARGIN:

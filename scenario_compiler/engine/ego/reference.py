@@ -128,7 +128,7 @@ def minds_cut_in(st: State, j: int, kind: int, room: float) -> int:
     if st.minded_at[j] < 0.0:
         st.minded_at[j] = st.clock[0]
     evaluation = RISK_TIME if kind == op.REFERENCE_CAREFUL else 0.0
-    return 1 if st.clock[0] - st.minded_at[j] >= evaluation - 1.0e-6 else 0
+    return 1 if st.clock[0] - st.minded_at[j] >= evaluation - op.TOLERANCE else 0
 
 
 @compiled
@@ -192,7 +192,7 @@ def reference_braking(p: Program, st: State, i: int, kind: int) -> float:
             st.was_danger[j] = 1
         if st.danger_at[j] < 0.0:
             continue
-        if st.clock[0] - st.danger_at[j] < DELAY - 1.0e-6:
+        if st.clock[0] - st.danger_at[j] < DELAY - op.TOLERANCE:
             waiting = 1
         elif kind == op.REFERENCE_FUZZY:
             called = max(called, min(danger, STRONGEST))

@@ -150,7 +150,7 @@ def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
     now = st.clock[0]
     state = st.takeover_state[0]
     note_stages(st)
-    if now >= st.answer_at[0] - 1.0e-6:
+    if now >= st.answer_at[0] - op.TOLERANCE:
         answer(st)
     elif state == op.TAKEOVER_MINIMUM_RISK:
         if st.v[i] <= 0.0:
@@ -162,7 +162,7 @@ def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
             st.time_minimum_risk[0] = now
         log_event(st, op.EVENT_MINIMUM_RISK, 0.0)
         switch_hazard_lights(st, p.hazard_lights[0])
-    elif state == op.TAKEOVER_REQUEST and now - st.request_at[0] >= p.const[slot.K_ESCALATE_AFTER] - 1.0e-6:
+    elif state == op.TAKEOVER_REQUEST and now - st.request_at[0] >= p.const[slot.K_ESCALATE_AFTER] - op.TOLERANCE:
         st.takeover_state[0] = op.TAKEOVER_ESCALATION
         if st.time_escalation[0] < 0.0:
             st.time_escalation[0] = now
@@ -193,7 +193,7 @@ def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
         hand_back(st)
         return
     wait = p.const[slot.K_HAND_BACK_AFTER]
-    if wait <= 0.0 or st.clock[0] - st.manual_since[0] < wait - 1.0e-6 or cause != op.CAUSE_NONE:
+    if wait <= 0.0 or st.clock[0] - st.manual_since[0] < wait - op.TOLERANCE or cause != op.CAUSE_NONE:
         return
     foreseen = foreseen_cause(n, p, st, i)
     if foreseen == op.CAUSE_NONE and st.manoeuvre[0] == op.MANOEUVRE_KEEP and st.crashed[0] == 0:

@@ -134,7 +134,7 @@ def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
         if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and st.still_noted[0] == 0:
             st.still_noted[0] = 1
             log_standstill(n, p, st, ego, 1)
-    if st.clock[0] - st.still_since[0] >= STANDING_TIME - 1.0e-6:
+    if st.clock[0] - st.still_since[0] >= STANDING_TIME - op.TOLERANCE:
         st.stop[0] = op.STOP_COLLISION if st.crashed[0] == 1 else op.STOP_STANDSTILL
 
 
@@ -170,7 +170,7 @@ def end_step(n: RoadTables, p: Program, st: State) -> None:
         watch_standstill(n, p, st)
         if st.stop[0] == op.STOP_NONE and at_destination(p, st) == 1:
             st.stop[0] = op.STOP_DESTINATION
-    if st.stop[0] == op.STOP_NONE and st.clock[0] >= p.const[slot.K_DURATION] - 1.0e-6:
+    if st.stop[0] == op.STOP_NONE and st.clock[0] >= p.const[slot.K_DURATION] - op.TOLERANCE:
         st.stop[0] = op.STOP_DURATION
 
 

@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple
 
 import cv2
 
+from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import Looks, look_at_bank, look_at_drawn, look_at_map
 from scenario_compiler.perception.calibration.maps import MapRoads
@@ -72,7 +73,9 @@ def gather(
     jobs += [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
     jobs += [_Job(detector, "drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]
     done: list[Looks] = []
-    with multiprocessing.get_context("spawn").Pool(processes, _begin) as pool:
+    with left_to_this_process():
+        workers = multiprocessing.get_context("spawn").Pool(processes, _begin)
+    with workers as pool:
         for number, looks in enumerate(pool.imap(_do, jobs), 1):
             done.append(looks)
             if progress is not None:
