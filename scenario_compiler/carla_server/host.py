@@ -227,6 +227,15 @@ class Host:
         self._free.set()
         return self.tick()
 
+    def finish_recording(self) -> None:
+        """End the recording under way, if there is one, and write it; the log says if that is not possible."""
+        recorder, self.recorder = self.recorder, None
+        if recorder is not None:
+            try:
+                recorder.write()
+            except OSError as fault:
+                self.log(f"the recording {recorder.path.name} cannot be written: {fault.strerror}")
+
     def change_town(self, town: Town, *, reset: bool) -> None:
         """Begin a new episode on a map.
 
@@ -238,7 +247,8 @@ class Host:
         before, self.stage = self.stage, Stage(town, self.version)
         self.stage.remember(before)
         self.episode += 1
-        self.recorder = self.replay = None
+        self.finish_recording()
+        self.replay = None
         if reset:
             self.settings = Settings()
             self._free.set()

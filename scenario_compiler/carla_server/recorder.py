@@ -78,7 +78,6 @@ class Recorder:
     def write(self) -> None:
         """Write it."""
         packed = msgpack.packb([MAGIC, self.town, self.actors, self.frames])
-        self.path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(self.path, zlib.compress(packed))
 
 

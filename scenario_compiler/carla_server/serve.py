@@ -90,8 +90,7 @@ async def serve(service: Service, ready: Callable[[str], None], log: Callable[[s
             server.close()
         for transport in (*connections, *host.streams.open):
             transport.close()
-        if host.recorder is not None:
-            host.recorder.write()
+        host.finish_recording()
         clock.cancel()
     if clock.done() and not clock.cancelled() and clock.exception() is not None:
         raise clock.exception() or CannotServeError("the clock has stopped")

@@ -106,3 +106,21 @@ def test_of_a_file_that_is_not_there_a_text_tells(server: Served) -> None:
         client.replay_file("absent.log", 0.0, 0.0, 0),
     )
     assert set(told) == {"File absent.log not found on server\n"}
+
+
+def test_a_recording_is_kept_when_another_map_is_loaded(server: Served, world: Any, spawn: Spawn) -> None:
+    client = server.client()
+    spawn("vehicle.audi.tt")
+    client.start_recorder("before.log")
+    for _ in range(5):
+        world.tick()
+    client.reload_world(False)
+    assert "vehicle.audi.tt" in client.show_recorder_file_info("before.log", False)
+
+
+def test_where_nothing_can_be_written_no_recording_begins(server: Served, world: Any) -> None:
+    (server.files / "text").write_text("no folder")
+    client = server.client()
+    with pytest.raises(RuntimeError, match="cannot be written"):
+        client.start_recorder("text/within.log")
+    world.tick()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from typing import Any
 
 from scenario_compiler.carla_server.failures import CallError
@@ -14,20 +15,27 @@ FASTEST_PACE = 100.0
 
 
 def start(host: Host, name: str, additional: bool) -> str:
-    """Begin to record."""
+    """Begin to record.
+
+    Raises:
+        CallError: There is no folder for the file, or nothing can be written into it.
+    """
     del additional
     path = file_below(host.files, name)
-    if host.recorder is not None:
-        host.recorder.write()
+    host.finish_recording()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as fault:
+        raise CallError(f"the recording '{name}' cannot be written: {fault.strerror}") from None
+    if not os.access(path.parent, os.W_OK):
+        raise CallError(f"the recording '{name}' cannot be written: its folder is read-only")
     host.recorder = Recorder(path, host.stage.town.name)
     return f"Recording on file: {path.name}"
 
 
 def stop(host: Host) -> None:
     """End the recording and write it."""
-    recorder, host.recorder = host.recorder, None
-    if recorder is not None:
-        recorder.write()
+    host.finish_recording()
 
 
 async def info(host: Host, name: str, everything: bool) -> str:
