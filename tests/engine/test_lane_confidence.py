@@ -50,7 +50,10 @@ def draft(request: pytest.FixtureRequest) -> Draft:
     p = draft.program
     p.stretch_road = [int(between(0, len(draft.network.road_ids), number, "covered")) for number in range(20)]
     p.stretch_lane = [op.ALL_MARKS if number % 2 else -1 for number in range(20)]
-    p.stretch_const = [draft.block(40.0 * (n % 3), 40.0 * (n % 3) + 25.0, -1.0, -1.0, 0.5) for n in range(20)]
+    qualities = ((-1.0, -1.0), (0.6, 0.6), (0.2, 0.8))
+    p.stretch_const = [
+        draft.block(40.0 * (n % 3), 40.0 * (n % 3) + 25.0, *qualities[n // 3 % 3], 0.5) for n in range(20)
+    ]
     p.stretch_count = [20]
     return draft
 

@@ -111,6 +111,28 @@ def test_results_kept_between_looks_are_close_to_those_of_a_new_look() -> None:
     assert compared > 20
 
 
+def looks_of(plan: Plan) -> tuple[int, int]:
+    """Return how often a run looked at the view, and how many images it had."""
+    network = load_network(plan.map.file)
+    program = build_program(plan, network)
+    simulation = Simulation(network.tables, program)
+    simulation.reset(make_draws(1))
+    images = 0
+    while simulation.step():
+        images += 1 if simulation.state.frame[0] % program.image_every[0] == 0 else 0
+    return simulation.state.view_looks[0], images
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "most"),
+    [("sensor_failure", {"sigma": 0.0}, 0.3), ("markings_missing", {"from": 100.0, "over": 1.0}, 0.5)],
+    ids=["along broken lines", "along worn ones"],
+)
+def test_a_view_is_kept_along_lines_that_stay_as_they_are(name: str, arguments: dict[str, float], most: float) -> None:
+    looks, images = looks_of(planned(name, **arguments))
+    assert 0 < looks < most * images
+
+
 def test_the_right_side_is_the_mirrored_left_side() -> None:
     plan = planned("sensor_failure")
     simulation = Simulation(load_network(plan.map.file).tables, build_program(plan, load_network(plan.map.file)))

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from scenario_compiler import load_network
 from scenario_compiler.resources import find_map
-from scenario_compiler.roads.marks import dashes_between, dashes_up_to, evenly_painted, mark_row, painted_share
+from scenario_compiler.roads.marks import (
+    dashes_between,
+    dashes_up_to,
+    evenly_painted,
+    mark_row,
+    painted_share,
+    usual_share,
+)
 from scenario_compiler.roads.mesh import road_marks
+from tests.roads.make import lane, network, road, section
+
+WIDTH = '<width sOffset="0" a="3.5" b="0" c="0" d="0"/>'
 
 
 def test_dashes_are_counted_from_the_start_of_the_line_in_both_directions() -> None:
@@ -41,12 +53,21 @@ def test_the_share_is_that_of_the_pieces_that_are_drawn(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["highway_loop", "town_grid"])
-def test_a_mark_is_evenly_painted_if_every_stretch_of_it_has_the_same_share(name: str) -> None:
-    network = load_network(find_map(name))
-    n, found = network.tables, set()
+def test_the_usual_share_is_that_of_a_long_stretch(name: str) -> None:
+    n, dashed = load_network(find_map(name)).tables, 0
     for mark in range(-1, len(n.mark_s)):
         begin = n.mark_s[max(mark, 0)]
-        shares = {painted_share(n, mark, begin + 0.5 * k, begin + 0.5 * k + 2.0) for k in range(40)}
-        assert (len(shares) == 1) == (evenly_painted(n, mark) == 1)
-        found.add(len(shares) == 1)
-    assert found == {True, False}
+        usual = usual_share(n, mark, begin, begin + 2.0)
+        assert usual == pytest.approx(painted_share(n, mark, begin, begin + 100_000.0), abs=0.001)
+        assert evenly_painted(n, mark) == 1
+        dashed += 0.0 < usual < 1.0
+    assert dashed > 0
+
+
+def test_a_line_that_is_painted_once_is_counted_where_it_lies(tmp_path: Path) -> None:
+    line = '<explicit><line length="4" tOffset="0" sOffset="10" width="0.1"/></explicit>'
+    mark = f'<roadMark sOffset="0" type="broken" width="0.1">{line}</roadMark>'
+    n = network(tmp_path, road(lanes=section(lane(1), lane(-1, WIDTH + mark)))).tables
+    row = mark_row(n, 0, -1, 12.0)
+    assert evenly_painted(n, row) == 0
+    assert [usual_share(n, row, s, s + 2.0) for s in (2.0, 9.0, 11.0, 30.0)] == pytest.approx([0.0, 0.5, 1.0, 0.0])
