@@ -37,7 +37,7 @@ def serve(connection: Connection, form: Form, trust: Trust) -> None:
             for batch in runner.batches(part, lambda begun: connection.send(("begin", len(begun)))):
                 connection.send(("rows", batch))
             connection.send(("done", None))
-    except (EOFError, BrokenPipeError):
+    except (EOFError, ConnectionError):
         return
     except Exception as fault:
         connection.send(("fault", f"{type(fault).__name__}: {fault}"))
@@ -91,8 +91,8 @@ class Pool:
     def close(self) -> None:
         """End the workers."""
         for worker in self._workers:
-            worker.connection.close()
             worker.process.kill()
+            worker.connection.close()
         for worker in self._workers:
             worker.process.join()
 

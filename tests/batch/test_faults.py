@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import multiprocessing
 import os
 import resource
 import shlex
@@ -21,13 +22,14 @@ import pytest
 
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.execute import execute, prepare, run_sweep
-from scenario_compiler.batch.pool import Pool
+from scenario_compiler.batch.pool import Pool, serve
 from scenario_compiler.batch.results import read_results
 from scenario_compiler.batch.runner import Batch, Part
 from scenario_compiler.batch.search import find_boundary
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import Progress
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.trust import Trust
 from tests.batch.conftest import conflict_in
 
 CONTROLLER = '''
@@ -373,3 +375,11 @@ def test_a_sweep_needs_little_memory(conflict: Path, tmp_path: Path) -> None:
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     run_sweep(conflict, _spec(samples=10_000), tmp_path / "sweep", workers=1, report=False)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 500_000
+
+
+def test_a_worker_whose_sweep_is_gone_ends_without_a_word() -> None:
+    """A pipe that is closed before the sweep has read everything resets the connection; it does not end the input."""
+    ours, theirs = multiprocessing.Pipe()
+    theirs.send("what the sweep does not read any more")
+    ours.close()
+    serve(theirs, "interpreted", Trust())
