@@ -12,12 +12,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import TypeAlias, cast
-from xml.etree import ElementTree
 
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document, Origin, is_unusual, parse_document, quiet_parser
+from scenario_compiler.interruption import put_off
+
+with put_off():  # Python's library takes an interruption of this import for a missing module, and ignores it
+    from xml.etree import ElementTree
 
 PlainElement: TypeAlias = ElementTree.Element
 """An element of a `RoadFile`. Names in the namespace of the file's root have no namespace."""
