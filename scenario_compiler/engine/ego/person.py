@@ -12,7 +12,7 @@ from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.foresight import LIFT_OFF
-from scenario_compiler.engine.ego.takeover import hand_back, switch_hazard_lights
+from scenario_compiler.engine.ego.takeover import begin_minimum_risk, hand_back
 from scenario_compiler.marker import compiled
 
 
@@ -48,12 +48,8 @@ def heed_person(p: Program, st: State) -> None:
         if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):
             st.ordered_request[0] = op.CAUSE_SCHEDULED
     elif wish == op.WISH_LEAVE and state == op.TAKEOVER_MANUAL:
-        st.takeover_state[0] = op.TAKEOVER_MINIMUM_RISK
         st.cause[0] = op.CAUSE_NONE
-        if st.time_minimum_risk[0] < 0.0:
-            st.time_minimum_risk[0] = st.clock[0]
-        log_event(st, op.EVENT_MINIMUM_RISK, 0.0)
-        switch_hazard_lights(st, p.hazard_lights[0])
+        begin_minimum_risk(p, st)
 
 
 @compiled

@@ -131,6 +131,16 @@ def switch_hazard_lights(st: State, on: int) -> None:
 
 
 @compiled
+def begin_minimum_risk(p: Program, st: State) -> None:
+    """Begin the minimum-risk manoeuvre."""
+    st.takeover_state[0] = op.TAKEOVER_MINIMUM_RISK
+    if st.time_minimum_risk[0] < 0.0:
+        st.time_minimum_risk[0] = st.clock[0]
+    log_event(st, op.EVENT_MINIMUM_RISK, 0.0)
+    switch_hazard_lights(st, p.hazard_lights[0])
+
+
+@compiled
 def answer(st: State) -> None:
     """Let the driver take over."""
     now = st.clock[0]
@@ -157,11 +167,7 @@ def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
             st.takeover_state[0] = op.TAKEOVER_STANDSTILL
             log_standstill(n, p, st, i, 0)
     elif minimum_risk_due(p, st, i) == 1:
-        st.takeover_state[0] = op.TAKEOVER_MINIMUM_RISK
-        if st.time_minimum_risk[0] < 0.0:
-            st.time_minimum_risk[0] = now
-        log_event(st, op.EVENT_MINIMUM_RISK, 0.0)
-        switch_hazard_lights(st, p.hazard_lights[0])
+        begin_minimum_risk(p, st)
     elif state == op.TAKEOVER_REQUEST and now - st.request_at[0] >= p.const[slot.K_ESCALATE_AFTER] - op.TOLERANCE:
         st.takeover_state[0] = op.TAKEOVER_ESCALATION
         if st.time_escalation[0] < 0.0:
