@@ -50,6 +50,7 @@ HALL = (
     "legible",
     "marker",
     "outputs",
+    "processes",
     "public",
     "randomness",
     "resources",

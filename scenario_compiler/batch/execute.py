@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -24,6 +23,7 @@ from scenario_compiler.batch.variants import Families, Family
 from scenario_compiler.compiler import declared_parameters
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.forms.machine_code import library, why_interpreted
+from scenario_compiler.processes import available_cores
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -247,8 +247,7 @@ def workers_for(sweep: Sweep, wanted: int | None) -> int:
     most = sweep.parts if wanted is None or sweep.form == "camera" else max(wanted, 1)
     if wanted is not None:
         return max(1, min(wanted, most))
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, min(cores, most, sweep.sampler.total // WORTH_A_WORKER[sweep.form]))
+    return max(1, min(available_cores(), most, sweep.sampler.total // WORTH_A_WORKER[sweep.form]))
 
 
 def open_executor(sweep: Sweep, workers: int) -> Executor:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -23,6 +22,7 @@ from scenario_compiler.diagnostics import (
 )
 from scenario_compiler.files import split_target
 from scenario_compiler.garbage_collection import keep_loaded
+from scenario_compiler.processes import available_cores
 from scenario_compiler.trust import Trust
 
 if TYPE_CHECKING:
@@ -203,7 +203,7 @@ def add_jobs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--jobs",
         type=whole_number(1, MOST_PROCESSES),
-        default=len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1,
+        default=available_cores(),
         metavar="N",
         help="number of processes (default: one for each core)",
     )

@@ -7,9 +7,7 @@ perception unless the camera is requested; they differ only in the driver.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -17,8 +15,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.files import split_target
-from scenario_compiler.interruption import ended_with_this, left_to_this_process
+from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.processes import spawned_pool
 from scenario_compiler.recording.outcome import Outcome, judge
 from scenario_compiler.report.wording import CAUSE_WORDS, outcome_words
 from scenario_compiler.resources import library_folder, templates_from, templates_given
@@ -104,7 +103,7 @@ def separate_all(
     if processes < 2:
         yield from _counted(map(task, targets), len(targets), progress)
         return
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool, ended_with_this():
+    with spawned_pool(processes) as pool:
         with left_to_this_process():
             found = pool.map(task, targets)
         yield from _counted(found, len(targets), progress)

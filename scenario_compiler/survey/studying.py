@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -14,7 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity, position_text
 from scenario_compiler.files import split_target
-from scenario_compiler.interruption import ended_with_this, left_to_this_process
+from scenario_compiler.interruption import left_to_this_process
+from scenario_compiler.processes import spawned_pool
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.resources import templates_from, templates_given
 from scenario_compiler.runtime import open_world, run
@@ -88,7 +88,7 @@ def study_all(
 
 def spread(targets: Sequence[str], task: Task, processes: int) -> Iterator[Studied]:
     """Yield results from worker processes. If one dies, its scenario is tried again alone, and then given up."""
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool, ended_with_this():
+    with spawned_pool(processes) as pool:
         with left_to_this_process():
             waiting = [pool.submit(task, target) for target in targets]
         for target, future in zip(targets, waiting, strict=True):
@@ -96,7 +96,7 @@ def spread(targets: Sequence[str], task: Task, processes: int) -> Iterator[Studi
 
 
 def _alone(target: str, task: Task) -> Studied:
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool, ended_with_this():
+    with spawned_pool(1) as pool:
         with left_to_this_process():
             future = pool.submit(task, target)
         if _was_lost(future):
