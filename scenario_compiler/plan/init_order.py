@@ -19,7 +19,7 @@ from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.word import Word
 
 
-def started(entities: Iterable[Entity]) -> frozenset[str]:
+def placed_before(entities: Iterable[Entity]) -> frozenset[str]:
     """Return the ids of the entities that have a position and a speed before the init."""
     return frozenset(one.id for one in entities if one.start is not None or one.path is not None)
 

@@ -16,7 +16,7 @@ from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
 from scenario_compiler.plan.criteria import check_criteria
 from scenario_compiler.plan.defaults import complete_takeover
-from scenario_compiler.plan.init_order import in_order, started
+from scenario_compiler.plan.init_order import in_order, placed_before
 from scenario_compiler.plan.keeping import kept_entities
 from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin, RouteLeg
 from scenario_compiler.plan.paint import check_paint
@@ -300,7 +300,7 @@ def bind_storyboard(draft: PlanDraft) -> None:
         return bind_fixed(draft, word) or word if isinstance(word, POSITIONS) else word
 
     written = draft.scenario.storyboard
-    ordered = written.model_copy(update={"init": in_order(written.init, started(draft.entities))})
+    ordered = written.model_copy(update={"init": in_order(written.init, placed_before(draft.entities))})
     draft.storyboard = replaced(ordered, bind)
     draft.entities = [
         one if one.path is None else one.model_copy(update={"path": replaced(one.path, bind)}) for one in draft.entities

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+from collections.abc import Callable
 from typing import Any
 
 from scenario_compiler.carla_server.failures import CallError
@@ -40,20 +41,17 @@ def stop(host: Host) -> None:
 
 async def info(host: Host, name: str, everything: bool) -> str:
     """Answer with what a recording holds."""
-    recording = await _read(host, name)
-    return _missing(name) if recording is None else recording.info(everything)
+    return await _told_of(host, name, lambda recording: recording.info(everything))
 
 
 async def collisions(host: Host, name: str, first: int, second: int) -> str:
     """Answer with the collisions of a recording between two kinds of actors."""
-    recording = await _read(host, name)
-    return _missing(name) if recording is None else recording.collisions(chr(first & 255), chr(second & 255))
+    return await _told_of(host, name, lambda recording: recording.collisions(chr(first & 255), chr(second & 255)))
 
 
 async def blocked(host: Host, name: str, least_time: float, least_distance: float) -> str:
     """Answer with who stood still in a recording."""
-    recording = await _read(host, name)
-    return _missing(name) if recording is None else recording.blocked(least_time, least_distance)
+    return await _told_of(host, name, lambda recording: recording.blocked(least_time, least_distance))
 
 
 async def replay(
@@ -96,6 +94,12 @@ async def _read(host: Host, name: str) -> Recording | None:
     if not file_below(host.files, name).is_file():
         return None
     return await asyncio.to_thread(Recording.read, host.files, name)
+
+
+async def _told_of(host: Host, name: str, tell: Callable[[Recording], str]) -> str:
+    """Return what is told of a recording, or that there is none."""
+    recording = await _read(host, name)
+    return _missing(name) if recording is None else tell(recording)
 
 
 def _missing(name: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Related, Severity
-from scenario_compiler.plan.init_order import circular, started
+from scenario_compiler.plan.init_order import circular, placed_before
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import TeleportAction
@@ -24,7 +24,7 @@ CIRCLE = Code(
 def check_initial(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Warn of actions of the init that need a position or a speed which only an action after them sets."""
     del network
-    for initial, needed in circular(plan.storyboard.init, started(plan.entities)):
+    for initial, needed in circular(plan.storyboard.init, placed_before(plan.entities)):
         what = "position" if isinstance(needed.action, TeleportAction) else "speed"
         sink.add(
             CIRCLE,
