@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -85,6 +87,17 @@ def open_road(tmp_path: Path) -> Path:
     file = tmp_path / "open.xml"
     file.write_text(OPEN, encoding="utf-8")
     return file
+
+
+@contextmanager
+def page_with_gamepad(browser: Browser, file: Path, *options: str | Path) -> Iterator[Page]:
+    """Serve a conflict with ideal perception, and open its page in a browser that has a gamepad."""
+    with (
+        served("drive", file, "--perception", "ideal", *options) as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(GAMEPAD)
+        yield page
 
 
 def begun(page: Page) -> None:
@@ -169,11 +182,7 @@ def test_a_person_takes_over_by_gamepad_hands_back_and_takes_over_again(
     open_road: Path, tmp_path: Path, browser: Browser
 ) -> None:
     out = tmp_path / "out"
-    with (
-        served("drive", open_road, "--perception", "ideal", "-o", out) as server,
-        opened_page(browser, server.address, bypass_csp=True) as page,
-    ):
-        page.evaluate(GAMEPAD)
+    with page_with_gamepad(browser, open_road, "-o", out) as page:
         begun(page)
         page.evaluate("pad.buttons[0].value = 1")
         page.wait_for_function("page.latest.byHand")
@@ -268,11 +277,7 @@ def test_a_run_that_cannot_be_written_has_no_report_and_says_why(
 def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path, browser: Browser) -> None:
     file, out = tmp_path / "soon.xml", tmp_path / "out"
     file.write_text(TOLD, encoding="utf-8")
-    with (
-        served("drive", file, "--perception", "ideal", "-o", out) as server,
-        opened_page(browser, server.address, bypass_csp=True) as page,
-    ):
-        page.evaluate(GAMEPAD)
+    with page_with_gamepad(browser, file, "-o", out) as page:
         page.evaluate("pad.vibrationActuator = {playEffect: (...what) => (globalThis.shaken = what)}")
         page.get_by_role("button", name="Aloita").click()
         page.wait_for_function("page.latest?.state === 'request'")
@@ -288,11 +293,7 @@ def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path,
 
 @pytest.mark.slow
 def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser) -> None:
-    with (
-        served("drive", soon, "--perception", "ideal") as server,
-        opened_page(browser, server.address, bypass_csp=True) as page,
-    ):
-        page.evaluate(GAMEPAD)
+    with page_with_gamepad(browser, soon) as page:
         page.evaluate("pad.axes[2] = 1")
         page.get_by_role("button", name="Gamepad or wheel").click()
         row = page.locator("#profile tbody tr", has_text="brake")
@@ -308,11 +309,7 @@ def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser
 def test_a_pedal_that_the_browser_first_sees_when_it_moves_is_at_rest_where_it_is_let_go(
     soon: Path, browser: Browser
 ) -> None:
-    with (
-        served("drive", soon, "--perception", "ideal") as server,
-        opened_page(browser, server.address, bypass_csp=True) as page,
-    ):
-        page.evaluate(GAMEPAD)  # all axes are 0 at first, although this pedal is at 1
+    with page_with_gamepad(browser, soon) as page:  # all axes are 0 at first, although this pedal is at 1
         page.get_by_role("button", name="Gamepad or wheel").click()
         row = page.locator("#profile tbody tr", has_text="brake")
         row.click()
@@ -334,11 +331,7 @@ def test_a_wheel_and_separate_pedals_are_assigned_together(soon: Path, browser: 
       globalThis.pads = [{ ...none, id: "pedals", axes: [1, 1] }, wheel];
       navigator.getGamepads = () => pads;
     }"""
-    with (
-        served("drive", soon, "--perception", "ideal") as server,
-        opened_page(browser, server.address, bypass_csp=True) as page,
-    ):
-        page.evaluate(GAMEPAD)
+    with page_with_gamepad(browser, soon) as page:
         page.wait_for_function("globalThis.page?.role === 'driver'")
         page.evaluate(pedals)
         page.get_by_role("button", name="Gamepad or wheel").click()
@@ -360,11 +353,7 @@ def test_a_wheel_and_separate_pedals_are_assigned_together(soon: Path, browser: 
 
 
 def test_a_stick_steers_less_at_speed_and_a_wheel_takes_over_at_a_small_angle(soon: Path, browser: Browser) -> None:
-    with (
-        served("drive", soon, "--perception", "ideal") as server,
-        opened_page(browser, server.address, bypass_csp=True) as page,
-    ):
-        page.evaluate(GAMEPAD)
+    with page_with_gamepad(browser, soon) as page:
         page.wait_for_function("globalThis.page?.role === 'driver'")
         steer = """([mapping, value, speed]) => {
           Object.assign(pad, { mapping, axes: [value, 0, 0, 0] });
