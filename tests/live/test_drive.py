@@ -173,7 +173,7 @@ def test_a_person_takes_over_by_keys_drives_and_is_repeated_bit_for_bit(
     assert call(*again, "--inputs", out / "drive-001", "-o", tmp_path / "again") == 0
     repeated = read_recording(tmp_path / "again" / "recording.parquet")
     rows = len(recording.t)
-    assert float(duration) > 1
+    assert recording.v.min() < 1
     for column in ("x", "y", "h", "v", "takeover_state", "control"):
         assert (getattr(repeated, column)[:rows] == getattr(recording, column)).all(), column
 

@@ -97,7 +97,7 @@ async def _read(host: Host, name: str) -> Recording | None:
 
 
 async def _told_of(host: Host, name: str, tell: Callable[[Recording], str]) -> str:
-    """Return what is told of a recording, or that there is none."""
+    """Return what `tell` says of a recording, or that there is none."""
     recording = await _read(host, name)
     return _missing(name) if recording is None else tell(recording)
 
