@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from scenario_compiler.carla_server.blueprints import PROP_TAGS, Blueprint
-from scenario_compiler.carla_server.traffic_lights import Light
+from scenario_compiler.carla_server.signs import Sign
+from scenario_compiler.carla_server.traffic_lights import GREEN, Light
 from scenario_compiler.frames import CarlaTransform
 from scenario_compiler.perception.labels import Tag
 from scenario_compiler.vocabulary.entities import Vehicle
@@ -143,6 +144,7 @@ class Car(Body):
         pushed: Change of speed by impulses, which the next step applies, m/s.
         gear: The gear it is in.
         light: The traffic light that it stands before, or None.
+        shown: What the last stop or yield sign has let it see: RED or GREEN.
         friction: Friction that a trigger gives its tires while it is in it, or None.
         slowing: The resistances that slow it down while it rolls.
     """
@@ -159,6 +161,7 @@ class Car(Body):
     pushed: float = 0.0
     gear: int = 1
     light: Light | None = None
+    shown: int = GREEN
     friction: float | None = None
     slowing: Resistance = field(init=False)
 
@@ -272,11 +275,18 @@ class Sensor(Actor):
         return 0.0
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class LightActor(Actor):
     """A traffic light's actor."""
 
-    light: Light | None = None
+    light: Light
+
+
+@dataclass(eq=False, kw_only=True)
+class SignActor(Actor):
+    """A sign's actor."""
+
+    sign: Sign
 
 
 def transform_of(wire: Sequence[Sequence[float]]) -> CarlaTransform:

@@ -16,15 +16,17 @@ from scenario_compiler.carla_server.actors import (
     Body,
     Car,
     LightActor,
+    SignActor,
     Walker,
 )
 from scenario_compiler.carla_server.blueprints import Blueprint
 from scenario_compiler.carla_server.debug_shapes import DebugShapes
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.impacts import Footprint, impact
+from scenario_compiler.carla_server.signs import Box, SignRules, signs_of
 from scenario_compiler.carla_server.snapshot import ACTIVE, LIGHT, SIGN, VEHICLE, WALKER, Rows
 from scenario_compiler.carla_server.towns import Town
-from scenario_compiler.carla_server.traffic_lights import GREEN, Light, groups_of, signs_of
+from scenario_compiler.carla_server.traffic_lights import GREEN, Light, groups_of
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.program.stage import build_stage
 from scenario_compiler.engine.simulation import Simulation
@@ -155,9 +157,11 @@ class Stage:
         for group in self.groups:
             for light in group.lights:
                 self._add_light(light)
-        for sign in signs_of(town.network):
+        signs = signs_of(town.network)
+        for sign in signs:
             blueprint = Blueprint(sign.kind, sign.kind.replace(".", ","))
-            self.add(LightActor(0, blueprint, {"signal": sign.signal}, [0, sign.kind, []], sign.transform))
+            self.add(SignActor(0, blueprint, {}, [0, sign.kind, []], sign.transform, sign=sign))
+        self._rules = SignRules(town.network, signs)
 
     def _add_light(self, light: Light) -> None:
         blueprint = Blueprint("traffic.traffic_light", "traffic,traffic_light")
@@ -233,7 +237,7 @@ class Stage:
             CallError: There is none, or it belongs to the map.
         """
         actor = self.get(number)
-        if isinstance(actor, LightActor) or actor is self.spectator:
+        if isinstance(actor, LightActor | SignActor) or actor is self.spectator:
             raise CallError(f"unable to destroy actor: {actor.blueprint.name} belongs to the map")
         if len(self._gone) < MOST_ACTORS:
             self._gone[number] = Gone(actor, self.wire(actor)[3], self.time + REMEMBERED)
@@ -429,6 +433,7 @@ class Stage:
         for group in self.groups:
             group.step(dt)
         self.time += dt
+        self._heed_signs()
         self.measure(dt)
 
     def _drive(self, dt: float) -> None:
@@ -453,6 +458,21 @@ class Stage:
                 if speed != 0.0:
                     lost = body.slowing.at(speed, body.grip) * dt
                     st.v[body.place] = math.copysign(max(abs(speed) - lost, 0.0), speed)
+
+    def _heed_signs(self) -> None:
+        """Let vehicles see what stop and yield signs show them."""
+        for number, state in self._rules.step(self.time, self._boxes_of_cars()).items():
+            car = self.actors[number]
+            if isinstance(car, Car):
+                car.shown = state
+
+    def _boxes_of_cars(self) -> Iterator[tuple[int, Box]]:
+        st = self.simulation.state
+        for body in self._by_place.values():
+            if isinstance(body, Car):
+                at, shape = body.place, body.shape
+                middle = (st.middle_x[at], st.middle_y[at], st.z[at], st.h[at])
+                yield body.id, Box(*middle, shape.length, shape.width, shape.height)
 
     def _walk_on(self, walker: Walker, dt: float) -> None:
         """Let a walker that has been stopped or pushed by an impact walk as it did."""
@@ -528,8 +548,8 @@ class Stage:
         for actor in self.actors.values():
             if not isinstance(actor, Body):
                 rows.every["transform"][actor.row] = self.transform_of(actor)
-            if isinstance(actor, LightActor) and actor.light is None:
-                rows.put(SIGN, actor.row, actor.attributes["signal"].encode()[:31])
+            if isinstance(actor, SignActor):
+                rows.put(SIGN, actor.row, actor.sign.signal.encode()[:31])
         self.rows = rows
         self._attached = [actor for actor in self.actors.values() if actor.parent and not isinstance(actor, Body)]
         self._carried = [actor for actor in self.actors.values() if actor.parent and isinstance(actor, Body)]
@@ -601,7 +621,7 @@ class Stage:
                 limit = self._limits.get(where)
                 if limit is None:
                     limit = self._limits[where] = self._limit_at(*where, st.s[body.place])
-                at = (GREEN, False, 0) if light is None else (light.state, True, light.actor)
+                at = (body.shown, False, 0) if light is None else (light.state, True, light.actor)
                 rows.put(
                     VEHICLE, body.row, throttle, steer, brake, hand, reverse, manual, body.gear, limit, *at, NO_FAILURE
                 )
@@ -615,6 +635,8 @@ class Stage:
         zones = self._zones.get((st.road[place], st.lane[place]), ())
         s = st.s[place]
         car.light = next((light for low, high, light in zones if low <= s <= high), None)
+        if car.light is not None:
+            car.shown = GREEN
 
     def _limit_at(self, road: int, lane: int, s: float) -> float:
         if road < 0:
@@ -625,11 +647,13 @@ class Stage:
     def wire(self, actor: Actor) -> list[Any]:
         """Return an actor as it lies on the wire, its token left out."""
         half = list(actor.box)
-        middle = [0.0, 0.0, 0.0 if isinstance(actor, Walker) else half[2]]
-        if isinstance(actor, LightActor) and actor.light is not None:
+        middle, turn = [0.0, 0.0, 0.0 if isinstance(actor, Walker) else half[2]], [0.0, 0.0, 0.0]
+        if isinstance(actor, LightActor):
             middle, half = actor.light.trigger()
+        elif isinstance(actor, SignActor):
+            middle, half, turn = actor.sign.trigger()
         tags = bytes([actor.tag]) if actor.tag else b""
-        return [actor.id, actor.parent, actor.description, [middle, half, [0.0, 0.0, 0.0], actor.id], tags, b""]
+        return [actor.id, actor.parent, actor.description, [middle, half, turn, actor.id], tags, b""]
 
 
 def _ahead(rows: NDArray[np.float64]) -> NDArray[np.float64]:

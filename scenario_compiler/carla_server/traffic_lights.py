@@ -1,4 +1,4 @@
-"""Traffic lights and signs of a map as CARLA has them: actors in groups that switch in turn.
+"""Traffic lights of a map as CARLA has them: actors in groups that switch in turn.
 
 A light is a signal of type 1000001 in the OpenDRIVE file. The lights of one controller of the file show the same; the
 controllers of a junction take turns: green, yellow, then red for all before the next one's green. Controllers that no
@@ -14,13 +14,11 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from scenario_compiler.carla_server.signals import LIGHT, stands, stop_lines
 from scenario_compiler.frames import CarlaTransform, carla_from_pose
 from scenario_compiler.roads import LanePosition, Network
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.model import Signal
-
-LIGHT, STOP, YIELD, LIMIT = "1000001", "206", "205", "274"
-"""Types of signals (the German catalogue of signs, as CARLA's maps use it)."""
 
 RED, YELLOW, GREEN = 0, 1, 2
 """States as CARLA counts them; 3 is off and 4 unknown."""
@@ -135,33 +133,6 @@ class Group:
             light.state, light.elapsed = state, 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class Sign:
-    """A sign: type id of its actor, id of its signal, and where it stands, CARLA's axes."""
-
-    kind: str
-    signal: str
-    transform: CarlaTransform
-
-
-def signs_of(network: Network) -> list[Sign]:
-    """Return the stop signs, yield signs and speed limits of a map."""
-    found = []
-    for signal in network.model().signals:
-        if signal.reference:
-            continue
-        if signal.type in (STOP, YIELD):
-            found.append(
-                Sign("traffic.stop" if signal.type == STOP else "traffic.yield", signal.id, _stands(network, signal))
-            )
-        elif signal.type == LIMIT and (signal.value or signal.subtype):
-            limit = signal.value or signal.subtype
-            number = limit.partition(".")[0]
-            if number.isdigit():
-                found.append(Sign(f"traffic.speed_limit.{number}", signal.id, _stands(network, signal)))
-    return found
-
-
 def groups_of(network: Network) -> list[Group]:
     """Return the groups of a map's lights, each with its first phase green."""
     model = network.model()
@@ -199,7 +170,7 @@ def groups_of(network: Network) -> list[Group]:
 
 def _junction_of(network: Network, signal: Signal) -> int:
     """Return the index of the junction that a light's lane leads to, -1 for none."""
-    stop = next(_stop_lines(network, signal), None)
+    stop = next(stop_lines(network, signal), None)
     if stop is None:
         return -1
     n, road = network.tables, network.road_index(stop.road)
@@ -217,7 +188,7 @@ def _by_direction(network: Network, signals: Sequence[Signal]) -> list[list[Sign
     """Return the phases of lights: those along the first one's direction, and those across it."""
     headings = []
     for signal in signals:
-        stop = next(_stop_lines(network, signal), None)
+        stop = next(stop_lines(network, signal), None)
         headings.append(0.0 if stop is None else network.lane_pose(stop.road, stop.lane, stop.s).heading)
     across = [abs(math.sin(heading - headings[0])) > math.sqrt(0.5) for heading in headings]
     phases = [[one for one, crosses in zip(signals, across, strict=True) if crosses is side] for side in (False, True)]
@@ -227,53 +198,13 @@ def _by_direction(network: Network, signals: Sequence[Signal]) -> list[list[Sign
 def _light(network: Network, signal: Signal, group: Group, times: list[float]) -> Light:
     stops: list[CarlaTransform] = []
     stretches: list[Stretch] = []
-    for stop in _stop_lines(network, signal):
+    for stop in stop_lines(network, signal):
         pose = network.lane_pose(stop.road, stop.lane, stop.s)
         road = network.road_index(stop.road)
         turned = 0.0 if lane_direction(network.tables, road, stop.lane) > 0 else math.pi
         stops.append(carla_from_pose(pose._replace(heading=(pose.heading + turned) % math.tau)))
         stretches += _before(network, stop)
-    return Light(signal.id, _stands(network, signal), tuple(stops), tuple(stretches), group, times)
-
-
-def _stands(network: Network, signal: Signal) -> CarlaTransform:
-    """Return where a signal stands; CARLA turns its actor by 90 degrees (MapBuilder, TrafficLightManager)."""
-    pose = network.road_pose(signal.road, signal.s, signal.t)
-    facing = pose.heading + signal.heading_offset - 0.5 * math.pi
-    return carla_from_pose(pose._replace(z=pose.z + signal.z_offset, heading=facing % math.tau))
-
-
-def _stop_lines(network: Network, signal: Signal) -> Iterator[LanePosition]:
-    """Yield where lanes that a light is for meet its stop line: outside the junction."""
-    places = [one for one in network.model().signals if one.id == signal.id]
-    seen: set[tuple[str, int]] = set()
-    for place in places:
-        s = min(max(place.s, 0.0), network.road(place.road).length)
-        for one in network.lanes_at(place.road, s):
-            if one.type != "driving" or not _is_meant(network, place, one.lane):
-                continue
-            stop = _outside(network, LanePosition(place.road, one.lane, s, 0.0))
-            if stop is not None and (stop.road, stop.lane) not in seen:
-                seen.add((stop.road, stop.lane))
-                yield stop
-
-
-def _is_meant(network: Network, place: Signal, lane: int) -> bool:
-    """Return whether a signal is for a lane: by its validity, which CARLA's maps have, else by its orientation."""
-    if place.lanes:
-        return any(min(pair) <= lane <= max(pair) for pair in place.lanes)
-    along = lane_direction(network.tables, network.road_index(place.road), lane) > 0
-    return {"+": along, "-": not along}.get(place.orientation, True)
-
-
-def _outside(network: Network, place: LanePosition) -> LanePosition | None:
-    """Return the last place before a junction on the way to a place, the place itself where it lies in none."""
-    at: LanePosition | None = place
-    for _ in range(200):
-        if at is None or network.road(at.road).junction is None:
-            return at
-        at = network.previous(at, 0.5)
-    return None
+    return Light(signal.id, stands(network, signal), tuple(stops), tuple(stretches), group, times)
 
 
 def _before(network: Network, stop: LanePosition) -> Iterator[Stretch]:

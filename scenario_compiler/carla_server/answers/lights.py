@@ -13,7 +13,7 @@ from scenario_compiler.carla_server.traffic_lights import Light
 def light_of(host: Host, number: int) -> Light:
     """Return a traffic light; raise CallError if the actor is not a traffic light."""
     actor = host.stage.get(number)
-    if not isinstance(actor, LightActor) or actor.light is None:
+    if not isinstance(actor, LightActor):
         raise CallError(f"actor {number} is {actor.blueprint.name}, not a traffic light")
     return actor.light
 

@@ -1,0 +1,325 @@
+"""Signs of a map as CARLA has them: stop and yield signs hold vehicles, speed limits are actors only.
+
+A stop sign lets a vehicle see red, without a light, as soon as its box touches the area before the stop line, for 2 s at
+least; a yield sign only while it must give way. It must while another vehicle is on a conflicting way through the
+junction, or shortly before it; that is looked up again 1 s (stop) or 0.5 s (yield) later, and 0.5 s after a vehicle has
+left such an area. A vehicle keeps what a sign has let it see until the next sign or light. CARLA's Traffic Manager takes
+red without a light for a junction to negotiate. Sources: `UStopSignComponent`, `UYieldSignComponent`,
+`USpeedLimitComponent` and `UBoundingBoxCalculator::CombineBoxes` in CARLA 0.9.15 and 0.9.16. Signs that are no references
+in a junction have no conflicting ways there, nor here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from scenario_compiler.carla_server.signals import LIMIT, STOP, YIELD, lanes_of, places_of, stands, stop_lines
+from scenario_compiler.carla_server.traffic_lights import GREEN, RED
+from scenario_compiler.frames import CarlaTransform, vector_from_carla
+from scenario_compiler.roads import LanePosition, Network
+from scenario_compiler.roads.lanes import lane_direction
+from scenario_compiler.roads.model import Signal
+
+PAINTED = "Stencil_STOP"
+"""Name of a stop sign that is painted on the road, which CARLA makes no actor of."""
+
+HELD = 2.0
+AGAIN = {"traffic.stop": 1.0, "traffic.yield": 0.5}
+CLEARED = 0.5
+"""How long a vehicle sees red at a stop sign at least; after how long a sign looks again for vehicles with the right of
+way; and how long after one has left, s.
+"""
+
+LENGTH, HEIGHT, BACK = 1.5, 1.0, 3.0
+"""Half length and half height of the area before a stop line, and how far before the line its middle is, m."""
+
+WIDTH_SHARE, CHECK_SHARE, LIMIT_SHARE = 0.25, 0.45, 0.35
+"""Half widths of the areas as shares of their lane's width: before a line, on a conflicting way, at a speed limit."""
+
+CLOSE = 2.0
+"""Ways through a junction conflict where their middles come so close, m."""
+
+FORESEEN = 0.1
+DEFAULT_SPEED = 40.0
+"""Areas on a way before the junction reach back for so many hours at its speed limit in km/h, as CARLA computes it."""
+
+SAMPLED = 1.0
+CELL = 8.0
+LONGEST = 6.0
+"""Distance of the points along a way, edge of a cell of the index of areas, and a vehicle's greatest half diagonal, m."""
+
+
+class Box(NamedTuple):
+    """A vehicle's box: its middle on the ground, heading, length, width and height. OpenDRIVE axes, m and rad."""
+
+    x: float
+    y: float
+    z: float
+    heading: float
+    length: float
+    width: float
+    height: float
+
+
+@dataclass(frozen=True)
+class Area:
+    """A box on a lane: its middle, heading and half extents. OpenDRIVE axes, m and rad."""
+
+    x: float
+    y: float
+    z: float
+    heading: float
+    length: float
+    width: float
+    height: float
+
+    def touches(self, box: Box) -> bool:
+        """Return whether a vehicle's box and this one overlap."""
+        if box.z > self.z + self.height or box.z + box.height < self.z - self.height:
+            return False
+        away = (box.x - self.x, box.y - self.y)
+        both = (self.heading, self.length, self.width), (box.heading, 0.5 * box.length, 0.5 * box.width)
+        for heading, *_ in both:
+            for across in (heading, heading + 0.5 * math.pi):
+                c, s = math.cos(across), math.sin(across)
+                reach = sum(
+                    length * abs(math.cos(one - across)) + width * abs(math.sin(one - across))
+                    for one, length, width in both
+                )
+                if abs(c * away[0] + s * away[1]) > reach:
+                    return False
+        return True
+
+    def half_extents(self) -> tuple[float, float, float]:
+        """Return the half extents of the box along the world's axes about this one, m."""
+        c, s = abs(math.cos(self.heading)), abs(math.sin(self.heading))
+        return self.length * c + self.width * s, self.length * s + self.width * c, self.height
+
+
+@dataclass(frozen=True, eq=False)
+class Sign:
+    """A sign: type id of its actor, id of its signal, where it stands (CARLA's axes), and the areas of its effect."""
+
+    kind: str
+    signal: str
+    transform: CarlaTransform
+    areas: tuple[Area, ...] = ()
+
+    def trigger(self) -> tuple[list[float], list[float], list[float]]:
+        """Return the box about its areas on the wire: middle in its own axes, half extents along the world's, turn."""
+        turn = [0.0, -self.transform.yaw, 0.0]
+        if not self.areas:
+            return [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], turn
+        sides = []
+        for k in range(3):
+            spans = [((one.x, one.y, one.z)[k], one.half_extents()[k]) for one in self.areas]
+            sides.append((min(at - half for at, half in spans), max(at + half for at, half in spans)))
+        x, y, z = vector_from_carla(*(0.5 * (low + high) for low, high in sides))
+        dx, dy, dz = (at - own for at, own in zip((x, y, z), self.transform[:3], strict=True))
+        yaw = math.radians(self.transform.yaw)
+        c, s = math.cos(yaw), math.sin(yaw)
+        return [dx * c + dy * s, dy * c - dx * s, dz], [0.5 * (high - low) for low, high in sides], turn
+
+
+@dataclass(eq=False)
+class RightOfWay:
+    """What a stop or yield sign lets vehicles see.
+
+    Attributes:
+        sign: The sign, in whose areas vehicles wait.
+        crossed: Areas on the ways that have the right of way.
+        waiting: Ids of the vehicles in its areas.
+        crossing: Ids of the vehicles in the areas crossed, each with the index of the area.
+        due: When it looks again, s.
+    """
+
+    sign: Sign
+    crossed: tuple[Area, ...]
+    waiting: set[int] = field(default_factory=set)
+    crossing: set[tuple[int, int]] = field(default_factory=set)
+    due: list[float] = field(default_factory=list)
+
+    def step(self, time: float, waiting: set[int], crossing: set[tuple[int, int]]) -> dict[int, int]:
+        """Return what it lets vehicles see from a time on, RED or GREEN by their ids; others see what they saw."""
+        came, left = waiting - self.waiting, self.crossing - crossing
+        entered = any(car not in waiting for car, _ in crossing - self.crossing)
+        self.waiting, self.crossing = waiting, crossing
+        shown: dict[int, int] = {}
+        if came and self.sign.kind == "traffic.stop":
+            shown.update(dict.fromkeys(came, RED))
+            self.due.append(time + HELD)
+        elif came:
+            shown.update(self._decide(time))
+        if entered:
+            shown.update(self._decide(time))
+        if left:
+            self.due.append(time + CLEARED)
+        reached = [one for one in self.due if one <= time + 1e-9]
+        if reached:
+            self.due = [one for one in self.due if one > time + 1e-9]
+            shown.update(self._decide(time))
+        return shown
+
+    def _decide(self, time: float) -> dict[int, int]:
+        if all(car in self.waiting for car, _ in self.crossing):
+            return dict.fromkeys(self.waiting, GREEN)
+        if self.waiting:
+            self.due.append(time + AGAIN[self.sign.kind])
+        return dict.fromkeys(self.waiting, RED)
+
+
+class SignRules:
+    """The stop and yield signs of a map, and which vehicles they concern."""
+
+    def __init__(self, network: Network, signs: Iterable[Sign]) -> None:
+        """Find the ways that have the right of way, and index all areas by where they lie."""
+        self._rules = [
+            RightOfWay(sign, tuple(_crossed(network, sign))) for sign in signs if sign.kind in AGAIN and sign.areas
+        ]
+        self._cells: dict[tuple[int, int], list[tuple[Area, RightOfWay, int]]] = {}
+        for rule in self._rules:
+            for index, area in enumerate((*rule.sign.areas, *rule.crossed), -len(rule.sign.areas)):
+                reach = math.hypot(area.length, area.width) + LONGEST
+                for cell in _cells(area.x, area.y, reach):
+                    self._cells.setdefault(cell, []).append((area, rule, index))
+
+    def step(self, time: float, boxes: Iterable[tuple[int, Box]]) -> dict[int, int]:
+        """Return what signs let vehicles see from a time on, RED or GREEN by their ids.
+
+        Args:
+            time: s.
+            boxes: Id and box of each vehicle.
+        """
+        if not self._rules:
+            return {}
+        waiting: dict[RightOfWay, set[int]] = {}
+        crossing: dict[RightOfWay, set[tuple[int, int]]] = {}
+        for car, box in boxes:
+            for area, rule, index in self._cells.get((math.floor(box.x / CELL), math.floor(box.y / CELL)), ()):
+                if not area.touches(box):
+                    continue
+                if index < 0:
+                    waiting.setdefault(rule, set()).add(car)
+                else:
+                    crossing.setdefault(rule, set()).add((car, index))
+        shown: dict[int, int] = {}
+        for rule in self._rules:
+            if rule in waiting or rule in crossing or rule.waiting or rule.crossing or rule.due:
+                shown.update(rule.step(time, waiting.get(rule, set()), crossing.get(rule, set())))
+        return shown
+
+
+def signs_of(network: Network) -> list[Sign]:
+    """Return the stop signs, yield signs and speed limits of a map."""
+    found = []
+    for signal in network.model().signals:
+        if signal.reference or signal.name == PAINTED:
+            continue
+        where = stands(network, signal)
+        if signal.type in (STOP, YIELD):
+            kind = "traffic.stop" if signal.type == STOP else "traffic.yield"
+            areas = tuple(_before(network, line, BACK, _held_area) for line in stop_lines(network, signal))
+            found.append(Sign(kind, signal.id, where, areas))
+        elif signal.type == LIMIT and (signal.value or signal.subtype):
+            number = (signal.value or signal.subtype).partition(".")[0]
+            if number.isdigit():
+                areas = tuple(_limit_areas(network, signal))
+                found.append(Sign(f"traffic.speed_limit.{number}", signal.id, where, areas))
+    return found
+
+
+def _held_area(network: Network, at: LanePosition) -> Area:
+    width = max(WIDTH_SHARE * network.lane_width(at.road, at.lane, at.s), 0.01)
+    pose = network.lane_pose(at.road, at.lane, at.s)
+    return Area(pose.x, pose.y, pose.z, pose.heading, LENGTH, width, HEIGHT)
+
+
+def _cube(network: Network, at: LanePosition, half: float) -> Area:
+    pose = network.lane_pose(at.road, at.lane, at.s)
+    return Area(pose.x, pose.y, pose.z, pose.heading, half, half, half)
+
+
+def _before(
+    network: Network, line: LanePosition, distance: float, area: Callable[[Network, LanePosition], Area]
+) -> Area:
+    """Return an area whose middle is so far before a line, at the line where no lane leads to it."""
+    return area(network, network.previous(line, distance) or line)
+
+
+def _limit_areas(network: Network, signal: Signal) -> Iterator[Area]:
+    for place in places_of(network, signal):
+        for at in lanes_of(network, place):
+            half = max(LIMIT_SHARE * network.lane_width(at.road, at.lane, at.s), 0.01)
+            yield _cube(network, network.previous(at, half) or at, half)
+
+
+def _crossed(network: Network, sign: Sign) -> Iterator[Area]:
+    """Yield the areas on ways through the junction that conflict with the way that a sign is on."""
+    seen: set[tuple[str, int]] = set()
+    for place in (one for one in network.model().signals if one.id == sign.signal):
+        own = [(at.road, at.lane) for at in lanes_of(network, place)]
+        junction = network.road(place.road).junction
+        if junction is None or not own:
+            continue
+        points = [point for road, lane in own for point in _points(network, road, lane)]
+        origins = {_origin(network, road, lane) for road, lane in own}
+        for road in network.road_ids:
+            if road == place.road or network.road(road).junction != junction:
+                continue
+            for lane in _driving_lanes(network, road):
+                if (road, lane) in seen or _origin(network, road, lane) in origins:
+                    continue
+                if any(math.dist(one, other) <= CLOSE for one in _points(network, road, lane) for other in points):
+                    seen.add((road, lane))
+                    yield from _along(network, road, lane)
+
+
+def _driving_lanes(network: Network, road: str) -> list[int]:
+    middle = 0.5 * network.road(road).length
+    return [one.lane for one in network.lanes_at(road, middle) if one.type == "driving"]
+
+
+def _start(network: Network, road: str, lane: int) -> LanePosition:
+    """Return where travel enters a lane."""
+    along = lane_direction(network.tables, network.road_index(road), lane) > 0
+    return LanePosition(road, lane, 0.0 if along else network.road(road).length, 0.0)
+
+
+def _origin(network: Network, road: str, lane: int) -> str | None:
+    """Return the road from which travel enters a lane of a road in a junction, None if there is none."""
+    before = network.previous(_start(network, road, lane), 0.1)
+    return None if before is None else before.road
+
+
+def _points(network: Network, road: str, lane: int) -> list[tuple[float, float]]:
+    """Return points along the middle of a lane, 1 m apart."""
+    length = network.road(road).length
+    count = max(math.ceil(length / SAMPLED), 1)
+    poses = [network.lane_pose(road, lane, length * k / count) for k in range(count + 1)]
+    return [(pose.x, pose.y) for pose in poses]
+
+
+def _along(network: Network, road: str, lane: int) -> Iterator[Area]:
+    """Yield the areas along a lane in a junction, and those before it."""
+    at = _start(network, road, lane)
+    half = max(CHECK_SHARE * network.lane_width(at.road, at.lane, at.s), 0.01)
+    length = network.road(road).length
+    for k in range(math.floor(length / (2.0 * half)) + 1):
+        s = 2.0 * half * k
+        yield _cube(network, at._replace(s=s if at.s == 0.0 else length - s), half)
+    left, before = FORESEEN, network.previous(at, 2.0 * half)
+    while before is not None and left > 0.0:
+        yield _cube(network, before, half)
+        limit = network.speed_limit(before.road, before.lane, before.s)
+        speed = DEFAULT_SPEED if limit is None or not 0.0 < limit < math.inf else 3.6 * limit
+        left, before = left - half / speed, network.previous(before, 2.0 * half)
+
+
+def _cells(x: float, y: float, reach: float) -> Iterator[tuple[int, int]]:
+    """Yield the cells of the index that a circle's bounding square touches."""
+    for column in range(math.floor((x - reach) / CELL), math.floor((x + reach) / CELL) + 1):
+        for row in range(math.floor((y - reach) / CELL), math.floor((y + reach) / CELL) + 1):
+            yield column, row
