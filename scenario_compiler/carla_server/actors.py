@@ -27,6 +27,10 @@ MAX_STEER = 70.0
 TRUE = ("true", "yes", "on")
 NOT_ZERO = re.compile(r"\s*[+-]?0*[1-9]")
 
+BRIGHTEST = 255
+CHANNEL = re.compile(r"\s*([+-]?\d{1,9})")
+"""What clients read of a text as a channel of a colour (`ActorAttributeValueAccess::As<sensor::data::Color>`)."""
+
 TAGS = {
     "car": Tag.CAR,
     "van": Tag.TRUCK,
@@ -287,6 +291,16 @@ class SignActor(Actor):
     """A sign's actor."""
 
     sign: Sign
+
+
+def channels_of(text: str) -> tuple[int, int, int] | None:
+    """Return red, green and blue of the text of a colour as clients read it, None if they cannot read it."""
+    found = [CHANNEL.match(part) for part in text.split(",")]
+    values = [int(one.group(1)) for one in found if one is not None]
+    if len(found) != 3 or len(values) != 3 or max(values) > BRIGHTEST:
+        return None
+    red, green, blue = (value & BRIGHTEST for value in values)
+    return red, green, blue
 
 
 def transform_of(wire: Sequence[Sequence[float]]) -> CarlaTransform:

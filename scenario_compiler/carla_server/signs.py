@@ -1,12 +1,15 @@
 """Signs of a map as CARLA has them: stop and yield signs hold vehicles, speed limits are actors only.
 
-A stop sign lets a vehicle see red, without a light, as soon as its box touches the area before the stop line, for 2 s at
-least; a yield sign only while it must give way. It must while another vehicle is on a conflicting way through the
+A stop sign lets a vehicle see red, without a light, as soon as its box touches the area before the stop line, for 2 s
+at least; a yield sign only while it must give way. It must while another vehicle is on a conflicting way through the
 junction, or shortly before it; that is looked up again 1 s (stop) or 0.5 s (yield) later, and 0.5 s after a vehicle has
-left such an area. A vehicle keeps what a sign has let it see until the next sign or light. CARLA's Traffic Manager takes
-red without a light for a junction to negotiate. Sources: `UStopSignComponent`, `UYieldSignComponent`,
-`USpeedLimitComponent` and `UBoundingBoxCalculator::CombineBoxes` in CARLA 0.9.15 and 0.9.16. Signs that are no references
-in a junction have no conflicting ways there, nor here.
+left such an area. A vehicle keeps what a sign has let it see until the next sign or light. CARLA's Traffic Manager
+takes red without a light for a junction to negotiate.
+
+Conflicting ways are known to signs only that stand, or are referred to, on the junction's own roads, as in CARLA's
+towns.
+Sources: `UStopSignComponent`, `UYieldSignComponent`, `USpeedLimitComponent`, `UBoundingBoxCalculator::CombineBoxes` of
+CARLA 0.9.15 and 0.9.16.
 """
 
 from __future__ import annotations
@@ -49,7 +52,7 @@ DEFAULT_SPEED = 40.0
 SAMPLED = 1.0
 CELL = 8.0
 LONGEST = 6.0
-"""Distance of the points along a way, edge of a cell of the index of areas, and a vehicle's greatest half diagonal, m."""
+"""Distance of points along a way, edge of a cell of the index of areas, and a vehicle's greatest half diagonal, m."""
 
 
 class Box(NamedTuple):

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
-from scenario_compiler.carla_server.actors import Actor, Body, Car, Sensor, Walker
+from scenario_compiler.carla_server.actors import Actor, Body, Car, Sensor, Walker, channels_of
 from scenario_compiler.carla_server.blueprints import KINDS, Blueprint, first_kind, library
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.sensors.kinds import INSTRUMENTS, ON_OCCASION, REFUSED
 from scenario_compiler.frames import CarlaTransform
 
 BOOLS = ("true", "false")
-BRIGHTEST = 255
-CHANNEL = re.compile(r"\s*([+-]?\d{1,9})")
-"""What clients read of a text as an attribute that is true or false, and as a channel of a colour."""
+"""What clients read as an attribute that is true or false."""
 
 
 def check_attributes(version: str, description: list[Any]) -> None:
@@ -34,10 +31,7 @@ def check_attributes(version: str, description: list[Any]) -> None:
 def _is_readable(kind: str, text: str) -> bool:
     if kind == "bool":
         return text.lower() in BOOLS
-    if kind != "colour":
-        return True
-    channels = [CHANNEL.match(part) for part in text.split(",")]
-    return len(channels) == 3 and all(one is not None and int(one.group(1)) <= BRIGHTEST for one in channels)
+    return kind != "colour" or channels_of(text) is not None
 
 
 def blueprint_of(version: str, name: str) -> Blueprint:

@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import TYPE_CHECKING
+from weakref import WeakValueDictionary
 
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.diagnostics import Diagnostics
@@ -23,6 +24,8 @@ from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.spawn_points import read_spawn_points
 
 if TYPE_CHECKING:
+    from scenario_compiler.carla_server.shared_camera import SharedCamera
+    from scenario_compiler.perception.camera import Camera
     from scenario_compiler.perception.scene import Scene
     from scenario_compiler.perception.terrain import Terrain
 
@@ -69,6 +72,9 @@ class Town:
     spawn_points: tuple[CarlaTransform, ...]
     _lock: Lock = field(default_factory=Lock, repr=False)
     _ground_lock: Lock = field(default_factory=Lock, repr=False)
+    _cameras: WeakValueDictionary[tuple[Camera, int, float], SharedCamera] = field(
+        default_factory=WeakValueDictionary, repr=False
+    )
 
     @cached_property
     def _scene(self) -> Scene:
@@ -105,6 +111,23 @@ class Town:
         """
         with self._lock:
             return self._scene
+
+    def camera(self, camera: Camera, carrier: int, center: float) -> SharedCamera:
+        """Return the camera at a mount of an actor, the same one for all who use it.
+
+        Args:
+            camera: Lens, size and mounting.
+            carrier: Id of the actor that it is mounted on.
+            center: How far ahead of the actor's reference point the mount's origin is, m.
+        """
+        from scenario_compiler.carla_server.shared_camera import SharedCamera
+
+        scene, key = self.scene(), (camera, carrier, center)
+        with self._lock:
+            found = self._cameras.get(key)
+            if found is None:
+                found = self._cameras[key] = SharedCamera(scene, camera, center)
+            return found
 
     def prepare(self) -> None:
         """Make the ground and the scene, the ground first: it is the quicker one, and rays wait for it alone."""

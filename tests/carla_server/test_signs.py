@@ -24,7 +24,7 @@ STOP, YIELD = "12", "22"
 
 
 def signed_crossing() -> bytes:
-    """Return signal_crossing with a stop sign in the north and a yield sign in the south, both valid in the junction."""
+    """Return signal_crossing with a stop sign in the north and a yield sign in the south, both for the junction."""
     root = etree.parse(MAPS / "signal_crossing" / "signal_crossing.xodr").getroot()
     for one in root.xpath("controller | junction/controller"):
         one.getparent().remove(one)
@@ -128,7 +128,7 @@ def server(tmp_path_factory: pytest.TempPathFactory, client_version: str) -> Ite
 
 
 def test_the_trigger_volume_of_a_sign_lies_before_its_stop_line(world: Any) -> None:
-    """As ScenarioRunner's criterion of stop signs reads it: middle in the sign's axes, half extents along the world's."""
+    """As ScenarioRunner's criterion reads it: middle in the sign's axes, half extents along the world's."""
     (sign,) = world.get_actors().filter("traffic.stop")
     box, at = sign.trigger_volume, sign.get_transform()
     middle = at.transform(sign.trigger_volume.location)  # which the client turns into the result

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import struct
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -11,8 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.carla_server.actors import Body, Car, Sensor
+from scenario_compiler.carla_server.actors import Body, Car, Sensor, channels_of
 from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.shared_camera import SEED, SharedCamera
 from scenario_compiler.carla_server.stage import Stage
 from scenario_compiler.carla_server.traffic_lights import GREEN, RED, YELLOW
 from scenario_compiler.frames import pose_from_carla
@@ -41,7 +41,6 @@ CLOSE = 0.3
 MIRRORED = np.array([1.0, -1.0, 1.0], np.float32)
 """What turns OpenDRIVE's axes to CARLA's."""
 
-SEED = 1
 DEPTH_STEPS = (1 << 24) - 1
 """Steps of the depth that three bytes hold, from 0 to 1000 m."""
 
@@ -65,22 +64,23 @@ class CameraInstrument:
         if self.width * self.height > MOST_PIXELS or not 0.0 < self.fov <= WIDEST:
             raise CallError(f"unable to spawn actor: an image has at most {MOST_PIXELS} pixels and {WIDEST:g} degrees")
         self.town = stage.town
-        self._camera: RoadCamera | None = None
+        self._camera: SharedCamera | None = None
         self._mounted: tuple[float, ...] = ()
         self._first = self._mounting(stage, sensor)
+        self._carrier = sensor.parent
 
     def prepare(self) -> None:
         """Make the map's scene and the renderer."""
         _, mounting, center = self._first
         self._mount(mounting, center)
 
-    def _mount(self, mounting: tuple[float, ...], center: float) -> RoadCamera:
-        """Return the drawing for a mounting: x, y, z, yaw, pitch, roll relative to what carries it."""
+    def _mount(self, mounting: tuple[float, ...], center: float) -> SharedCamera:
+        """Return the camera for a mounting: x, y, z, yaw, pitch, roll relative to what carries it."""
         if self._camera is None or mounting != self._mounted:
             x, y, z, yaw, pitch, roll = mounting
             fov = math.radians(self.fov)
             camera = Camera(self.width, self.height, fov, x, y, z, yaw, pitch, roll, windscreen=False)
-            self._camera = RoadCamera(self.town.scene(), camera, SEED, center)
+            self._camera = self.town.camera(camera, self._carrier, center)
             self._mounted = mounting
         return self._camera
 
@@ -99,12 +99,15 @@ class CameraInstrument:
         height = round(placed.z - below, 3)
         return pose, (0.0, 0.0, height, 0.0, -placed.pitch, placed.roll), 0.0
 
-    def draw(self, stage: Stage, sensor: Sensor, weather: Weather) -> Drawing:
-        """Return what the camera sees now."""
+    def draw(self, stage: Stage, sensor: Sensor, frame: int, weather: Weather) -> Drawing:
+        """Return what the camera sees in a frame; sensors at the same mount share the drawing."""
         pose, mounting, center = self._mounting(stage, sensor)
-        camera = self._mount(mounting, center)
-        inside = self._is_inside(stage, sensor)
-        return camera.draw(pose, boxes_of(stage, sensor.parent if inside else 0), weather, signals_of(stage))
+        without = sensor.parent if self._is_inside(stage, sensor) else 0
+
+        def draw(camera: RoadCamera) -> Drawing:
+            return camera.draw(pose, boxes_of(stage, without), weather, signals_of(stage))
+
+        return self._mount(mounting, center).see((frame, pose, without), draw)
 
     def message(self, pixels: NDArray[np.generic]) -> bytes:
         """Return the body of a message: width, height and field of view, then what is measured."""
@@ -132,7 +135,7 @@ class ImageCamera(CameraInstrument):
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
         """Draw the image."""
         del dt
-        return self.message(self._encode(self.draw(stage, sensor, weather), frame, stage.shapes.at(stage.time)))
+        return self.message(self._encode(self.draw(stage, sensor, frame, weather), frame, stage.shapes.at(stage.time)))
 
 
 def boxes_of(stage: Stage, without: int) -> list[Box]:
@@ -179,9 +182,9 @@ def signals_of(stage: Stage) -> Mapping[str, str]:
 
 def _colour_of(body: Body) -> tuple[int, int, int]:
     """Return a body's colour (blue, green, red): that of its attribute, else one that its id decides."""
-    parts = body.attributes.get("color", "").split(",")
-    if len(parts) == 3 and all(re.fullmatch(" *[0-9]{1,9} *", part) for part in parts):
-        red, green, blue = (min(int(part), 255) for part in parts)
+    given = channels_of(body.attributes.get("color", ""))
+    if given is not None:
+        red, green, blue = given
         return blue, green, red
     mixed = zlib.crc32(str(body.id).encode())
     return 60 + mixed % 160, 60 + mixed // 256 % 160, 60 + mixed // 65536 % 160

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.carla_server.actors import Sensor
-from scenario_compiler.carla_server.sensors.cameras import SEED, CameraInstrument
+from scenario_compiler.carla_server.sensors.cameras import CameraInstrument
 from scenario_compiler.carla_server.sensors.instrument import generator
+from scenario_compiler.carla_server.shared_camera import SEED
 from scenario_compiler.carla_server.stage import Stage
 from scenario_compiler.vocabulary.weather import Weather
 
@@ -113,7 +114,7 @@ class EventCamera(CameraInstrument):
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes | None:
         """Return the events since the picture before; None if there are none, as CARLA sends nothing then."""
         del dt
-        picture = self.draw(stage, sensor, weather).image(SEED, frame, stage.shapes.at(stage.time))
+        picture = self.draw(stage, sensor, frame, weather).image(SEED, frame, stage.shapes.at(stage.time))
         events = self._pixels.see(self._brightness(picture), int(stage.time * 1e9), generator(sensor))
         return self.message(events) if len(events) else None
 

@@ -45,8 +45,8 @@ class FlowCamera(CameraInstrument):
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
         """Return the flow of each pixel: right, up."""
-        del frame, dt
-        drawing = self.draw(stage, sensor, weather)
+        del dt
+        drawing = self.draw(stage, sensor, frame, weather)
         bodies = {body.id: placed(stage.pose_of(body)) for body in stage.bodies()}
         before = drawing.view if self._before is None else self._before
         moved = {
