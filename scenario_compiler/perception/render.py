@@ -166,14 +166,18 @@ class Drawing:
         bounds[BARE, 1] = np.inf
         corners = np.maximum(points[2], 1e-2)
         bounds[FIRST:, 0], bounds[FIRST:, 1] = 1.0 / corners.max(axis=0), 1.0 / corners.min(axis=0)
-        ids = self._ids.astype(np.intp)
-        plane, bound = np.take(planes, ids, axis=0), np.take(bounds, ids, axis=0)
+        near, term = (self._renderer.buffers.get(name, self._ids.shape, np.float32) for name in ("near", "term"))
+        ids = self._renderer.buffers.get("index", self._ids.shape, np.intp)
+        ids[:] = self._ids
         x = ((np.arange(camera.width) - camera.width / 2.0) / camera.focal).astype(np.float32)
         y = ((np.arange(camera.height) - camera.height / 2.0) / camera.focal).astype(np.float32)[:, None]
-        nearness = plane[..., 0] * x + plane[..., 1] * y + plane[..., 2]
-        nearness = np.minimum(np.maximum(nearness, bound[..., 0]), bound[..., 1])
-        far = nearness <= np.float32(1.0 / FARTHEST_DEPTH)
-        return np.where(far, np.float32(FARTHEST_DEPTH), np.float32(1.0) / np.where(far, np.float32(1.0), nearness))
+        np.multiply(_looked_up(planes[:, 0], ids, near), x, out=near)
+        near += np.multiply(_looked_up(planes[:, 1], ids, term), y, out=term)
+        near += _looked_up(planes[:, 2], ids, term)
+        np.maximum(near, _looked_up(bounds[:, 0], ids, term), out=near)
+        np.minimum(near, _looked_up(bounds[:, 1], ids, term), out=near)
+        depth = np.full(near.shape, FARTHEST_DEPTH, np.float32)
+        return np.divide(np.float32(1.0), near, out=depth, where=near > np.float32(1.0 / FARTHEST_DEPTH))
 
     @cached_property
     def normals(self) -> NDArray[np.float32]:
@@ -237,3 +241,13 @@ class Drawing:
         for k, shape in enumerate(self._faces.shapes, len(self._traced.material)):
             cv2.fillConvexPoly(ids, shape, k, cv2.LINE_8, SUBPIXEL)
         return ids
+
+
+def _looked_up(table: NDArray[np.float32], ids: NDArray[np.intp], out: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Write the entries of a table with some indices, which it has, into an array of their shape, and return it."""
+    return np.take(np.ascontiguousarray(table), ids, out=out, mode="clip")
+
+
+def opaque(picture: Image) -> Image:
+    """Return a picture (height, width, 3), BGR, as (height, width, 4), BGRA, all of it opaque."""
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2BGRA), np.uint8)

@@ -16,6 +16,7 @@ from scenario_compiler.frames import CarlaTransform
 from scenario_compiler.vocabulary.weather import Weather
 from tests.work import counted
 
+RAIN = Weather(precipitation=80.0, cloudiness=80.0)
 KINDS = ("rgb", "depth", "semantic_segmentation", "instance_segmentation", "normals", "optical_flow")
 AHEAD = CarlaTransform(1.5, 0.0, 2.0, 0.0, 0.0, 0.0)
 SIZE = [["image_size_x", 1, "160"], ["image_size_y", 1, "90"]]
@@ -55,7 +56,7 @@ class Mounted:
     def image(self, camera: tuple[Instrument, Sensor], frame: int) -> bytes | None:
         """Return what a camera sends in a frame."""
         instrument, sensor = camera
-        return instrument.measure(self.stage, sensor, frame, 0.05, Weather())
+        return instrument.measure(self.stage, sensor, frame, 0.05, RAIN)
 
 
 def test_cameras_at_one_mount_draw_a_scene_once() -> None:
@@ -76,6 +77,7 @@ def test_a_camera_beside_others_sends_what_it_would_send_alone(kind: str) -> Non
             one.drive(0.2)
         images = [mounted.image(camera, frame) for camera in cameras]
         assert images[KINDS.index(kind)] == alone.image(only, frame)
+        assert mounted.image(cameras[0], frame) == images[0]
 
 
 @pytest.mark.parametrize(

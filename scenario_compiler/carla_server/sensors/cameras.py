@@ -19,7 +19,7 @@ from scenario_compiler.frames import pose_from_carla
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.labels import FARTHEST_DEPTH
 from scenario_compiler.perception.models import Lamp
-from scenario_compiler.perception.render import Drawing
+from scenario_compiler.perception.render import Drawing, opaque
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.perception.strokes import Stroke
@@ -111,7 +111,7 @@ class CameraInstrument:
 
     def message(self, pixels: NDArray[np.generic]) -> bytes:
         """Return the body of a message: width, height and field of view, then what is measured."""
-        return IMAGE.pack(self.width, self.height, self.fov) + pixels.tobytes()
+        return b"".join((IMAGE.pack(self.width, self.height, self.fov), np.ascontiguousarray(pixels).data))
 
     @staticmethod
     def _is_inside(stage: Stage, sensor: Sensor) -> bool:
@@ -190,39 +190,33 @@ def _colour_of(body: Body) -> tuple[int, int, int]:
     return 60 + mixed % 160, 60 + mixed // 256 % 160, 60 + mixed // 65536 % 160
 
 
-def _with_alpha(image: Image) -> Image:
-    full = np.empty((*image.shape[:2], 4), np.uint8)
-    full[..., :3], full[..., 3] = image, 255
-    return full
+def _of_words(words: NDArray[np.uint32]) -> Image:
+    """Return an image whose red, green and blue are the lowest, the middle and the highest byte of 24 bits a pixel."""
+    turned = (words.byteswap() >> np.uint32(8) | np.uint32(0xFF000000)).astype("<u4", copy=False)
+    return turned.view(np.uint8).reshape(*words.shape, 4)
 
 
 def colours(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
     """Return the picture, (height, width, 4), BGRA, with what clients have drawn into the world."""
-    return _with_alpha(drawing.image(SEED, frame, strokes))
+    return opaque(drawing.image(SEED, frame, strokes))
 
 
 def depth(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
     """Return the depth: R + 256 G + 65536 B of 2^24 - 1 steps up to 1000 m, as CARLA encodes it."""
     del frame, strokes
-    steps = (drawing.depth.astype(np.float64) * (DEPTH_STEPS / FARTHEST_DEPTH)).astype(np.uint32)
-    image = np.stack([steps >> 16 & 255, steps >> 8 & 255, steps & 255], axis=2)
-    return _with_alpha(image.astype(np.uint8))
+    return _of_words((drawing.depth.astype(np.float64) * (DEPTH_STEPS / FARTHEST_DEPTH)).astype(np.uint32))
 
 
 def kinds(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
     """Return the semantic tag in the red channel."""
     del frame, strokes
-    image = np.zeros((*drawing.semantic.shape, 3), np.uint8)
-    image[..., 2] = drawing.semantic
-    return _with_alpha(image)
+    return _of_words(drawing.semantic.astype(np.uint32))
 
 
 def instances(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
     """Return the semantic tag in the red channel and the thing's number in green (low) and blue (high)."""
-    image = kinds(drawing, frame, strokes)
-    number = drawing.instance & 0xFFFF
-    image[..., 1], image[..., 0] = number & 255, number >> 8
-    return image
+    del frame, strokes
+    return _of_words((drawing.instance << 8 | drawing.semantic).astype(np.uint32))
 
 
 def normals(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
@@ -233,7 +227,7 @@ def normals(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
     """
     del frame, strokes
     scaled = np.rint((drawing.normals * MIRRORED + np.float32(1.0)) * np.float32(127.5))
-    return _with_alpha(scaled[..., ::-1].astype(np.uint8))
+    return opaque(scaled[..., ::-1].astype(np.uint8))
 
 
 ENCODINGS: dict[str, Callable[[Drawing, int, Sequence[Stroke]], Image]] = {
