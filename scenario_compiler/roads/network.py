@@ -6,6 +6,7 @@ The compiled functions do the work.
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
@@ -172,8 +173,12 @@ class Network:
         return Located(start, road[section[row]], lane[row], s, offset)
 
     def _position(self, row: int, s: float, offset: float) -> LanePosition:
-        n = self._arrays
-        return LanePosition(self.road_ids[n.section_road[n.lane_section[row]]], n.lane_id[row], s, offset)
+        n = self.tables
+        section, lane = n.lane_section[row], n.lane_id[row]
+        road = n.section_road[section]
+        if lanes.lane_exists(n, road, lane, s) == 0:  # found at the end of its section, where the next one starts
+            s = min(max(s, n.section_s[section]), math.nextafter(n.section_end[section], n.section_s[section]))
+        return LanePosition(self.road_ids[road], lane, s, offset)
 
     def lane_width(self, road: str, lane: int, s: float) -> float:
         """Return a lane's width, m; 0 if the lane does not exist. ValueError outside the road."""

@@ -120,3 +120,15 @@ def test_the_index_costs_no_more_on_a_larger_network(tmp_path: Path) -> None:
         n = network(tmp_path, *rows).tables
         counts.append(max(b - a for a, b in zip(n.cell_chunk, n.cell_chunk[1:], strict=False)))
     assert counts[0] == counts[1]
+
+
+@pytest.mark.parametrize("beside", [False, True], ids=["on the road", "off the road"])
+def test_a_place_that_is_found_at_the_end_of_a_lane_lies_on_that_lane(tmp_path: Path, beside: bool) -> None:
+    """A lane that only the first section has ends where the second one starts; its place is in the first."""
+    lanes = section(right=lane(-1) + lane(-2)) + section(s=30.0, right=lane(-1))
+    made = network(tmp_path, road(length=60, lanes=lanes))
+    y = -9.0 if beside else -5.0
+    for x in (30.0 - 1e-9, 30.0, 30.0 + 1e-9, 30.0 + 5e-8, 30.5 if beside else 30.0):
+        for place in made.locate(x, y, nearest=beside):
+            pose = made.lane_pose(place.road, place.lane, place.s, place.offset)
+            assert math.hypot(pose.x - x, pose.y - y) < 1.0
