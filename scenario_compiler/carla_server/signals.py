@@ -3,27 +3,70 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 
 from scenario_compiler.frames import CarlaTransform, carla_from_pose
-from scenario_compiler.roads import LanePosition, Network
+from scenario_compiler.roads import LanePosition, Network, Pose
 from scenario_compiler.roads.lanes import lane_direction
-from scenario_compiler.roads.model import Signal
+from scenario_compiler.roads.model import RoadObject, Signal
 
 LIGHT, STOP, YIELD, LIMIT = "1000001", "206", "205", "274"
 """Types of signals (the German catalogue of signs, as CARLA's maps use it)."""
 
 
+LIGHTS_AHEAD = 0.25
+"""How far lights are put ahead of where the file has them, m (LibCarla's `MapBuilder`)."""
+
+SPEED = re.compile(r"[Ss]peed_(?:STATIC_)?([0-9]+)")
+"""Name of an object that LibCarla's `ObjectParser` takes for a speed limit: CARLA's towns have their limits so."""
+
+
+def signals_of(network: Network) -> list[Signal]:
+    """Return a map's signals and the references to them, and the objects that CARLA takes for speed limits."""
+    model = network.model()
+    limits = ((one, SPEED.match(one.name)) for one in model.objects)
+    return [*model.signals, *(_limit(one, found.group(1)) for one, found in limits if found is not None)]
+
+
+def _limit(one: RoadObject, number: str) -> Signal:
+    return Signal(
+        road=one.road,
+        id=one.id,
+        name=one.name,
+        type=LIMIT,
+        subtype=number,
+        country="OpenDRIVE",
+        value=number,
+        unit="mph",
+        text=number,
+        s=one.s,
+        t=one.t,
+        z_offset=one.z_offset,
+        heading_offset=one.heading,
+        orientation=one.orientation,
+        dynamic=False,
+        reference=False,
+        height=one.height,
+        width=one.width,
+        lanes=one.lanes,
+        user_data=(),
+        rest=(),
+    )
+
+
 def stands(network: Network, signal: Signal) -> CarlaTransform:
-    """Return where a signal stands; CARLA turns its actor by 90 degrees (MapBuilder, TrafficLightManager)."""
+    """Return where a signal's actor stands: upright, and turned by 90 degrees (MapBuilder, TrafficLightManager)."""
     pose = network.road_pose(signal.road, signal.s, signal.t)
-    facing = pose.heading + signal.heading_offset - 0.5 * math.pi
-    return carla_from_pose(pose._replace(z=pose.z + signal.z_offset, heading=facing % math.tau))
+    heading = pose.heading + signal.heading_offset
+    ahead = LIGHTS_AHEAD if signal.type == LIGHT else 0.0
+    x, y = pose.x + ahead * math.cos(heading), pose.y + ahead * math.sin(heading)
+    return carla_from_pose(Pose(x, y, pose.z + signal.z_offset, (heading - 0.5 * math.pi) % math.tau, 0.0, 0.0))
 
 
 def places_of(network: Network, signal: Signal) -> list[Signal]:
     """Return a signal and all references to it."""
-    return [one for one in network.model().signals if one.id == signal.id]
+    return [one for one in signals_of(network) if one.id == signal.id]
 
 
 def stop_lines(network: Network, signal: Signal) -> Iterator[LanePosition]:

@@ -19,7 +19,16 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from scenario_compiler.carla_server.signals import LIMIT, STOP, YIELD, lanes_of, places_of, stands, stop_lines
+from scenario_compiler.carla_server.signals import (
+    LIMIT,
+    STOP,
+    YIELD,
+    lanes_of,
+    places_of,
+    signals_of,
+    stands,
+    stop_lines,
+)
 from scenario_compiler.carla_server.traffic_lights import GREEN, RED
 from scenario_compiler.frames import CarlaTransform, vector_from_carla
 from scenario_compiler.roads import LanePosition, Network
@@ -218,7 +227,7 @@ class SignRules:
 def signs_of(network: Network) -> list[Sign]:
     """Return the stop signs, yield signs and speed limits of a map."""
     found = []
-    for signal in network.model().signals:
+    for signal in signals_of(network):
         if signal.reference or signal.name == PAINTED:
             continue
         where = stands(network, signal)

@@ -11,7 +11,7 @@ import pytest
 from lxml import etree
 
 from scenario_compiler.carla_server.signs import Box, SignRules, signs_of
-from scenario_compiler.carla_server.traffic_lights import GREEN, RED
+from scenario_compiler.carla_server.traffic_lights import GREEN, RED, groups_of
 from scenario_compiler.roads import Network, load_network
 from tests.carla_server.conftest import STEP, Served, served
 
@@ -40,6 +40,12 @@ def signed_crossing() -> bytes:
             signals = etree.SubElement(arm, "signals")
             reference = etree.SubElement(signals, "signalReference", s="0", t="-5", id=number, orientation="+")
             etree.SubElement(reference, "validity", fromLane="-1", toLane="-1")
+    limited = next(root.iterfind("road"))
+    objects = limited.find("objects")
+    objects = etree.SubElement(limited, "objects") if objects is None else objects
+    etree.SubElement(
+        objects, "object", id="90", name="Speed_60", s="100", t="-6", zOffset="0.1", hdg="0.2", orientation="+"
+    )  # fmt: skip
     return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8"))
 
 
@@ -115,7 +121,19 @@ def test_a_vehicle_far_from_the_junction_has_no_right_of_way_over_one_at_a_sign(
 def test_a_sign_painted_on_the_road_is_no_actor(network: Network, tmp_path: Path) -> None:
     path = tmp_path / "painted.xodr"
     path.write_bytes(signed_crossing().replace(b'name="light_12"', b'name="Stencil_STOP"'))
-    assert [one.kind for one in signs_of(load_network(path, cache=False))] == ["traffic.yield"]
+    assert "traffic.stop" not in [one.kind for one in signs_of(load_network(path, cache=False))]
+
+
+def test_lights_stand_where_the_clients_map_has_them() -> None:
+    carla = pytest.importorskip("carla", reason="the CARLA client has no wheel for this Python")
+    path = MAPS / "signal_crossing" / "signal_crossing.xodr"
+    network = load_network(path, cache=False)
+    marks = {one.id: one.transform.location for one in carla.Map("crossing", path.read_text()).get_all_landmarks()}
+    lights = [light for group in groups_of(network) for light in group.lights]
+    assert len(lights) == 4
+    for light in lights:
+        mark = marks[light.signal]
+        assert math.dist(light.transform[:3], (mark.x, mark.y, mark.z)) < 1e-4
 
 
 @pytest.fixture(scope="module")
@@ -125,6 +143,21 @@ def server(tmp_path_factory: pytest.TempPathFactory, client_version: str) -> Ite
     arguments = ("--carla-version", client_version, "--maps", str(folder), "--map", "signed_crossing")
     with served(folder, *arguments) as running:
         yield running
+
+
+def test_each_landmark_has_its_sign(world: Any) -> None:
+    """Also a speed limit that the file has as an object, as CARLA's towns do."""
+    world.tick()
+    found = {one.id: world.get_traffic_sign(one) for one in world.get_map().get_all_landmarks()}
+    assert {number: sign.type_id for number, sign in found.items()} == {
+        STOP: "traffic.stop",
+        YIELD: "traffic.yield",
+        "90": "traffic.speed_limit.60",
+    }
+    for one in world.get_map().get_all_landmarks():
+        at = found[one.id].get_transform()
+        assert at.location.distance(one.transform.location) < 1e-3
+        assert (at.rotation.yaw - one.transform.rotation.yaw) % 360.0 == pytest.approx(90.0, abs=0.01)
 
 
 def test_the_trigger_volume_of_a_sign_lies_before_its_stop_line(world: Any) -> None:
