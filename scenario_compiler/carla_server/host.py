@@ -15,7 +15,7 @@ import msgpack
 
 from scenario_compiler.carla_server.actors import Actor, Car, Sensor
 from scenario_compiler.carla_server.failures import CallError
-from scenario_compiler.carla_server.recorder import Recorder, Replay
+from scenario_compiler.carla_server.recorder import Played, Recorder, Replay
 from scenario_compiler.carla_server.sensors.instrument import Instrument
 from scenario_compiler.carla_server.snapshot import HEADER, LIGHTS_CHANGED, MAP_CHANGED, SENSORS
 from scenario_compiler.carla_server.stage import Stage
@@ -167,6 +167,7 @@ class Host:
     generated: str = ""
     recorder: Recorder | None = None
     replay: Replay | None = None
+    played: Played = field(default_factory=Played)
     told: set[str] = field(default_factory=set)
     beginning: asyncio.Future[None] | None = None
     gate: asyncio.Event | None = None
@@ -339,7 +340,8 @@ class Host:
     def tick(self) -> int:
         """Step the world and send the snapshot to all listeners; return the number of the frame."""
         dt = self.step_length
-        if self.replay is not None and not self.replay.pose(self.stage, self.version, dt):
+        if self.replay is not None and not self.replay.pose(self.stage, self.version, dt, self.played):
+            self.replay.finish(self.stage)
             self.replay = None
         self.stage.step(dt)
         self.frame += 1

@@ -266,7 +266,7 @@ CALLS = (
     ),
     Call("stop_replayer", (BOOL,), NOTHING, records.stop_replay),
     Call("set_replayer_time_factor", (REAL,), NOTHING, records.set_pace),
-    ignored("set_replayer_ignore_hero", "all bodies are played", BOOL),
+    Call("set_replayer_ignore_hero", (BOOL,), NOTHING, records.ignore_hero),
     ignored("set_replayer_ignore_spectator", "the spectator is not played", BOOL),
     # Sensors.
     ignored("enable_sensor_for_ros", NO_ROS, U32),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,17 +10,20 @@ from typing import Any
 
 import msgpack
 
-from scenario_compiler.carla_server.actors import Body, Car, Walker
+from scenario_compiler.carla_server.actors import Actor, Body, Car, Walker
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.spawning import new_body
 from scenario_compiler.carla_server.stage import Stage
 from scenario_compiler.files import MAX_BYTES
-from scenario_compiler.frames import CarlaTransform
+from scenario_compiler.frames import CarlaTransform, carla_attached
 from scenario_compiler.outputs import write_whole
 
 MAGIC = "scenario-compiler recording 1"
 MOST_STATES = 2_000_000
 """States of bodies in a recording at most, over all frames: what comes after them is left out."""
+
+BEHIND = CarlaTransform(-10.0, 0.0, 5.0, -25.0, 0.0, 0.0)
+"""Where a spectator follows a body, relative to it (`CarlaReplayer`)."""
 
 KINDS = {"h": "hero", "v": "vehicle", "w": "walker", "t": "traffic_light", "o": "other", "a": "any"}
 """Kinds of actors as clients ask for collisions of them."""
@@ -163,52 +167,102 @@ class Recording:
         name: str = self.actors[number][0][1]
         return name
 
+    def is_hero(self, number: int) -> bool:
+        """Return whether a body's role is that of a hero."""
+        _, _, attributes = self.actors[number][0]
+        return ["role_name", "hero"] in [[one[0], one[2]] for one in attributes]
+
     def _letter(self, number: int) -> str:
-        (_, _, attributes), kind = self.actors[number]
-        return "h" if ["role_name", "hero"] in [[one[0], one[2]] for one in attributes] else str(kind[:1])
+        return "h" if self.is_hero(number) else str(self.actors[number][1][:1])
+
+
+@dataclass(frozen=True)
+class Played:
+    """How recordings are played, which clients set before they play one, or meanwhile.
+
+    Attributes:
+        pace: Seconds of the recording in a second.
+        without_hero: Whether heroes are left where they are.
+    """
+
+    pace: float = 1.0
+    without_hero: bool = False
 
 
 @dataclass(eq=False)
 class Replay:
-    """A recording that is played: its bodies are spawned again and posed frame by frame.
+    """A recording that is played: its bodies are posed frame by frame.
+
+    As in CARLA (`CarlaReplayerHelper`, `FActorRegistry::Register`), a body that is still there, with its id and of its
+    blueprint, is used again, another one is spawned with its old id, or with a new one if somebody else has that.
 
     Attributes:
         recording: What is played.
-        ids: The id of each of its bodies now.
         at: Place of the next frame.
+        time: Time in the recording, s.
         end: Time at which it ends, s.
-        pace: Seconds of the recording in a second.
+        followed: Id of the body that the spectator follows, 0 for none.
+        offset: The spectator's place relative to that body.
+        ids: The id of each of its bodies now.
     """
 
     recording: Recording
     at: int
     time: float
     end: float
-    pace: float = 1.0
+    followed: int = 0
+    offset: CarlaTransform = BEHIND
     ids: dict[int, int] = field(default_factory=dict)
 
-    def pose(self, stage: Stage, version: str, dt: float) -> bool:
+    def pose(self, stage: Stage, version: str, dt: float, played: Played) -> bool:
         """Put its bodies to where they were; return False where it is over."""
         frames = self.recording.frames
-        self.time += dt * self.pace
+        self.time += dt * played.pace
         while self.at < len(frames) and frames[self.at][1] < self.time - 1e-6:
             self.at += 1
         if self.at >= len(frames) or self.time > self.end:
             return False
         for number, at, speed in frames[self.at][3]:
-            if self.ids.get(number) not in stage.actors:
-                description, _ = self.recording.actors[number]
-                try:
-                    self.ids[number] = stage.add_body(new_body(version, description, CarlaTransform(*at))).id
-                except CallError:
-                    continue
-            body = stage.actors[self.ids[number]]
-            assert isinstance(body, Body)
-            stage.put(body, CarlaTransform(*at))
+            body = self._body(stage, version, number, CarlaTransform(*at))
+            if body is None or (played.without_hero and self.recording.is_hero(number)):
+                continue
+            self._put(stage, body, CarlaTransform(*at))
             stage.set_speed(body, speed)
             if isinstance(body, Car):
                 stage.let_simulate(body, False)
+        followed = stage.actors.get(self.ids.get(self.followed, 0))
+        if followed is not None:
+            self._put(stage, stage.spectator, carla_attached(stage.transform_of(followed), self.offset))
         return True
+
+    def _put(self, stage: Stage, actor: Actor, at: CarlaTransform) -> None:
+        """Put an actor somewhere; it stays where it is if that is too far away."""
+        with contextlib.suppress(CallError):
+            stage.put(actor, at)
+
+    def _body(self, stage: Stage, version: str, number: int, at: CarlaTransform) -> Body | None:
+        """Return the body of a recorded id, spawned if necessary; None if there is no room for it."""
+        found = stage.actors.get(self.ids.get(number, number))
+        description, _ = self.recording.actors[number]
+        if not isinstance(found, Body) or found.blueprint.name != description[1]:
+            try:
+                found = stage.add_body(new_body(version, description, at), number)
+            except CallError:
+                return None
+        self.ids[number] = found.id
+        return found
+
+    def finish(self, stage: Stage) -> None:
+        """Let physics move its vehicles again, and its walkers stand."""
+        for number in self.ids.values():
+            body = stage.actors.get(number)
+            if isinstance(body, Car):
+                body.control = [0.0, 0.0, 0.0, False, False, False, 0]
+                stage.command(body)
+                stage.let_simulate(body, True)
+            elif isinstance(body, Walker):
+                body.control = [body.control[0], 0.0, False]
+                stage.walk(body)
 
 
 def _kind(body: Body) -> str:

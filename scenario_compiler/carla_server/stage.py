@@ -170,15 +170,16 @@ class Stage:
         for one in light.stretches:
             self._zones.setdefault((one.road, one.lane), []).append((one.low, one.high, light))
 
-    def add(self, actor: Actor) -> Actor:
-        """Take an actor in and give it its id.
+    def add(self, actor: Actor, wanted: int = 0) -> Actor:
+        """Take an actor in and give it its id: the next one, or the wanted one if nobody has it.
 
         Raises:
             CallError: There are too many.
         """
         if len(self.actors) >= MOST_ACTORS:
             raise CallError(f"unable to spawn actor: there are {MOST_ACTORS} already")
-        actor.id, self._next = self._next, self._next + 1
+        actor.id = wanted if wanted > 0 and wanted not in self.actors else self._next
+        self._next = max(self._next, actor.id + 1)
         self.actors[actor.id] = actor
         if actor.blueprint.name == TRIGGER:
             self._triggers.append(actor)
@@ -187,8 +188,12 @@ class Stage:
         self._stale = True
         return actor
 
-    def add_body(self, body: Body) -> Body:
+    def add_body(self, body: Body, wanted: int = 0) -> Body:
         """Take a body in; it stands on the road below it, and a vehicle falls onto it.
+
+        Args:
+            body: The body.
+            wanted: The id that it gets if nobody has it.
 
         Raises:
             CallError: Something stands there already, or there are too many.
@@ -212,7 +217,7 @@ class Stage:
             self._places.append(place)
             raise CallError("Spawn failed because of collision at spawn position")
         try:
-            self.add(body)
+            self.add(body, wanted)
         except CallError:
             self.simulation.remove(place)
             self._places.append(place)

@@ -77,6 +77,77 @@ def test_a_recording_is_played_where_it_was(server: Served, world: Any, spawn: S
     del car
 
 
+def replayed(server: Served, world: Any, name: str, follow: int = 0) -> Any:
+    """Play a recording from its beginning; return the client, whose calls are in order."""
+    client = server.client()
+    assert "Replaying" in client.replay_file(name, 0.0, 0.0, follow)
+    return client
+
+
+def test_a_body_that_is_played_has_its_id_and_a_spectator_follows_it(server: Served, world: Any, spawn: Spawn) -> None:
+    car, where = record(server, world, spawn, "same.log")
+    number = car.id
+    for actor in world.get_actors().filter("vehicle.*"):
+        actor.destroy()
+    world.tick()
+    client = replayed(server, world, "same.log", number)
+    for _ in range(10):
+        world.tick()
+    played = world.get_actor(number)
+    assert played.get_location().distance(where[10].location) < 0.05
+    away = world.get_spectator().get_transform()
+    behind = played.get_transform()
+    way = behind.get_forward_vector()
+    assert away.location.x - behind.location.x == pytest.approx(-10.0 * way.x, abs=0.1)
+    assert away.location.y - behind.location.y == pytest.approx(-10.0 * way.y, abs=0.1)
+    assert away.location.z - behind.location.z == pytest.approx(5.0, abs=0.1)
+    client.stop_replayer(True)
+    client.get_server_version()
+
+
+def test_bodies_that_are_still_there_are_played_and_driven_again_afterwards(
+    server: Served, world: Any, spawn: Spawn
+) -> None:
+    import carla
+
+    car, where = record(server, world, spawn, "there.log")
+    numbers = {actor.id for actor in world.get_actors().filter("vehicle.*")}
+    replayed(server, world, "there.log")
+    for _ in range(5):
+        world.tick()
+    assert {actor.id for actor in world.get_actors().filter("vehicle.*")} == numbers
+    assert car.get_location().distance(where[5].location) < 0.05
+    for _ in range(60):
+        world.tick()
+    assert car.get_velocity().length() == pytest.approx(0.0, abs=0.01)
+    begin = car.get_location()
+    car.apply_control(carla.VehicleControl(throttle=1.0, reverse=True))
+    for _ in range(20):
+        world.tick()
+    assert car.get_location().distance(begin) > 0.5
+
+
+def test_pace_and_hero_are_set_before_a_recording_is_played(server: Served, world: Any, spawn: Spawn) -> None:
+    """As CARLA's start_replaying.py does."""
+    car, where = record(server, world, spawn, "pace.log")
+    client = server.client()
+    client.set_replayer_time_factor(2.0)
+    client.replay_file("pace.log", 0.0, 0.0, 0)
+    for _ in range(5):
+        world.tick()
+    assert car.get_location().distance(where[10].location) < 0.05
+    client.set_replayer_time_factor(1.0)
+    client.set_replayer_ignore_hero(True)
+    before = car.get_location()
+    client.replay_file("pace.log", 0.0, 0.0, 0)
+    for _ in range(5):
+        world.tick()
+    assert car.get_location().distance(before) < 0.5
+    client.set_replayer_ignore_hero(False)
+    client.stop_replayer(True)
+    client.get_server_version()
+
+
 @pytest.mark.parametrize("name", ["/etc/passwd", "../away.log", "a/../../away.log", ""])
 def test_nothing_is_written_or_read_outside_the_served_folder(server: Served, name: str) -> None:
     client = server.client()

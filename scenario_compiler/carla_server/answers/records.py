@@ -5,11 +5,13 @@ from __future__ import annotations
 import asyncio
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
+from scenario_compiler.carla_server.actors import transform_of
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.host import Host
-from scenario_compiler.carla_server.recorder import Recorder, Recording, Replay, file_below
+from scenario_compiler.carla_server.recorder import BEHIND, Recorder, Recording, Replay, file_below
 
 FASTEST_PACE = 100.0
 """Times as fast as it was that a recording is played at most."""
@@ -57,8 +59,8 @@ async def blocked(host: Host, name: str, least_time: float, least_distance: floa
 async def replay(
     host: Host, name: str, begin: float, duration: float, follow: int, sensors: bool, offset: Any = None
 ) -> str:
-    """Play a recording: its bodies appear and are posed as they were."""
-    del follow, sensors, offset
+    """Play a recording: its bodies appear and are posed as they were, and the spectator follows one of them."""
+    del sensors
     recording = await _read(host, name)
     if recording is None:
         return _missing(name)
@@ -68,14 +70,18 @@ async def replay(
     first = recording.frames[0][1] if recording.frames else 0.0
     start_at = first + begin if begin >= 0.0 else last + begin
     end = start_at + duration if duration > 0.0 else last
-    host.replay = Replay(recording, 0, start_at, end)
+    if host.replay is not None:
+        host.replay.finish(host.stage)
+    host.replay = Replay(recording, 0, start_at, end, follow, BEHIND if offset is None else transform_of(offset))
     return f"Replaying File: {name}\n\nReplaying from {begin:g} s, {end - start_at:g} s of {last - first:g} s."
 
 
 def stop_replay(host: Host, keep: bool) -> None:
     """Stop playing a recording, and remove its bodies unless the client wants to keep them."""
     playing, host.replay = host.replay, None
-    if playing is not None and not keep:
+    if playing is not None and keep:
+        playing.finish(host.stage)
+    elif playing is not None:
         for number in playing.ids.values():
             if number in host.stage.actors:
                 host.stage.destroy(number)
@@ -85,8 +91,12 @@ def set_pace(host: Host, factor: float) -> None:
     """Set how fast recordings are played."""
     if not 0.0 <= factor <= FASTEST_PACE:
         raise CallError(f"a recording is played 0 to {FASTEST_PACE:g} times as fast as it was")
-    if host.replay is not None:
-        host.replay.pace = factor
+    host.played = replace(host.played, pace=factor)
+
+
+def ignore_hero(host: Host, ignored: bool) -> None:
+    """Set whether recordings that are played leave heroes where they are."""
+    host.played = replace(host.played, without_hero=ignored)
 
 
 async def _read(host: Host, name: str) -> Recording | None:
