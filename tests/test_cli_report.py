@@ -151,7 +151,10 @@ def test_a_run_without_vehicles_has_no_pictures_and_says_so(tmp_path: Path, caps
     for words in (("--video", tmp_path / "it.mp4"), ("--watch",)):
         assert call("run", file, *words) == 2
         assert "this scenario has no entity" in capsys.readouterr().err
-    assert call("run", file) == 0
+    out = tmp_path / "out"
+    assert call("run", file, "-o", out) == 0
+    assert call("compare", out, out, "--html", tmp_path / "both.html") == 2
+    assert "one of these has no vehicle" in capsys.readouterr().err
 
 
 def test_a_run_whose_first_vehicle_is_deleted_is_kept_without_its_film(
