@@ -381,6 +381,26 @@ def test_two_devices_of_one_model_are_assigned_apart(soon: Path, browser: Browse
         assert (told["steer"], told["throttle"], told["brake"]) == (0, 0, 0)
 
 
+def test_a_key_that_is_let_go_beside_a_modifier_or_in_another_window_is_not_held(soon: Path, browser: Browser) -> None:
+    held = "[...page.wheel.held]"
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.wait_for_function("globalThis.page?.role === 'driver'")
+        for modifier in ("Control", "Alt", "Meta"):
+            page.keyboard.down("a")
+            page.keyboard.down(modifier)
+            assert page.evaluate(held) == ["left"]
+            page.keyboard.up("a")
+            page.keyboard.up(modifier)
+            assert page.evaluate(held) == []
+        page.keyboard.down("ArrowUp")
+        page.evaluate("dispatchEvent(new Event('blur'))")
+        assert page.evaluate(held) == []
+        page.keyboard.up("ArrowUp")
+
+
 def test_a_stick_steers_less_at_speed_and_a_wheel_takes_over_at_a_small_angle(soon: Path, browser: Browser) -> None:
     with page_with_gamepad(browser, soon) as page:
         page.wait_for_function("globalThis.page?.role === 'driver'")

@@ -88,15 +88,15 @@ export class Wheel {
 
   #key(event, down) {
     const name = KEYS[event.code];
-    if (!name || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!name) return;
+    if (!down) this.held.delete(name); // also beside a modifier that was pressed meanwhile
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (down && event.target.closest?.("button, a, input")) return;
     event.preventDefault();
     if (name === "take" || name === "back") {
       if (down && !event.repeat) this.pressed[name] = true;
     } else if (down) {
       this.held.add(name);
-    } else {
-      this.held.delete(name);
     }
   }
 
