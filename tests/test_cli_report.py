@@ -8,6 +8,7 @@ import cv2
 import pytest
 from playwright.sync_api import Browser, expect
 
+from scenario_compiler.recording.store import read_recording
 from tests.browser import opened_page
 from tests.command import call
 
@@ -74,6 +75,101 @@ def test_a_run_is_filmed_and_exported(run_folder: Path, tmp_path: Path, capsys: 
     assert call("export-run", run_folder, "--mcap", tmp_path / "it.mcap") == 0
     assert (tmp_path / "it.mcap").read_bytes()[:5] == b"\x89MCAP"
     assert "it.mcap" in capsys.readouterr().out
+
+
+ALONE = """\
+<OpenSCENARIO>
+  <FileHeader revMajor="1" revMinor="2" date="2025-01-01T00:00:00" description="" author=""/>
+  <ParameterDeclarations/><CatalogLocations/>
+  <RoadNetwork><LogicFile filepath="motorway"/></RoadNetwork>
+  <Entities>{entities}</Entities>
+  <Storyboard>
+    <Init><Actions>{init}</Actions></Init>
+    <Story name="s"><Act name="a">
+      <ManeuverGroup name="m" maximumExecutionCount="1">
+        <Actors selectTriggeringEntities="false"/>
+        <Maneuver name="m">{events}</Maneuver>
+      </ManeuverGroup>
+      <StartTrigger/>
+    </Act></Story>
+    <StopTrigger>{stop}</StopTrigger>
+  </Storyboard>
+</OpenSCENARIO>
+"""
+
+CAR = """
+<ScenarioObject name="{0}">
+  <Vehicle name="car" vehicleCategory="car">
+    <BoundingBox><Center x="1.4" y="0" z="0.75"/><Dimensions width="1.8" length="4.5" height="1.5"/></BoundingBox>
+    <Performance maxSpeed="60" maxAcceleration="5" maxDeceleration="9"/>
+    <Axles>
+      <FrontAxle maxSteering="0.5" wheelDiameter="0.6" trackWidth="1.6" positionX="2.8" positionZ="0.3"/>
+      <RearAxle maxSteering="0" wheelDiameter="0.6" trackWidth="1.6" positionX="0" positionZ="0.3"/>
+    </Axles>
+    <Properties/>
+  </Vehicle>
+</ScenarioObject>
+"""
+
+PUT = """
+<Private entityRef="{0}"><PrivateAction><TeleportAction>
+  <Position><LanePosition roadId="1" laneId="-1" s="{1}" offset="0"/></Position>
+</TeleportAction></PrivateAction></Private>
+"""
+
+AFTER = """
+<ConditionGroup><Condition name="c" delay="0" conditionEdge="none"><ByValueCondition>
+  <SimulationTimeCondition value="{0}" rule="greaterThan"/>
+</ByValueCondition></Condition></ConditionGroup>
+"""
+
+DELETED = """
+<Event name="e" priority="parallel">
+  <Action name="a">
+    <GlobalAction><EntityAction entityRef="first"><DeleteEntityAction/></EntityAction></GlobalAction>
+  </Action>
+  <StartTrigger>{0}</StartTrigger>
+</Event>
+"""
+
+
+def scripted(folder: Path, *names: str, deleted: bool = False) -> Path:
+    """Write a run of 0.4 s in OpenSCENARIO with standing cars, of which the first may be deleted after 0.2 s."""
+    file = folder / "scripted.xosc"
+    text = ALONE.format(
+        entities="".join(CAR.format(name) for name in names),
+        init="".join(PUT.format(name, 50 + 20 * k) for k, name in enumerate(names)),
+        events=DELETED.format(AFTER.format(0.2)) if deleted else "",
+        stop=AFTER.format(0.4),
+    )
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_a_run_without_vehicles_has_no_pictures_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = scripted(tmp_path)
+    for words in (("--video", tmp_path / "it.mp4"), ("--watch",)):
+        assert call("run", file, *words) == 2
+        assert "this scenario has no entity" in capsys.readouterr().err
+    out = tmp_path / "out"
+    assert call("run", file, "-o", out) == 0
+    assert call("compare", out, out, "--html", tmp_path / "both.html") == 2
+    assert "one of these has no vehicle" in capsys.readouterr().err
+
+
+def test_a_run_whose_first_vehicle_is_deleted_is_kept_without_its_film(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    file = scripted(tmp_path, "first", "other", deleted=True)
+    assert call("run", file, "-o", out, "--video", tmp_path / "it.mp4") == 2
+    assert "absent for a part of this run" in capsys.readouterr().err
+    stored = read_recording(out / "recording.parquet")
+    assert (stored.present[0].tolist(), stored.present[-1].tolist()) == ([True, True], [False, True])
+    assert stored.t[-1] > 0.4
+    before = (out / "report.html").read_bytes()
+    assert call("report", out) == 0
+    assert (out / "report.html").read_bytes() == before
 
 
 def test_a_gallery_is_searched_and_filtered(tmp_path: Path, browser: Browser) -> None:

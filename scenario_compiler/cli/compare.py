@@ -93,6 +93,8 @@ def _write_page(found: Comparison, options: argparse.Namespace) -> None:
     if first is None or second is None:
         put_raw(formatted(list(sink), "text"), sys.stderr)
         raise WrongUse("--html shows run folders, as `run -o` writes them: one of these cannot be read")
+    if not all(run.recording.present.any() for run in (first, second)):
+        raise WrongUse("--html shows runs in motion: one of these has no vehicle")
     names = (options.first.resolve().name, options.second.resolve().name)
     pictures = [pictures_to_show(run, options) for run in (first, second)]
     write_comparison((first, second), names, found, list(verdict(found, options.tolerance)), pictures, options.html)

@@ -215,7 +215,7 @@ def pictures_to_show(run: Run, options: argparse.Namespace) -> Sequence[Picture]
 
 def _check_shown(run: Run) -> None:
     """Refuse to draw a run in which the first vehicle, whose view is drawn, is absent for some time."""
-    if not len(run.recording.t) or not run.recording.present[:, :1].all():
+    if not len(run.recording.t) or not run.recording.present[:, :1].any(axis=1).all():
         raise WrongUse("pictures show the view of the first vehicle, which is absent for a part of this run")
 
 

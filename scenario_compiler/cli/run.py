@@ -203,6 +203,8 @@ def run_command(options: argparse.Namespace) -> int:
     plan, network = planned
     if plan.takeover.driver.by_person is not None and options.inputs is None:
         raise WrongUse("this plan has a person at the wheel: run it with `drive`, or with --pilot for the driver model")
+    if not plan.entities and (options.watch or options.video is not None):
+        raise WrongUse("pictures show the view of the first vehicle: this scenario has no entity")
     keep_inputs(inputs_of(plan), options.trajectory, options.video)
     person = _recorded_person(options)
     if options.seed is None:
@@ -211,6 +213,8 @@ def run_command(options: argparse.Namespace) -> int:
         with nullcontext() if options.output is None else whole_folder(options.output) as draft:
             finished, interrupted = _finished_run(plan, network, options, of_world, sink, person)
             _write_run(finished, options, draft)
+        if options.video is not None:  # once the folder is there: a film that cannot be made must not lose the run
+            write_film(finished, options.video, options)
     except WorldError as fault:
         sink.add(fault.code, str(fault), FilePlace(split_target(options.target)[0]))
         show(sink, options)
@@ -272,8 +276,6 @@ def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> No
         from scenario_compiler.recording.trajectory import write_trajectory
 
         write_trajectory(run.recording, options.trajectory)
-    if options.video is not None:
-        write_film(run, options.video, options)
     if folder is None:
         return
     from scenario_compiler.report.folder import write_run_folder

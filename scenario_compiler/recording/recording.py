@@ -270,6 +270,12 @@ class Recording:
             return np.array([table[code] for code in values.tolist()], object)
         return values
 
+    def __repr__(self) -> str:
+        """Return one line: a notebook would display all arrays otherwise."""
+        rows, entities = self.present.shape
+        size = f"{rows} rows, entities: {entities}"
+        return f"<Recording of {self.header.plan_name}, seed {self.header.seed}; {size}; see to_pandas()>"
+
     def __eq__(self, other: object) -> bool:
         """Compare everything bit for bit, except that NaN equals NaN."""
         if not isinstance(other, Recording):

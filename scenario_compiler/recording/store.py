@@ -1,6 +1,7 @@
 """Recordings as Parquet files: one row for each step and present entity, with entities in document order.
 
-The run's own columns stand in the ego vehicle's rows and are null in the others; codes and roads are written by name.
+The run's own columns stand in the first row of each step, which is the ego vehicle's if it is present, and are null in
+the others. A step at which no entity is present has no row. Codes and roads are written by name.
 Header, units, events and the end of the run are JSON in the file's metadata under `scenario-compiler`, first-person
 pictures are PNG in base64 under `frame.0`, `frame.1`, ... Equal recordings give equal bytes.
 """
@@ -37,7 +38,7 @@ def write_recording(recording: Recording, path: Path) -> None:
     """Write the recording to a Parquet file."""
     present = recording.present
     row, entity = np.nonzero(present)
-    ego = entity == 0
+    first = _begins_step(row)
     arrays: dict[str, Any] = {}
     for column in COLUMNS:
         if column.name == "present":
@@ -49,7 +50,7 @@ def write_recording(recording: Recording, path: Path) -> None:
         elif column.per == "entity":
             arrays[column.name] = _encoded(column, values[present], recording.roads)
         else:
-            arrays[column.name] = _encoded(column, values[row], recording.roads, absent=~ego)
+            arrays[column.name] = _encoded(column, values[row], recording.roads, absent=~first)
     table = pa.table(arrays)
     content = pa.BufferOutputStream()
     with pq.ParquetWriter(
@@ -69,7 +70,11 @@ def write_recording(recording: Recording, path: Path) -> None:
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a recording, equal to the one that was written; RecordingError if the file has none."""
+    """Read a recording, equal to the one that was written but for steps without any entity.
+
+    Raises:
+        RecordingError: The file has none.
+    """
     try:
         with pq.ParquetFile(path) as file:
             table, metadata = file.read(), file.metadata.metadata or {}
@@ -81,6 +86,11 @@ def read_recording(path: Path) -> Recording:
         raise
     except _UNREADABLE as problem:
         raise RecordingError(f"{path} is not a recording: {problem}") from problem
+
+
+def _begins_step(steps: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return which rows are the first of their step, from the steps' numbers or times, which are the same in a step."""
+    return np.append(np.ones(min(1, len(steps)), np.bool_), steps[1:] != steps[:-1])
 
 
 def _metadata(recording: Recording) -> dict[bytes, bytes]:
@@ -129,13 +139,14 @@ def _decoded(table: pa.Table, about: dict[str, Any], metadata: dict[bytes, bytes
     header = Header.model_validate(about["header"])
     roads = tuple(about["roads"])
     names = np.array(_codes(table, "name", header.entities))
-    row = np.cumsum(names == 0) - 1
-    shape = (int((names == 0).sum()), len(header.entities))
+    first = _begins_step(table["t"].to_numpy())
+    row = np.cumsum(first) - 1
+    shape = (int(first.sum()), len(header.entities))
     arrays: dict[str, Any] = {}
     for column in COLUMNS:
         if column.per == "run":
             array = np.full(shape[:1], column.nothing, dtype=column.dtype)
-            array[row[names == 0]] = _values(table, column, roads)[names == 0]
+            array[:] = _values(table, column, roads)[first]
         else:
             array = np.full(shape, column.nothing, dtype=column.dtype)
             array[row, names] = True if column.name == "present" else _values(table, column, roads)

@@ -82,9 +82,9 @@ automated vehicle first. The row in which the stop trigger is true is the last; 
 first with t >= D - 1e-6 s.
 """
 
-_OF_RECORDING = """There is one row per entity and step. Values of the run, which belong to no entity, are in the rows
-of the first entity and null in the others; without an automated vehicle they have no meaning. A number that does not
-exist is NaN.
+_OF_RECORDING = """There is one row for each step and each entity that is present. Values of the run, which belong to no
+entity, are in the first row of each step, which is that of the first entity if it is present, and null in the others;
+without an automated vehicle they have no meaning. A number that does not exist is NaN.
 """
 
 _OF_METADATA = """The file's metadata contains the following as JSON under `scenario-compiler`: `columns` (units and

@@ -45,11 +45,11 @@ def _log(stream: rr.RecordingStream, run: Run, pictures: tuple[Picture, ...]) ->
     for i, entity in enumerate(run.plan.entities):
         there = recording.present[:, i]
         way = np.stack([column[there, i] for column in (recording.x, recording.y, recording.z)], axis=-1)
-        stream.log(f"world/ways/{entity.id}", rr.LineStrips3D([way]), static=True)
+        stream.log(["world", "ways", entity.id], rr.LineStrips3D([way]), static=True)
     for row, t in enumerate(recording.t.tolist()):
         stream.set_time("t", duration=t)
         for i, entity in enumerate(run.plan.entities):
-            place = f"world/{entity.id}"
+            place = ["world", entity.id]  # as parts: a name may contain a slash or a space
             if not recording.present[row, i]:
                 stream.log(place, rr.Clear(recursive=True))
                 continue
@@ -63,7 +63,7 @@ def _log(stream: rr.RecordingStream, run: Run, pictures: tuple[Picture, ...]) ->
             half = (0.5 * vehicle.length, 0.5 * vehicle.width, 0.5 * vehicle.height)
             boxes = rr.Boxes3D(centers=[centre], half_sizes=[half], quaternions=[turn], labels=[entity.id])
             stream.log(place, boxes)
-            stream.log(f"speed/{entity.id}", rr.Scalars(float(recording.v[row, i])))
+            stream.log(["speed", entity.id], rr.Scalars(float(recording.v[row, i])))
         for name in VALUES if run.plan.controller is not None else ():
             value = float(getattr(recording, name)[row])
             if np.isfinite(value):

@@ -31,6 +31,11 @@ class Run:
     recording: Recording
     outcome: Outcome
 
+    def __repr__(self) -> str:
+        """Return one line: a notebook would display the plan and all arrays otherwise."""
+        about = f"{self.plan.name}, seed {self.recording.header.seed}: {self.outcome.result}"
+        return f"<Run of {about}; Report([run]) shows it>"
+
     @property
     def moments(self) -> tuple[tuple[EventKind, float], ...]:
         """The first event of each of `MOMENTS` that occurred, ordered by time: (kind, s)."""

@@ -302,7 +302,7 @@ class Attendance:
         if step.kind == "end":
             self.presence = "finished"
         elif step.trial is not None:
-            self.cockpit = Cockpit(partial(self._begin, step.number), may_stop=False, heard=self.heard)
+            self.cockpit = Cockpit(partial(self.begin_run, step.number), may_stop=False, heard=self.heard)
 
     def drive(self, trial: Trial) -> Drive:
         """Return the settings of a trial's run."""
@@ -322,10 +322,14 @@ class Attendance:
             otherwise=self.rules.compilation.study.language,
         )
 
-    def _begin(self, number: int, show: Callable[[Picture], bool]) -> Session | None:
+    def begin_run(self, number: int, show: Callable[[Picture], bool]) -> Session | None:
         """Return a new run of a step, with files of its own; a run after a crash is another attempt.
 
         There is none while the session is paused, and none for a page of an earlier step.
+
+        Args:
+            number: Number of the step.
+            show: Receives the pictures, as of a `Session`.
         """
         with self._lock:
             step = self.step

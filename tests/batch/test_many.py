@@ -67,7 +67,11 @@ def test_a_recording_gives_pandas_the_same_table_as_its_file(plan: Plan, network
 def test_a_report_plays_in_a_notebook(plan: Plan, network: Network, tmp_path: Path, browser: Browser) -> None:
     with open_world("kinematic", plan, network) as world:
         recording = run(plan, world)
-    shown = Report([Run(plan, network, recording, judge(plan, recording))])._repr_html_()
+    finished = Run(plan, network, recording, judge(plan, recording))
+    size = f"{len(recording.t)} rows, entities: {len(plan.entities)}"
+    assert repr(recording) == f"<Recording of {plan.name}, seed 1; {size}; see to_pandas()>"
+    assert repr(finished) == f"<Run of {plan.name}, seed 1: {finished.outcome.result}; Report([run]) shows it>"
+    shown = Report([finished])._repr_html_()
     notebook = tmp_path / "notebook.html"
     notebook.write_text(
         f"<!DOCTYPE html><html><head><meta charset='utf-8'></head><body>{shown}</body></html>", encoding="utf-8"

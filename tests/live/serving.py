@@ -36,13 +36,15 @@ class Served:
 
 
 @contextmanager
-def served(*words: object, port: int = 0, largest: int | None = None) -> Iterator[Served]:
+def served(
+    *words: object, port: int = 0, largest: int | None = None, program: str = "scenario_compiler"
+) -> Iterator[Served]:
     """Yield the server that a command starts; it is interrupted if it has not ended by itself.
 
-    `port` 0 takes a free one; `largest` is the size of the largest file that it can write, bytes. Whatever its pages
-    have done, it must not have written a traceback.
+    `port` 0 takes a free one; `largest` is the size of the largest file that it can write, bytes; `program` is the
+    module that is started. Whatever its pages have done, it must not have written a traceback.
     """
-    command = [sys.executable, "-m", "scenario_compiler", *map(str, words), "--port", str(port)]
+    command = [sys.executable, "-m", program, *map(str, words), "--port", str(port)]
     with nullcontext() if largest is None else file_sizes_limited(largest):
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:

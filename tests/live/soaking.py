@@ -1,8 +1,9 @@
-"""Many short runs through a server, one after the other, and the memory that its process holds after each."""
+"""Many runs through a server, one after the other, and the memory that its process holds after each."""
 
 from __future__ import annotations
 
 import itertools
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from tests.live.serving import Served, seated
 
 SHORT = """\
 <scenarios version="1">
-  <scenario name="short" map="town_grid" duration="{duration}">
+  <scenario name="one" map="town_grid" duration="0.4">
     <ego speed="10"><start><lane road="3" lane="-1" s="20"/></start></ego>
     <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="45"/></at></static>
     <takeover><driver><person/></driver><message modality="text speech" content="what why"/></takeover>
@@ -21,6 +22,20 @@ SHORT = """\
   </scenario>
 </scenarios>
 """
+
+LONG = """\
+<scenarios version="1">
+  <scenario name="one" map="motorway" duration="60">
+    <ego speed="25"><start><spawn_point name="right_lane"/></start></ego>
+    <dynamic id="leader" speed="25"><start><ahead_of entity="ego" distance="80"/></start></dynamic>
+    <when><time after="25"/><do><request/></do></when>
+    <when><time after="45"/><do><hand_back/></do></when>
+    <takeover><driver takeover_time="3"/><message modality="text speech" content="what why"/></takeover>
+    <criteria><no_collision/></criteria>
+  </scenario>
+</scenarios>
+"""
+"""A minute in which the automation requests a takeover, a person drives, and the automation drives again."""
 
 STUDY = """\
 <study version="1" name="soak" participants="{participants}" repetitions="{repetitions}" order="random">
@@ -32,26 +47,27 @@ CONDITIONS = 10
 """Conditions that share the runs of a participant, where these are a multiple of it."""
 
 
-def written(folder: Path, participants: int, runs: int, duration: float = 0.4) -> Path:
-    """Write a study of short runs, so many for each participant, and its conflicts; return its file."""
-    (folder / "conflicts.xml").write_text(SHORT.format(duration=duration), encoding="utf-8")
+def written(folder: Path, participants: int, runs: int, conflicts: str = SHORT) -> Path:
+    """Write a study with so many runs for each participant, and its one conflict; return the study's file."""
+    (folder / "conflicts.xml").write_text(conflicts, encoding="utf-8")
     conditions = CONDITIONS if runs % CONDITIONS == 0 else 1
-    scenarios = "".join(f'<scenario name="short{k}" target="conflicts.xml#short"/>' for k in range(conditions))
+    scenarios = "".join(f'<scenario name="one{k}" target="conflicts.xml#one"/>' for k in range(conditions))
     study = STUDY.format(participants=participants, repetitions=runs // conditions, scenarios=scenarios)
     (folder / "study.xml").write_text(study, encoding="utf-8")
     return folder / "study.xml"
 
 
-def resident(server: Served) -> float:
-    """Return the memory that a server's process holds, MiB."""
-    text = Path(f"/proc/{server.process.pid}/status").read_text(encoding="utf-8")
+def resident(process: int) -> float:
+    """Return the memory that a process holds, by its id, MiB."""
+    text = Path(f"/proc/{process}/status").read_text(encoding="utf-8")
     return next(float(line.split()[1]) / 1024.0 for line in text.splitlines() if line.startswith("VmRSS"))
 
 
 def runs(server: Served, count: int, path: str = "/socket") -> Iterator[float]:
     """Drive one run after the other, each by a page of its own; yield the memory after each, MiB.
 
-    A participant's path has `{}` in the place of the step's number: the soaked study has no steps but its runs.
+    A page takes over when it is asked to. A participant's path has `{}` in the place of the step's number: the soaked
+    study has no steps but its runs.
     """
     here = f"http://127.0.0.1:{server.host.rpartition(':')[2]}"
     for run in range(count):
@@ -66,5 +82,6 @@ def runs(server: Served, count: int, path: str = "/socket") -> Iterator[float]:
                     continue
                 if isinstance(told, bytes) and b'"end":' in told[:200]:
                     break
-                page.send(f'{{"kind": "input", "seq": {seq}, "throttle": 0.1}}')
-        yield resident(server)
+                asked = isinstance(told, bytes) and b'"state":"request"' in told[:200]
+                page.send(json.dumps({"kind": "input", "seq": seq, "throttle": 0.1, "take_over": asked}))
+        yield resident(server.process.pid)

@@ -352,6 +352,55 @@ def test_a_wheel_and_separate_pedals_are_assigned_together(soon: Path, browser: 
         assert (told["steer"], told["throttle"], told["brake"]) == (0, 0, 0)
 
 
+def test_two_devices_of_one_model_are_assigned_apart(soon: Path, browser: Browser) -> None:
+    """Wheels and pedals of one's own making often have the name of the same circuit board."""
+    boards = """() => {
+      const board = { id: "board", connected: true, buttons: [] };
+      globalThis.pads = [{ ...board, axes: [0] }, { ...board, axes: [1, 1] }];
+      navigator.getGamepads = () => pads;
+    }"""
+    with page_with_gamepad(browser, soon) as page:
+        page.wait_for_function("globalThis.page?.role === 'driver'")
+        page.evaluate(boards)
+        page.get_by_role("button", name="Gamepad or wheel").click()
+        rows = page.locator("#profile tbody tr")
+        for row, device, axis, values in ((0, 0, 0, (0, -1, 0)), (1, 1, 0, (1, -1, 1)), (2, 1, 1, (1, -1, 1))):
+            rows.nth(row).click()
+            for value in values:
+                page.evaluate("([device, axis, value]) => (pads[device].axes[axis] = value)", [device, axis, value])
+                page.evaluate("() => new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(seen)))")
+        places = [one.strip() for one in rows.locator("td:nth-child(2)").all_inner_texts()]
+        assert places[:3] == ["board: axis 0", "board (2): axis 0", "board (2): axis 1"]
+        page.evaluate("pads[0].axes = [-0.5]; pads[1].axes = [0, 1]")
+        told = page.evaluate("page.wheel.read()")
+        assert told["steer"] == pytest.approx(0.5, abs=0.01)
+        assert told["throttle"] == pytest.approx(0.5, abs=0.05)
+        assert told["brake"] == 0
+        page.evaluate("pads[0] = null; pads[1].axes = [1, 1]")  # the wheel is unplugged: its pedals do not steer
+        told = page.evaluate("page.wheel.read()")
+        assert (told["steer"], told["throttle"], told["brake"]) == (0, 0, 0)
+
+
+def test_a_key_that_is_let_go_beside_a_modifier_or_in_another_window_is_not_held(soon: Path, browser: Browser) -> None:
+    held = "[...page.wheel.held]"
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.wait_for_function("globalThis.page?.role === 'driver'")
+        for modifier in ("Control", "Alt", "Meta"):
+            page.keyboard.down("a")
+            page.keyboard.down(modifier)
+            assert page.evaluate(held) == ["left"]
+            page.keyboard.up("a")
+            page.keyboard.up(modifier)
+            assert page.evaluate(held) == []
+        page.keyboard.down("ArrowUp")
+        page.evaluate("dispatchEvent(new Event('blur'))")
+        assert page.evaluate(held) == []
+        page.keyboard.up("ArrowUp")
+
+
 def test_a_stick_steers_less_at_speed_and_a_wheel_takes_over_at_a_small_angle(soon: Path, browser: Browser) -> None:
     with page_with_gamepad(browser, soon) as page:
         page.wait_for_function("globalThis.page?.role === 'driver'")

@@ -58,8 +58,8 @@ def recordings(draw: st.DrawFn) -> Recording:
     for k in range(draw(st.integers(0, 5))):
         for c in named:
             live[c.name][:] = [draw(value_of(c)) for _ in live[c.name]]
-        if "present" in live:
-            live["present"][0] = 1
+        if "present" in live and not any(live["present"]):
+            live["present"][draw(st.integers(0, len(entities) - 1))] = 1
         builder.append(k * 0.05)
     for t in draw(st.lists(st.floats(0, 10), max_size=3)):
         message, value = draw(st.text(max_size=5)), draw(st.none() | st.floats(-5, 5))
@@ -105,6 +105,16 @@ def test_rows_of_an_absent_entity_are_left_out_and_codes_are_names(tmp_path: Pat
     assert table["name"] == ["ego", "other", "ego"]
     assert table["road"] == ["7", "road with, comma", "7"]
     assert table["takeover_state"] == ["automated", None, "request"]
+
+
+def test_steps_without_the_first_vehicle_are_read_again(tmp_path: Path) -> None:
+    """In OpenSCENARIO, the first vehicle may come late or be deleted."""
+    recording = two_rows(present=[0, 1], x=[0.0, 3.0])
+    write_recording(recording, tmp_path / "r.parquet")
+    back = read_recording(tmp_path / "r.parquet")
+    assert back.t.tolist() == [0.0, 0.05]
+    assert back.x[:, 1].tolist() == [2.0, 3.0]
+    assert back.present.tolist() == [[True, True], [False, True]]
 
 
 def test_the_file_has_the_columns_and_their_units(tmp_path: Path) -> None:

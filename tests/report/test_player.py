@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -10,6 +11,8 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from scenario_compiler.recording.comparison import compare
+from scenario_compiler.recording.outcome import judge
+from scenario_compiler.recording.recording import COLUMNS
 from scenario_compiler.report.compare_page import write_comparison
 from scenario_compiler.report.html import write_report
 from scenario_compiler.report.replay import pictures_of
@@ -265,6 +268,45 @@ def test_a_run_that_is_over_before_the_other_one_says_so(browser: Browser, netwo
           player.show(3.1);
         }""")
         expect(values).to_contain_text("(the run ended at 2.00 s)")
+
+
+def test_runs_of_different_steps_and_lengths_have_their_own_values_and_rows(
+    browser: Browser, network: Network, tmp_path: Path
+) -> None:
+    other = made.run(network, pictures=False)
+    coarse = {one.name: getattr(other.recording, one.name)[: round(6 / STEP) + 1 : 3] for one in COLUMNS}
+    recording = replace(other.recording, **coarse)
+    short = Run(other.plan, other.network, recording, judge(other.plan, recording))
+    found = compare(short.recording, other.recording, None, tolerance=None)
+    path = tmp_path / "both.html"
+    write_comparison((short, other), ("short", "other"), found, ["They differ."], [[], []], path)
+    legend = "document.querySelectorAll('.u-legend')[1].querySelectorAll('.u-value')"
+    speeds = f"[...{legend}].slice(1).map((one) => one.innerText)"
+    with opened_page(browser, f"{path.as_uri()}#t={3 + STEP}", bypass_csp=True) as page:  # between two coarse rows
+        page.locator(".player.ready").wait_for()
+        page.wait_for_function(f"document.querySelector('.player').player.t > 3 && {speeds}.join() === '13.90 m/s,13.90 m/s'")
+        page.evaluate("document.querySelector('.player').player.seek(6)")
+        for key, t in (("ArrowRight", 6 + STEP), ("ArrowRight", 6 + 2 * STEP), ("ArrowLeft", 6 + STEP)):
+            page.keyboard.press(key)
+            assert time_of(page) == pytest.approx(t)
+        assert page.evaluate(speeds) == ["–", "13.90 m/s"]
+        page.keyboard.press("ArrowLeft")
+        page.keyboard.press("ArrowLeft")
+        assert time_of(page) == pytest.approx(6 - 3 * STEP)
+
+
+def test_the_whole_of_a_run_with_very_many_rows_is_shown(player: Page) -> None:
+    fitted = """() => {
+      const [map] = document.querySelector(".player").player.maps;
+      map.fit();
+      const before = map.scale;
+      map.run.columns.x.data[0] = Array.from({ length: 400000 }, (_, k) => map.run.columns.x.data[0][k] ?? NaN);
+      map.run.columns.x.data[0] = map.run.columns.x.data[0].map((x) => (Number.isFinite(x) ? x : 0));
+      map.fit();
+      return [before, map.scale];
+    }"""
+    before, after = player.evaluate(fitted)
+    assert 0 < after <= before
 
 
 @pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])

@@ -14,7 +14,6 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.live.session import Picture, Session
 from scenario_compiler.live.web import Door
 from scenario_compiler.live.wheel import Told
-from scenario_compiler.report.run import Run
 from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.study.attendance import Attendance, OutOfPlaceError, Rules
 from scenario_compiler.study.server import StudyServer
@@ -68,7 +67,7 @@ def run_of(attendance: Attendance, *, taken_over: bool = False) -> Session:
     The participant may take over before any request.
     """
     assert attendance.cockpit is not None
-    session = attendance._begin(attendance.step.number, watching(attendance))
+    session = attendance.begin_run(attendance.step.number, watching(attendance))
     assert session is not None
     attendance.cockpit.session = session
     if taken_over:
@@ -116,7 +115,7 @@ def test_a_run_that_the_program_ends_is_begun_again(rules: Rules) -> None:
     one.go_on(0, {"agree": "yes"})
     one.go_on(1, {})
 
-    session = one._begin(one.step.number, lambda picture: True)
+    session = one.begin_run(one.step.number, lambda picture: True)
     assert session is not None
     session.start()
     waited_for(lambda: session.held == "probe")
@@ -151,14 +150,15 @@ def test_a_server_that_ends_stops_all_runs_before_it_waits_for_one(rules: Rules)
 
     def show(picture: Picture) -> bool:
         if "end" in picture.about:
-            stopped.append(all(one._stopping.wait(60.0) for one in sessions))
+            waited_for(lambda: not any(one.held for one in sessions), 60.0)  # a run that still waited was not stopped
+            stopped.append(True)
         return True
 
     for one in study.attendances.values():
         one.start()
         one.go_on(0, {"agree": "yes"})
         one.go_on(1, {})
-        session = one._begin(2, show)
+        session = one.begin_run(2, show)
         assert session is not None
         sessions.append(session)
     for session in sessions:
@@ -178,7 +178,7 @@ def test_a_page_of_an_earlier_step_begins_no_run(tmp_path: Path) -> None:
     before = one.cockpit_at("0")
     run_of(one)
     assert one.step.trial is not None
-    assert one._begin(0, lambda _: True) is None
+    assert one.begin_run(0, lambda _: True) is None
     assert one.cockpit_at("0") is None
     assert one.cockpit_at("1") is one.cockpit is not before
     one.close()
@@ -191,7 +191,7 @@ def test_a_session_that_is_paused_begins_no_run_and_stores_the_answers_on_their_
     one.go_on(0, {"agree": "yes"})
     one.go_on(1, {})
     assert (one.step.number, one.presence) == (2, "paused")
-    assert one._begin(2, lambda _: True) is None
+    assert one.begin_run(2, lambda _: True) is None
     one.close()
     again = Attendance(rules, 1)
     again.start()
@@ -209,24 +209,23 @@ def test_what_is_done_while_the_files_of_a_run_are_written_does_not_count(rules:
     one.go_on(0, {"agree": "yes"})
     one.go_on(1, {})
     assert one.cockpit is not None
-    session = one._begin(2, watching(one))
+    probed, done = watching(one), []
+
+    def late(picture: Picture) -> bool:
+        if picture.about.get("over"):  # its files are still to be written
+            shown = one.heard("search", {"number": 0, "chosen": 0, "seconds": 1.0})
+            done.append(shown is not None and shown["search"]["number"] == 0)
+            one.request()
+            one.abort()
+        return probed(picture)
+
+    session = one.begin_run(2, late)
     assert session is not None
-    keep = session._kept
-    assert keep is not None
-
-    def late(ended: Session, run: Run) -> None:
-        shown = one.heard("search", {"number": 0, "chosen": 0, "seconds": 1.0})
-        assert shown is not None
-        assert shown["search"]["number"] == 0
-        one.request()
-        one.abort()
-        keep(ended, run)
-
-    session._kept = late
     one.cockpit.session = session
     session.start()
     session.join()
     one.close()
+    assert done == [True]
     assert kinds(one)[-4:] == ["begun", "probe", "driven", "done"]
     assert next(record for record in one.journal.records if record["kind"] == "driven")["marks"] == []
 
@@ -303,7 +302,7 @@ def test_answers_that_are_none_leave_the_run_standing(rules: Rules) -> None:
             one.abort()
         return True
 
-    session = one._begin(one.step.number, show)
+    session = one.begin_run(one.step.number, show)
     assert session is not None
     assert one.cockpit is not None
     one.cockpit.session = session

@@ -334,6 +334,27 @@ def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser)
             expect(other.locator("#search circle")).to_have_count(0)
 
 
+def test_a_second_page_of_a_participant_goes_on_with_the_first(endless: Path, browser: Browser) -> None:
+    with served(*serving(endless)) as server:
+        started(browser, server, 1)
+        address = f"{server.address}participant/1"
+        with (
+            opened_page(browser, address, bypass_csp=True) as page,
+            opened_page(browser, address, bypass_csp=True) as other,
+            opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk,
+        ):
+            for one in (page, other):
+                one.wait_for_function("globalThis.page?.role !== undefined")
+            begun(page)
+            other.wait_for_function("page.latest !== undefined")
+            ordered(desk, 1, "Abort")
+            expect(other.locator("#ended")).to_contain_text("This drive is over")
+            expect(other.locator("#go")).to_be_hidden()
+            left(page)
+            for one in (page, other):
+                expect(one.get_by_role("heading", name="This trial")).to_be_visible()
+
+
 def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> None:
     with served(*serving(short)) as server:
         started(browser, server, 2)

@@ -7,6 +7,7 @@ import { MapView } from "pages/map.js";
 
 const TELL_EVERY = 20; // milliseconds
 const REPORT_EVERY = 1000;
+const FOLLOWS_AFTER = 2000; // milliseconds, so that the page that drove is at the next step first, and drives again there
 const base = document.body.dataset.base;
 const one = (selector) => document.querySelector(selector);
 const about = await described();
@@ -165,6 +166,7 @@ class Page {
 
   /** Drive, or watch; a page that watches drives when the one that drove is gone. */
   seat(role) {
+    if (role === "driver" && this.over) setTimeout(() => location.reload(), FOLLOWS_AFTER); // the page that drove has gone on
     const ended = one("#ended");
     if (role === "viewer" && !this.about.watched) ended.textContent = words("other_page");
     else if (ended.textContent === words("other_page")) ended.textContent = "";

@@ -88,15 +88,15 @@ export class Wheel {
 
   #key(event, down) {
     const name = KEYS[event.code];
-    if (!name || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!name) return;
+    if (!down) this.held.delete(name); // also beside a modifier that was pressed meanwhile
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (down && event.target.closest?.("button, a, input")) return;
     event.preventDefault();
     if (name === "take" || name === "back") {
       if (down && !event.repeat) this.pressed[name] = true;
     } else if (down) {
       this.held.add(name);
-    } else {
-      this.held.delete(name);
     }
   }
 
@@ -118,10 +118,10 @@ export class Wheel {
   }
 
   #pad() {
-    const pads = devices();
-    if (!pads.length) return { steer: 0, throttle: 0, brake: 0, take: false, back: false };
-    const value = (name) => share(assigned(pads, name));
-    const stick = isStick(assigned(pads, "steer")?.pad);
+    const found = devices();
+    if (!found.length) return { steer: 0, throttle: 0, brake: 0, take: false, back: false };
+    const value = (name) => share(assigned(found, name));
+    const stick = isStick(assigned(found, "steer")?.device);
     const [take, back] = [value("take over") > 0.5, value("hand back") > 0.5];
     const once = { take: take && !this.padTake, back: back && !this.padBack };
     [this.padTake, this.padBack] = [take, back];
@@ -141,7 +141,7 @@ export class Calibration {
     this.words = words;
     this.body = dialog.querySelector("tbody");
     this.chosen = NAMES[0];
-    dialog.querySelector("#forget").addEventListener("click", () => devices().forEach((pad) => keep(pad, {})));
+    dialog.querySelector("#forget").addEventListener("click", () => devices().forEach((one) => keep(one, {})));
   }
 
   open() {
@@ -156,26 +156,26 @@ export class Calibration {
   }
 
   #show() {
-    const pads = devices();
-    this.dialog.querySelector("#device").textContent = pads.map((pad) => pad.id).join(", ") || this.words.press;
-    if (!pads.length) return;
+    const found = devices();
+    this.dialog.querySelector("#device").textContent = found.map(({ name }) => name).join(", ") || this.words.press;
+    if (!found.length) return;
     if (!this.body.children.length) this.#build();
     NAMES.forEach((name, k) => {
       const row = this.body.children[k];
-      const input = assigned(pads, name);
+      const input = assigned(found, name);
       const numbers = input ? [input.rest, input.full, share(input)].map((value) => value.toFixed(2)) : ["–", "–", "–"];
-      [this.words[WORDS[name]], this.#place(pads, input), ...numbers].forEach((text, n) => (row.children[n].textContent = text));
+      [this.words[WORDS[name]], this.#place(found, input), ...numbers].forEach((text, n) => (row.children[n].textContent = text));
       row.classList.toggle("chosen", name === this.chosen);
     });
-    this.#watch(pads);
+    this.#watch(found);
   }
 
   /** Name the axis or button of an input, and its device if there are several. */
-  #place(pads, input) {
+  #place(found, input) {
     if (!input) return "–";
-    const { pad, axis, button } = input;
+    const { device, axis, button } = input;
     const place = axis === undefined ? `${this.words.button} ${button}` : `${this.words.axis} ${axis}`;
-    return pads.length > 1 ? `${pad.id}: ${place}` : place;
+    return found.length > 1 ? `${device.name}: ${place}` : place;
   }
 
   #build() {
@@ -193,10 +193,10 @@ export class Calibration {
   }
 
   /** Find the axis or button that has moved most since the input was chosen, and its rest and extreme positions. */
-  #watch(pads) {
-    const now = pads.flatMap((pad) => [
-      ...pad.axes.map((value, axis) => ({ pad, value, place: { axis } })),
-      ...pad.buttons.map(({ value }, button) => ({ pad, value, place: { button } })),
+  #watch(found) {
+    const now = found.flatMap((device) => [
+      ...device.pad.axes.map((value, axis) => ({ device, value, place: { axis } })),
+      ...device.pad.buttons.map(({ value }, button) => ({ device, value, place: { button } })),
     ]);
     if (this.extremes?.length !== now.length) this.extremes = null; // a device has come or gone
     this.extremes ??= now.map(({ value }) => ({ first: value, rest: value, far: value, least: value, most: value, last: value, since: 0 }));
@@ -205,8 +205,8 @@ export class Calibration {
     const most = moved.indexOf(Math.max(...moved));
     if (moved[most] < 0.5) return;
     const { rest, far } = this.extremes[most];
-    const { pad, place } = now[most];
-    assign(pads, this.chosen, pad, { ...place, rest, full: far });
+    const { device, place } = now[most];
+    assign(found, this.chosen, device, { ...place, rest, full: far });
   }
 }
 
@@ -224,51 +224,63 @@ function follow(one, value, time) {
   if (Math.abs(value) > 0.5) one.far = value > 0 ? one.least : one.most;
 }
 
+const names = []; // of the devices, by their places in the browser's list, also of those that are unplugged meanwhile
+
+/** Return the devices. Those of the same model are named in the order in which the browser found them. */
 function devices() {
-  return [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected);
+  const slots = [...(navigator.getGamepads?.() ?? [])];
+  slots.forEach((pad, slot) => {
+    if (!pad || names[slot]?.id === pad.id) return;
+    names[slot] = null;
+    let name = pad.id;
+    for (let number = 2; names.some((one) => one?.name === name); number++) name = `${pad.id} (${number})`;
+    names[slot] = { id: pad.id, name };
+  });
+  return slots.map((pad, slot) => pad?.connected && { pad, name: names[slot].name }).filter(Boolean);
 }
 
 /** Return the assigned inputs of a device, by their names; the browser keeps them by the name of the device. */
-function kept(pad) {
-  return JSON.parse(localStorage.getItem(`profile of ${pad.id}`) ?? "{}");
+function kept({ name }) {
+  return JSON.parse(localStorage.getItem(`profile of ${name}`) ?? "{}");
 }
 
-function keep(pad, profile) {
-  localStorage.setItem(`profile of ${pad.id}`, JSON.stringify(profile));
+function keep({ name }, profile) {
+  localStorage.setItem(`profile of ${name}`, JSON.stringify(profile));
 }
 
 /**
  * Return the device, axis or button of an input: the assigned one, otherwise the usual one of the first device of which
  * nothing is assigned; undefined if there is none, as when a wheel is unplugged and its pedals are not.
  */
-function assigned(pads, name) {
-  const own = pads.find((pad) => kept(pad)[name]);
-  const usual = own ?? pads.find((pad) => isStick(pad) || !Object.keys(kept(pad)).length);
-  return usual && { pad: usual, ...(own ? kept(own)[name] : USUAL[name]) };
+function assigned(devices, input) {
+  const own = devices.find((one) => kept(one)[input]);
+  const usual = own ?? devices.find((one) => isStick(one) || !Object.keys(kept(one)).length);
+  return usual && { device: usual, ...(own ? kept(own)[input] : USUAL[input]) };
 }
 
 /** Assign an axis or button of a device to an input; the other inputs keep theirs. */
-function assign(pads, name, pad, input) {
+function assign(devices, input, device, place) {
   const profile = {};
   for (const one of NAMES) {
-    const { pad: from, ...place } = assigned(pads, one) ?? {};
-    if (from?.id === pad.id) profile[one] = place;
+    const { device: from, ...before } = assigned(devices, one) ?? {};
+    if (from?.name === device.name) profile[one] = before;
   }
-  keep(pad, { ...profile, [name]: input });
-  for (const other of pads) if (other.id !== pad.id) keep(other, { ...kept(other), [name]: undefined });
+  keep(device, { ...profile, [input]: place });
+  for (const other of devices) if (other.name !== device.name) keep(other, { ...kept(other), [input]: undefined });
 }
 
 /** Return how far an input is moved: 0 at rest, 1 fully, -1 fully the other way. */
 function share(input) {
   if (!input) return 0;
-  const { pad, axis, button, rest, full } = input;
+  const { device, axis, button, rest, full } = input;
+  const { pad } = device;
   const value = axis === undefined ? (pad.buttons[button]?.value ?? rest) : (pad.axes[axis] ?? rest);
   return full === rest ? 0 : Math.min(1, Math.max(-1, (value - rest) / (full - rest)));
 }
 
 /** Return whether a device steers with a thumb: browsers map gamepads to the standard layout, and wheels to none. */
-function isStick(pad) {
-  return pad?.mapping === "standard";
+function isStick(device) {
+  return device?.pad.mapping === "standard";
 }
 
 /** Return a value with fine control about the rest. */

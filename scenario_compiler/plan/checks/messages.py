@@ -14,9 +14,13 @@ UNCLEAR_MESSAGE = Code(
     "SC515",
     "unclear-message",
     "A message lists a modality or a content twice, which would be given twice, or `none` beside other modalities, "
-    "although `none` means that the driver is not informed.\n\n"
+    "although `none` means that the driver is not informed. Or it has two texts for one event, of which the second would "
+    "never be given, or a text of its own although no channel of it has words.\n\n"
     '    <message modality="none text"/>     "none", or "text"',
 )
+
+WORDED = frozenset(("text", "speech"))
+"""Modalities that give the words of a message."""
 
 
 def check_messages(plan: Plan, network: Network, sink: Diagnostics) -> None:
@@ -29,6 +33,18 @@ def check_messages(plan: Plan, network: Network, sink: Diagnostics) -> None:
         _report(message.modality, message.place_of("modality"), sink)
         if isinstance(message, Message):
             _report(message.content, message.place_of("content"), sink)
+            _report_texts(message, sink)
+
+
+def _report_texts(message: Message, sink: Diagnostics) -> None:
+    """Report texts of the author that are never given."""
+    for k, say in enumerate(message.says):
+        if say.at in {one.at for one in message.says[:k]}:
+            sink.add(UNCLEAR_MESSAGE, f"the message has a text for '{say.at}' already", say.place_of("at"))
+        elif WORDED.isdisjoint(message.modality):
+            given = " ".join(message.modality)
+            fault = f"this text is neither displayed nor spoken: the modality is '{given}'"
+            sink.add(UNCLEAR_MESSAGE, fault, say.place_of("text"))
 
 
 def _report(named: Sequence[str], place: Place, sink: Diagnostics) -> None:

@@ -84,7 +84,7 @@ export class Curves {
           dash: dashed ? [5, 3] : undefined,
           width: 1.5,
           points: { show: false },
-          value: (_, value) => (value === null || value === undefined ? "–" : shown(value, unit)),
+          value: (chart, _, __, at) => shown(at === null ? NaN : valueAt(run, name, chart.data[0][at]), unit),
         });
       }
     });
@@ -156,6 +156,11 @@ export class Curves {
 function lastNotAfter(times, t) {
   const after = times.findIndex((one) => one > t + 1e-6);
   return after < 0 ? times.length - 1 : Math.max(0, after - 1);
+}
+
+/** Return a run's value in its last row that is not after a time: two runs may have rows at different times. */
+function valueAt(run, name, t) {
+  return t < run.begin - 1e-6 || t > run.end + 1e-6 ? NaN : run.value(name, run.row(t));
 }
 
 function orNull(value) {

@@ -70,12 +70,12 @@ export class MapView {
     const xs = x.data[0].filter(Number.isFinite);
     const ys = y.data[0].filter(Number.isFinite);
     if (!xs.length) return;
-    const [low, high] = [[Math.min(...xs), Math.min(...ys)], [Math.max(...xs), Math.max(...ys)]];
-    this.centre = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
+    const [[left, right], [bottom, top]] = [extent(xs), extent(ys)];
+    this.centre = [(left + right) / 2, (bottom + top) / 2];
     const room = 40;
     this.scale = Math.min(
       MOST,
-      Math.max(LEAST, Math.min(this.width / (high[0] - low[0] + room), this.height / (high[1] - low[1] + room))),
+      Math.max(LEAST, Math.min(this.width / (right - left + room), this.height / (top - bottom + room))),
     );
     this.draw();
     this.canvas.dispatchEvent(new Event("viewchange"));
@@ -422,6 +422,11 @@ function trace(path, flat, closed) {
   path.moveTo(flat[0], flat[1]);
   for (let k = 2; k < flat.length; k += 2) path.lineTo(flat[k], flat[k + 1]);
   if (closed) path.closePath();
+}
+
+/** Return the least and the greatest of any number of values; a call has room for some ten thousand arguments only. */
+function extent(values) {
+  return values.reduce(([least, most], value) => [Math.min(least, value), Math.max(most, value)], [Infinity, -Infinity]);
 }
 
 function distance(a, b) {

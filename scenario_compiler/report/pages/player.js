@@ -79,11 +79,12 @@ export class Player {
     if (!this.playing) this.#keep();
   }
 
-  /** Move by a number of recorded rows of the first run. */
+  /** Move by a number of recorded rows of the first run, or of the other one where the first is over. */
   step(rows) {
     this.playing = false;
     this.#label();
-    const run = this.runs[0];
+    const end = this.t + (rows > 0 ? 1e-6 : -1e-6);
+    const run = this.runs.find((one) => one.end > end) ?? this.runs[0];
     const row = Math.min(run.t.length - 1, Math.max(0, run.row(this.t) + rows));
     this.seek(run.t[row]);
   }
