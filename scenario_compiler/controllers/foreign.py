@@ -39,10 +39,10 @@ UNKNOWN_CONTROLLER = Code(
     "SC503",
     "unknown-controller",
     "The scenario names a controller that is neither a built-in one nor a class derived from ControllerModel that can "
-    "be found as `package.module:Class` or `file.py:Class`. Its class `Params` must derive from ControllerParams. A module "
-    "must be importable where the command runs (set PYTHONPATH); a module named on the command line may also be in the "
-    "scenario's folder. The path of a Python file starts from the current folder on the command line, and from the "
-    "scenario's folder in a scenario.\n\n"
+    "be found as `package.module:Class` or `file.py:Class`. Its class `Params` must derive from ControllerParams. "
+    "A module must be importable where the command runs (set PYTHONPATH); a module named on the command line may also "
+    "be in the scenario's folder. The path of a Python file starts from the current folder on the command line, and "
+    "from the scenario's folder in a scenario.\n\n"
     '    <controller model="lane_detecton"/>     lane_detection, package.module:Class or file.py:Class',
 )
 CONTROLLER_FAILED = Code(
