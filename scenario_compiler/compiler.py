@@ -47,7 +47,15 @@ from scenario_compiler.vocabulary.variation import Vary
 from scenario_compiler.vocabulary.weather import is_clear
 
 if TYPE_CHECKING:
-    from scenario_compiler.source.study import Condition, Foil, Practice, SetParameter, StudyElement, StudyScenario
+    from scenario_compiler.source.study import (
+        Condition,
+        Foil,
+        Practice,
+        Probe,
+        SetParameter,
+        StudyElement,
+        StudyScenario,
+    )
 
 
 @dataclass(frozen=True)
@@ -219,69 +227,85 @@ def compile_study(
     Raises:
         ConfigurationError: The user's configuration file cannot be read.
     """
-    from scenario_compiler.source.study import (
-        LATE_PROBE,
-        NOBODY_TAKES_OVER,
-        UNREADABLE_PART,
-        Foil,
-        Practice,
-        conditions_of,
-        library_conflicts,
-        located,
-    )
+    from scenario_compiler.source.study import Foil, Practice, conditions_of
 
     study = source.study
     if study is None:
         return None
-    settings, folder = overrides or Overrides(), source.document.folder
+    compiler = _StudyCompiler(source.document.folder, sink, maps, overrides or Overrides(), trust)
     conditions: dict[str, tuple[Condition, Compilation]] = {}
-    others: dict[str, Compilation] = {}
-
-    def compiled(word: StudyScenario | Practice | Foil, condition: Condition | None = None) -> Compilation | None:
-        target = located(word.target, folder)
-        place, inner = word.place_of("target"), Diagnostics(insisted=sink.insisted)
-        values = () if condition is None or condition.setting is None else condition.setting.values
-        hmi = None if condition is None else condition.hmi
-        changed = settings if hmi is None else replace(settings, messages=hmi.messages or SILENT)
-        if not Path(split_target(target)[0]).is_file():
-            if word.target == target.rpartition("#")[2]:
-                message = f"there is no file and no conflict of the library called '{word.target}'"
-                sink.add(UNREADABLE_PART, message, place, hint=did_you_mean(word.target, library_conflicts()))
-            else:
-                sink.add(UNREADABLE_PART, f"there is no file '{split_target(target)[0]}'", place)
-            return None
-        try:
-            given = {one.parameter: one.to for one in values}
-            done = compile_target(target, given, inner, maps=maps, overrides=changed, trust=trust)
-        except ScenarioNameNeededError as needed:
-            message = f"'{word.target}' has several scenarios"
-            sink.add(UNREADABLE_PART, message, place, hint=f"name one as FILE#name: {', '.join(needed.names)}")
-            return None
-        known = {one.identity for one in sink.found}
-        found = [_in_study(one, place, values) for one in inner.found]
-        sink.take(one for one in found if one.identity not in known)
-        if done is not None and done.plan.controller is None:
-            sink.add(NOBODY_TAKES_OVER, f"nobody can take over in '{word.target}'", place)
-        return done
-
     for condition in conditions_of(study):
-        done = compiled(condition.scenario, condition)
+        done = compiler.compiled(condition.scenario, condition)
         if done is not None:
             conditions[condition.name] = condition, done
-    durations = {one.scenario.name: done.plan.duration for one, done in conditions.values()}
-    for name, duration in durations.items():
-        probe = study.probe
-        if probe is not None and max(probe.earliest, probe.latest) >= duration:
-            bound, time = ("earliest", probe.earliest) if probe.earliest >= duration else ("latest", probe.latest)
-            message = f"the probe comes at {time:g} s at the {bound}, but '{name}' lasts {duration:g} s"
-            sink.add(LATE_PROBE, message, probe.place_of("from" if bound == "earliest" else "to"))
+    if study.probe is not None:
+        durations = {one.scenario.name: done.plan.duration for one, done in conditions.values()}
+        _report_late_probe(study.probe, durations, sink)
     practices = () if study.before is None else study.before.steps
+    others: dict[str, Compilation] = {}
     for word in (*practices, *study.foils):
         if isinstance(word, Practice | Foil) and word.target not in others:
-            done = compiled(word)
+            done = compiler.compiled(word)
             if done is not None:
                 others[word.target] = done
     return None if sink.has_errors else StudyCompilation(source, study, conditions, others)
+
+
+@dataclass(frozen=True)
+class _StudyCompiler:
+    """Compiles the scenarios that a study names, and reports their faults at the study's places."""
+
+    folder: Path
+    sink: Diagnostics
+    maps: Sequence[Path]
+    settings: Overrides
+    trust: Trust | None
+
+    def compiled(self, word: StudyScenario | Practice | Foil, condition: Condition | None = None) -> Compilation | None:
+        """Compile the scenario that a word names, with the values and messages of a condition; None if that fails."""
+        from scenario_compiler.source.study import NOBODY_TAKES_OVER, UNREADABLE_PART, located
+
+        target, place = located(word.target, self.folder), word.place_of("target")
+        if not Path(split_target(target)[0]).is_file():
+            self._report_missing(word.target, target, place)
+            return None
+        values = () if condition is None or condition.setting is None else condition.setting.values
+        hmi = None if condition is None else condition.hmi
+        changed = self.settings if hmi is None else replace(self.settings, messages=hmi.messages or SILENT)
+        given, inner = {one.parameter: one.to for one in values}, Diagnostics(insisted=self.sink.insisted)
+        try:
+            done = compile_target(target, given, inner, maps=self.maps, overrides=changed, trust=self.trust)
+        except ScenarioNameNeededError as needed:
+            message = f"'{word.target}' has several scenarios"
+            self.sink.add(UNREADABLE_PART, message, place, hint=f"name one as FILE#name: {', '.join(needed.names)}")
+            return None
+        known = {one.identity for one in self.sink.found}
+        found = [_in_study(one, place, values) for one in inner.found]
+        self.sink.take(one for one in found if one.identity not in known)
+        if done is not None and done.plan.controller is None:
+            self.sink.add(NOBODY_TAKES_OVER, f"nobody can take over in '{word.target}'", place)
+        return done
+
+    def _report_missing(self, name: str, target: str, place: Place) -> None:
+        """Report a scenario without a file, by the name that the study gives and by the target for this name."""
+        from scenario_compiler.source.study import UNREADABLE_PART, library_conflicts
+
+        if name == target.rpartition("#")[2]:
+            message = f"there is no file and no conflict of the library called '{name}'"
+            self.sink.add(UNREADABLE_PART, message, place, hint=did_you_mean(name, library_conflicts()))
+        else:
+            self.sink.add(UNREADABLE_PART, f"there is no file '{split_target(target)[0]}'", place)
+
+
+def _report_late_probe(probe: Probe, durations: Mapping[str, float], sink: Diagnostics) -> None:
+    """Report a probe that may come after the end of a scenario, by the durations of the scenarios, s."""
+    from scenario_compiler.source.study import LATE_PROBE
+
+    for name, duration in durations.items():
+        if max(probe.earliest, probe.latest) >= duration:
+            bound, time = ("earliest", probe.earliest) if probe.earliest >= duration else ("latest", probe.latest)
+            message = f"the probe comes at {time:g} s at the {bound}, but '{name}' lasts {duration:g} s"
+            sink.add(LATE_PROBE, message, probe.place_of("from" if bound == "earliest" else "to"))
 
 
 def _in_study(one: Diagnostic, target: Place, values: Iterable[SetParameter]) -> Diagnostic:

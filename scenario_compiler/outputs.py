@@ -142,9 +142,9 @@ def whole_folder(path: str | Path) -> Iterator[Path]:
     Raises:
         OSError: It cannot be written.
     """
-    target = Path(path)
+    target = Path(path).absolute()  # code of the user's may change the current folder meanwhile
     missing = [one for one in (target, *target.parents) if not one.exists()]
-    make_folder(target)
+    make_folder(path)
     draft = target / f".{os.getpid()}-{threading.get_ident()}.tmp"
     try:
         make_folder(draft)

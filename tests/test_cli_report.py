@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import cv2
@@ -49,6 +50,17 @@ def test_wrong_use_is_reported_in_one_line(
 ) -> None:
     assert call(*(word.replace("RUN", str(run_folder)) for word in words)) == 2
     assert said in capsys.readouterr().err
+
+
+def test_the_plan_of_another_run_is_a_finding(
+    run_folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mixed = tmp_path / "mixed"
+    shutil.copytree(run_folder, mixed)
+    assert call("compile", "markings_missing", "-o", mixed / "plan.json") == 0
+    assert call("report", mixed) == 1
+    assert "SC131" in (said := capsys.readouterr().err)
+    assert "the recording of 'obstacle_ahead' has other entities than 'markings_missing'" in said
 
 
 def test_a_report_gets_pictures_of_a_run_without_camera(run_folder: Path, browser: Browser) -> None:

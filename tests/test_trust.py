@@ -37,6 +37,7 @@ STEERING = (
     MARK
     + """
 import pathlib
+import pydantic
 from scenario_compiler import Control, ControllerModel, ControllerParams
 
 class Mine(ControllerModel):
@@ -65,6 +66,81 @@ class NotANumber(Mine):
 class Silent(Mine):
     def control(self, sensor_data, speed, vehicle):
         return None
+
+class Lost(Mine):
+    # It loses the lane at once, so that the automation requests a takeover, which is pictured.
+    answer = {}
+
+    def control(self, sensor_data, speed, vehicle):
+        return Control(**({"throttle": 0.2, "steer": 0.0, "brake": 0.0, "confidence_left": 0.0,
+                           "confidence_right": 0.0, **self.answer}))
+
+class WithoutAPath(Lost):
+    answer = {"trajectory": None}
+
+class WithABentPath(Lost):
+    answer = {"trajectory": ((1.0, 2.0, 3.0),)}
+
+class WithAPathToNowhere(Lost):
+    answer = {"trajectory": ((float("inf"), 0.0),)}
+
+class WithALane(Lost):
+    answer = {"lanes": "left"}
+
+class OfATextForANumber(Lost):
+    answer = {"steer": "0.1"}
+
+class OfManyNumbers(Lost):
+    answer = {"steer": [0.1, 0.2]}
+
+class TooSure(Lost):
+    answer = {"confidence_left": 7.0}
+
+class Undecided(Lost):
+    def initiate_takeover(self):
+        return None
+
+class WithoutLabels(Lost):
+    def display_info(self):
+        return ["speed 20"]
+
+class WarningOfLetters(Lost):
+    def warning_messages(self):
+        return "hold the wheel"
+
+class Painter(Lost):
+    def overlay_image(self, image):
+        return image / 255.0
+
+class Callable(Lost):
+    class Answer:
+        def __call__(self, *given):
+            return None
+
+    control = Answer()
+
+class Talkative(Lost):
+    def display_info(self):
+        return {"half of a pair": "\\ud800", "lines": "one\\ntwo", "count": 3}
+
+class Moving(Mine):
+    def control(self, sensor_data, speed, vehicle):
+        import os
+        os.chdir("/")
+        return super().control(sensor_data, speed, vehicle)
+
+class Plain(Mine):
+    class Params:
+        throttle = 0.2
+
+class Reading(Mine):
+    class Params(ControllerParams, validate_default=True):
+        throttle: float = 0.2
+
+        @pydantic.field_validator("throttle", mode="before")
+        @classmethod
+        def from_file(cls, value):
+            return open("no_such_file.txt").read()
 """
 )
 
@@ -377,13 +453,25 @@ def test_a_path_in_a_property_starts_from_the_scenarios_folder(
         ("Failing", "RuntimeError: lost"),
         ("NotANumber", "throttle is nan"),
         ("Silent", "it returned NoneType, which is not a Control"),
+        ("WithoutAPath", "trajectory is None, which is not a list of points"),
+        ("WithABentPath", "point 0 of trajectory is (1.0, 2.0, 3.0), which is not a pair of numbers"),
+        ("WithAPathToNowhere", "point 0 of trajectory is inf"),
+        ("WithALane", "lanes is str, which is not a LaneResult"),
+        ("OfATextForANumber", "steer is '0.1', which is not a number"),
+        ("OfManyNumbers", "steer is [0.1, 0.2], which is not a number"),
+        ("TooSure", "confidence_left is 7.0, not from 0 to 1"),
+        ("Undecided", "initiate_takeover: it returned None, which is neither True nor False"),
+        ("WithoutLabels", "display_info: it returned ['speed 20'], which is not a dict of texts"),
+        ("WarningOfLetters", "warning_messages: it returned 'hold the wheel', which is not a list of texts"),
+        ("Painter", "overlay_image: it returned an image of float64 of shape"),
     ],
 )
 def test_a_controller_that_fails_in_a_run_ends_it_and_keeps_the_recording(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, said: str
 ) -> None:
     file = written(tmp_path, f"stranger.py:{name}")
-    assert call("run", file, "--trust", file, "-o", tmp_path / "out", "--format", "json") == 1
+    options = ("--duration", "2", "--format", "json")
+    assert call("run", file, "--trust", file, "-o", tmp_path / "out", *options) == 1
     out, err = capsys.readouterr()
     (found,) = json.loads(out)
     assert (found["code"], found["file"]) == ("SC521", str(file))
@@ -394,6 +482,51 @@ def test_a_controller_that_fails_in_a_run_ends_it_and_keeps_the_recording(
     assert (outcome["result"], outcome["stop_reason"]) == ("error", "controller_failed")
     if name == "Failing":
         assert outcome["duration"] == pytest.approx(0.15)
+
+
+def test_an_answer_of_an_object_without_lines_is_reported_without_a_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = written(tmp_path, "stranger.py:Callable")
+    assert call("run", file, "--trust", file) == 1
+    said = "controller 'stranger.py:Callable': control: it returned NoneType, which is not a Control"
+    assert said in capsys.readouterr().err
+
+
+def test_texts_of_a_controller_that_cannot_be_drawn_are_drawn_as_escapes(tmp_path: Path) -> None:
+    file = written(tmp_path, "stranger.py:Talkative")
+    command = [sys.executable, "-m", "scenario_compiler", "run", file, "--trust", file, "--duration", "2"]
+    command += ["-o", tmp_path / "out"]
+    assert subprocess.run(command, capture_output=True, check=False).returncode == 0
+    assert [one.label for one in read_recording(tmp_path / "out" / "recording.parquet").frames][:1] == ["warning"]
+
+
+def test_the_files_of_a_run_are_together_even_if_its_controller_changes_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = written(tmp_path, "stranger.py:Moving")
+    monkeypatch.chdir(tmp_path)
+    assert call("run", file, "--trust", file, "-o", "out") == 0
+    files = {"plan.json", "map.xodr", "recording.parquet", "events.csv", "outcome.json", "report.html"}
+    assert {one.name for one in (tmp_path / "out").iterdir()} == files
+
+
+@pytest.mark.parametrize("command", ["validate", "run"])
+@pytest.mark.parametrize(
+    ("name", "code", "said"),
+    [
+        ("Plain", "SC503", "has a class Params that does not derive from ControllerParams"),
+        ("Reading", "SC521", "FileNotFoundError"),
+    ],
+)
+def test_parameters_that_cannot_be_checked_are_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, name: str, code: str, said: str
+) -> None:
+    file = written(tmp_path, f"stranger.py:{name}")
+    assert call(command, file, "--trust", file, "--format", "json") == 1
+    (found,) = json.loads(capsys.readouterr().out)
+    assert found["code"] == code
+    assert said in found["message"]
 
 
 LANES = """
@@ -420,6 +553,26 @@ class Certain(Mine):
 class Silent(Mine):
     def detect(self, image, prior=None, pitch=None):
         return None
+
+class Bent(Mine):
+    change = {}
+
+    def detect(self, image, prior=None, pitch=None):
+        found = super().detect(image, prior, pitch)
+        return replace(found, left=replace(found.left, **self.change))
+
+class Empty(Bent):
+    change = {"y0": None}
+
+class Unranged(Bent):
+    change = {"x_range": (5.0, float("nan"))}
+
+class Far(Bent):
+    change = {"curvature": 1e300}
+
+class Level(Mine):
+    def detect(self, image, prior=None, pitch=None):
+        return replace(super().detect(image, prior, pitch), tilt=None)
 
 class Deaf:
     pass
@@ -454,7 +607,11 @@ def test_a_detector_in_a_file_runs_only_if_it_is_trusted(tmp_path: Path, capsys:
         ("Failing", "SC521", "RuntimeError: blind"),
         ("Certain", "SC521", "p of the left boundary is 2.0, not from 0 to 1"),
         ("Silent", "SC521", "it returned NoneType, which is not a LaneResult"),
-        ("Deaf", "SC527", "does not have a method `detect`"),
+        ("Empty", "SC521", "y0 of the left boundary is None, which is not a number"),
+        ("Unranged", "SC521", "x_range of the left boundary is nan"),
+        ("Far", "SC521", "curvature of the left boundary is 1e+300"),
+        ("Level", "SC521", "tilt is NoneType, which is not a Tilt"),
+        ("Deaf", "SC527", "is not a class with a method `detect`"),
         ("Gone", "SC527", "there is no 'Gone' in it"),
     ],
 )

@@ -243,11 +243,10 @@ def part_size_of(form: Form, total: int) -> int:
 
 
 def workers_for(sweep: Sweep, wanted: int | None) -> int:
-    """Return the number of processes: `workers` if it is given, else all cores if there is enough work."""
-    most = sweep.parts if wanted is None or sweep.form == "camera" else max(wanted, 1)
+    """Return the number of processes: the wanted one, else that of all cores; never more than there is work for."""
     if wanted is not None:
-        return max(1, min(wanted, most))
-    return max(1, min(available_cores(), most, sweep.sampler.total // WORTH_A_WORKER[sweep.form]))
+        return max(1, min(wanted, sweep.parts if sweep.form == "camera" else sweep.sampler.total))
+    return max(1, min(available_cores(), sweep.parts, sweep.sampler.total // WORTH_A_WORKER[sweep.form]))
 
 
 def open_executor(sweep: Sweep, workers: int) -> Executor:

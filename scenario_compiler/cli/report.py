@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 BAD_RECORDING = Code(
     "SC131",
     "unreadable-recording",
-    "The file is not a recording of this version: it is not Parquet, or lacks a column or its header. Run the plan "
-    "again."
+    "The file is not a recording of this version, or not one of the plan beside it: it is missing, it is not Parquet, "
+    "it lacks a column or its header, or it has other entities than the plan. Run the plan again."
     "\n\n    scenario-compiler run plan.json -o out     writes out/recording.parquet",
 )
 
@@ -103,7 +103,7 @@ def stored_run(folder: Path, maps: Sequence[Path], sink: Diagnostics) -> Run | N
     """Return the run in a folder, judged again; if it cannot be read, report that and return None."""
     from scenario_compiler.plan.maps import open_plan_map
     from scenario_compiler.plan.store import read_plan
-    from scenario_compiler.recording.outcome import judge
+    from scenario_compiler.recording.outcome import OtherPlanError, judge
     from scenario_compiler.recording.store import RecordingError, read_recording
     from scenario_compiler.report.run import Run
 
@@ -117,7 +117,11 @@ def stored_run(folder: Path, maps: Sequence[Path], sink: Diagnostics) -> Run | N
         return None
     if plan is None or network is None:
         return None
-    return Run(plan, network, recording, judge(plan, recording))
+    try:
+        return Run(plan, network, recording, judge(plan, recording))
+    except OtherPlanError as error:
+        sink.add(BAD_RECORDING, str(error), FilePlace(str(file)))
+        return None
 
 
 def read_files(folder: Path) -> list[Path]:

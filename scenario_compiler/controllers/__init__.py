@@ -24,6 +24,7 @@ from scenario_compiler.controllers.foreign import (
     UNKNOWN_CONTROLLER,
     ControllerError,
     ForeignController,
+    blamed,
     load_class,
 )
 from scenario_compiler.controllers.model import (
@@ -123,7 +124,7 @@ def create_controller(controller: Controller, trust: Trust | None = None) -> Con
     """
     named_in = controller.place_of("model").file
     found = controller_class(controller.model, trust, named_in)
-    params = found.Params.model_validate(_values(controller, found, named_in, trust))
+    params = _params(controller, found, named_in, trust)
     maker = None if controller.detector is None else _maker_of(controller.detector, trust)
 
     def make() -> ControllerModel:
@@ -133,6 +134,19 @@ def create_controller(controller: Controller, trust: Trust | None = None) -> Con
         return made
 
     return make() if controller.model in CONTROLLERS else ForeignController(controller.model, make)
+
+
+def _params(
+    controller: Controller, found: type[ControllerModel], named_in: str, trust: Trust | None
+) -> ControllerParams:
+    """Return the controller's parameters from its properties.
+
+    Raises:
+        pydantic.ValidationError: A property is wrong.
+        ControllerError: A validator of the user's failed.
+    """
+    with blamed(controller.model, let_pass=(ValidationError,)):
+        return found.Params.model_validate(_values(controller, found, named_in, trust))
 
 
 def _values(controller: Controller, found: type[ControllerModel], named_in: str, trust: Trust | None) -> dict[str, str]:
@@ -183,7 +197,9 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
         sink.add(IDLE_DETECTOR, message, controller.detector.place_of("model"))
     words = {p.name: p for p in controller.properties}
     try:
-        found.Params.model_validate(_values(controller, found, place.file, trust))
+        _params(controller, found, place.file, trust)
+    except ControllerError as error:
+        report_controller(controller.model, error, place, sink)
     except ValidationError as error:
         for fault in error.errors(include_url=False):
             name = str(fault["loc"][0]) if fault["loc"] else ""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import inspect
-import math
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
-from scenario_compiler.controllers.foreign import ControllerError, Kind, blamed, load_class
-from scenario_compiler.diagnostics import Code, FilePlace, Severity
+from scenario_compiler.controllers.answers import lane_of
+from scenario_compiler.controllers.foreign import ControllerError, ForeignCode, Kind, load_class
+from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.perception.detectors import DETECTORS, create_detector
 from scenario_compiler.trust import CodeName, Trust
 
@@ -40,8 +39,11 @@ IDLE_DETECTOR = Code(
 DETECTOR = Kind(
     "lane detector",
     UNKNOWN_DETECTOR,
-    lambda found: isinstance(found, type) and callable(getattr(found, "detect", None)),
-    "have a method `detect`",
+    lambda found: (
+        ""
+        if isinstance(found, type) and callable(getattr(found, "detect", None))
+        else "is not a class with a method `detect`"
+    ),
 )
 
 
@@ -66,7 +68,7 @@ def detector_maker(name: str, code: CodeName | None, trust: Trust, named_in: str
 
 
 class ForeignDetector:
-    """A detector of the user's; its exceptions become a ControllerError."""
+    """A detector of the user's; its exceptions and wrong answers become a ControllerError."""
 
     def __init__(self, name: str, made_by: Callable[[Camera], LaneDetector], camera: Camera) -> None:
         """Make the detector for a camera.
@@ -74,9 +76,7 @@ class ForeignDetector:
         Raises:
             ControllerError: It cannot be made.
         """
-        self.name = name
-        with blamed(name, DETECTOR):
-            self._inner = made_by(camera)
+        self._code = ForeignCode(name, DETECTOR, partial(made_by, camera))
 
     def detect(self, image: Image, prior: LaneState | None = None, pitch: float | None = None) -> LaneResult:
         """See `LaneDetector`. A result that is not a lane of finite numbers and probabilities is also an error.
@@ -84,22 +84,4 @@ class ForeignDetector:
         Raises:
             ControllerError: It failed.
         """
-        from scenario_compiler.perception.lane_detector import LaneResult
-
-        with blamed(self.name, DETECTOR):
-            found: object = self._inner.detect(image, prior, pitch)
-        if not isinstance(found, LaneResult):
-            raise self._misbehaved(f"it returned {type(found).__name__}, which is not a LaneResult")
-        for side, one in (("left", found.left), ("right", found.right)):
-            for number in ("y0", "slope", "curvature"):
-                if not math.isfinite(getattr(one, number)):
-                    raise self._misbehaved(f"{number} of the {side} boundary is {getattr(one, number)}")
-            for share in ("p", "p_geom", "p_paint"):
-                if not 0.0 <= getattr(one, share) <= 1.0:
-                    raise self._misbehaved(f"{share} of the {side} boundary is {getattr(one, share)}, not from 0 to 1")
-        return found
-
-    def _misbehaved(self, what: str) -> ControllerError:
-        code = getattr(inspect.unwrap(type(self._inner).detect), "__code__", None)
-        place = FilePlace("") if code is None else FilePlace(code.co_filename, code.co_firstlineno)
-        return ControllerError.at(self.name, place, what, DETECTOR)
+        return self._code.ask("detect", lane_of, image, prior, pitch)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import inspect
 import linecache
-import math
 import sys
 import sysconfig
 import traceback
@@ -19,7 +19,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from scenario_compiler.controllers.model import Control, ControllerModel, SensorData, VehicleState
+from scenario_compiler.controllers.answers import (
+    BadAnswerError,
+    control_of,
+    image_of,
+    labels_of,
+    texts_of,
+    truth_of,
+)
+from scenario_compiler.controllers.model import Control, ControllerModel, ControllerParams, SensorData, VehicleState
 from scenario_compiler.diagnostics import Code, FilePlace
 from scenario_compiler.trust import CodeName, Trust
 
@@ -31,18 +39,19 @@ UNKNOWN_CONTROLLER = Code(
     "SC503",
     "unknown-controller",
     "The scenario names a controller that is neither a built-in one nor a class derived from ControllerModel that can "
-    "be found as `package.module:Class` or `file.py:Class`. A module must be importable where the command runs (set "
-    "PYTHONPATH); a module named on the command line may also be in the scenario's folder. The path of a Python file "
-    "starts from the current folder on the command line, and from the scenario's folder in a scenario.\n\n"
+    "be found as `package.module:Class` or `file.py:Class`. Its class `Params` must derive from ControllerParams. "
+    "A module must be importable where the command runs (set PYTHONPATH); a module named on the command line may also "
+    "be in the scenario's folder. The path of a Python file starts from the current folder on the command line, and "
+    "from the scenario's folder in a scenario.\n\n"
     '    <controller model="lane_detecton"/>     lane_detection, package.module:Class or file.py:Class',
 )
 CONTROLLER_FAILED = Code(
     "SC521",
     "controller-failed",
     "A controller or a lane detector of your own raised an exception, ended the program, or gave an answer that is "
-    "not a `Control` or a `LaneResult` of finite numbers: when its module was imported, when it was created, or in a "
-    "step of the run. The message names the line of its code. The run ends there, and the recording up to that step "
-    "is kept.\n\n"
+    "not a `Control` or a `LaneResult` of finite numbers, or, from another method, of another type than the method's: "
+    "when its module was imported, when it was created, or in a step of the run. The message names the line of its "
+    "code. The run ends there, and the recording up to that step is kept.\n\n"
     "    controller 'steering:Mine', steering.py:31: FileNotFoundError: [Errno 2] No such file or directory: "
     "'model.onnx'\n\n"
     "Correct the code. A property that a controller's `Params` declare as a `pathlib.Path` starts from the scenario's "
@@ -60,22 +69,23 @@ class Kind:
     Attributes:
         name: Its name in messages.
         unknown: The diagnostic's code for a name that does not exist.
-        fits: Returns whether an object is of this kind.
-        must: The requirement, for messages.
+        fault: Returns why an object is not of this kind, as the end of a sentence; an empty text if it is.
     """
 
     name: str
     unknown: Code
-    fits: Callable[[Any], bool]
-    must: str
+    fault: Callable[[Any], str]
 
 
-CONTROLLER = Kind(
-    "controller",
-    UNKNOWN_CONTROLLER,
-    lambda found: isinstance(found, type) and issubclass(found, ControllerModel),
-    "derive from ControllerModel",
-)
+def _controller_fault(found: Any) -> str:
+    if not (isinstance(found, type) and issubclass(found, ControllerModel)):
+        return "does not derive from ControllerModel"
+    if not (isinstance(found.Params, type) and issubclass(found.Params, ControllerParams)):
+        return "has a class Params that does not derive from ControllerParams"
+    return ""
+
+
+CONTROLLER = Kind("controller", UNKNOWN_CONTROLLER, _controller_fault)
 
 
 class ControllerError(Exception):
@@ -130,8 +140,9 @@ def load_class(name: str, code: CodeName, trust: Trust, named_in: str, kind: Kin
     found = getattr(module, code.attribute, None)
     if found is None:
         raise _not_there(name, f"there is no '{code.attribute}' in it", kind)
-    if not kind.fits(found):
-        raise ControllerError(f"'{name}' does not {kind.must}", kind.unknown)
+    fault = kind.fault(found)
+    if fault:
+        raise ControllerError(f"'{name}' {fault}", kind.unknown)
     return found
 
 
@@ -183,11 +194,11 @@ def _looked_for_in(folders: Sequence[Path]) -> Iterator[None]:
 
 
 @contextmanager
-def blamed(name: str, kind: Kind = CONTROLLER) -> Iterator[None]:
-    """Turn exceptions of user code into a ControllerError; KeyboardInterrupt passes."""
+def blamed(name: str, kind: Kind = CONTROLLER, let_pass: tuple[type[BaseException], ...] = ()) -> Iterator[None]:
+    """Turn exceptions of user code into a ControllerError; KeyboardInterrupt and those of `let_pass` pass."""
     try:
         yield
-    except (ControllerError, KeyboardInterrupt):
+    except (ControllerError, KeyboardInterrupt, *let_pass):
         raise
     except BaseException as fault:
         raise ControllerError.of(name, fault, kind) from None
@@ -207,8 +218,48 @@ def _place_of(fault: BaseException) -> FilePlace:
     return FilePlace(last.filename, line, len(text) - len(text.lstrip()) + 1, len(text.strip()), text)
 
 
+class ForeignCode:
+    """An object of the user's; its exceptions and answers of a wrong type become a ControllerError.
+
+    Attributes:
+        name: Its name, for messages.
+    """
+
+    def __init__(self, name: str, kind: Kind, make: Callable[[], Any]) -> None:
+        """Make the object.
+
+        Raises:
+            ControllerError: It cannot be made.
+        """
+        self.name = name
+        self._kind = kind
+        with blamed(name, kind):
+            self.inner = make()
+
+    def ask(self, method: str, check: Callable[..., _Answer], *arguments: Any) -> _Answer:
+        """Call a method and return its answer as `check` accepts it.
+
+        Raises:
+            ControllerError: The method failed, or its answer has a wrong type.
+        """
+        with blamed(self.name, self._kind):
+            answer = getattr(self.inner, method)(*arguments)
+            try:
+                return check(answer)
+            except BadAnswerError as bad:
+                what = str(bad)
+        raise ControllerError.at(self.name, self._place_of(method), f"{method}: {what}", self._kind)
+
+    def _place_of(self, method: str) -> FilePlace:
+        """Return the first line of a method; no place if the user's code does not define it as a function."""
+        code = getattr(inspect.unwrap(getattr(type(self.inner), method, None)), "__code__", None)
+        if code is None or code.co_filename.startswith((_PACKAGE, *sysconfig.get_paths().values())):
+            return FilePlace("")
+        return FilePlace(code.co_filename, code.co_firstlineno)
+
+
 class ForeignController(ControllerModel):
-    """A controller of the user's; its exceptions become a ControllerError."""
+    """A controller of the user's; its exceptions and wrong answers become a ControllerError."""
 
     def __init__(self, name: str, make: Callable[[], ControllerModel]) -> None:
         """Make the controller.
@@ -216,56 +267,35 @@ class ForeignController(ControllerModel):
         Raises:
             ControllerError: It cannot be made.
         """
-        self.name = name
-        self._inner = self._ask(make)
-        super().__init__(self._inner.params)
-
-    def _ask(self, call: Callable[..., _Answer], *arguments: Any) -> _Answer:
-        with blamed(self.name):
-            return call(*arguments)
+        self._code = ForeignCode(name, CONTROLLER, make)
+        with blamed(name):
+            params = self._code.inner.params
+        super().__init__(params)
 
     def reset(self, seed: int) -> None:
         """See ControllerModel."""
-        self._ask(self._inner.reset, seed)
+        self._code.ask("reset", lambda _: None, seed)
 
     def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
-        """See ControllerModel. A result that is not a command is also an error."""
-        control: object = self._ask(self._inner.control, sensor_data, speed, vehicle)
-        if not isinstance(control, Control):
-            raise self._misbehaved(f"it returned {type(control).__name__}, which is not a Control")
-        numbers = {name: getattr(control, name) for name in _NUMBERS}
-        for name, value in numbers.items():
-            if not isinstance(value, (int, float)) and not hasattr(value, "__float__"):
-                raise self._misbehaved(f"{name} is {value!r}, which is not a number")
-            if not math.isfinite(float(value)):
-                raise self._misbehaved(f"{name} is {float(value)}")
-        return control
-
-    def _misbehaved(self, what: str) -> ControllerError:
-        code = type(self._inner).control.__code__
-        place = FilePlace(code.co_filename, code.co_firstlineno)
-        return ControllerError.at(self.name, place, what)
+        """See ControllerModel. A result that is not a command of finite numbers is also an error."""
+        return self._code.ask("control", control_of, sensor_data, speed, vehicle)
 
     def display_info(self) -> dict[str, str]:
         """See ControllerModel."""
-        return self._ask(self._inner.display_info)
+        return self._code.ask("display_info", labels_of)
 
     def warning_messages(self) -> list[str]:
         """See ControllerModel."""
-        return self._ask(self._inner.warning_messages)
+        return self._code.ask("warning_messages", texts_of)
 
     def critical_messages(self) -> list[str]:
         """See ControllerModel."""
-        return self._ask(self._inner.critical_messages)
+        return self._code.ask("critical_messages", texts_of)
 
     def initiate_takeover(self) -> bool:
         """See ControllerModel."""
-        return self._ask(self._inner.initiate_takeover)
+        return self._code.ask("initiate_takeover", truth_of)
 
     def overlay_image(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """See ControllerModel."""
-        return self._ask(self._inner.overlay_image, image)
-
-
-_NUMBERS = ("throttle", "steer", "brake", "confidence_left", "confidence_right", "sensor_health")
-"""Fields of a command that must be finite numbers."""
+        return self._code.ask("overlay_image", lambda given: image_of(given, image), image)

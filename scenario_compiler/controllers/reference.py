@@ -107,10 +107,11 @@ is needed:
 
 ## When it fails
 
-A controller or a detector fails if it raises an exception, if a model file is missing, if it calls `sys.exit` at
-import, or if it does not return a `Control` (a detector: a `LaneResult`) with finite numbers. This is reported as
-SC521 with the name of the controller or detector, the file and the line. The run ends with the stop reason
-`controller_failed`, the recording up to that step is kept, and the exit code is 1.
+A controller or a detector fails if it raises an exception, if a model file is missing, if it calls `sys.exit`, or if
+it does not return a `Control` (a detector: a `LaneResult`) with finite numbers. So does a controller if one of its
+[other methods](#other-methods) returns something of another type. This is reported as SC521 with the name of the
+controller or detector, the file and the line. The run ends with the stop reason `controller_failed`, the recording up
+to that step is kept, and the exit code is 1.
 
 ## Inputs
 

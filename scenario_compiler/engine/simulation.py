@@ -88,7 +88,13 @@ class Simulation:
         self._trace: Any = None
 
     def reset(self, draws: Sequence[float]) -> None:
-        """Set the state to the row of t = 0; `draws` are DRAWS_PER_RUN numbers (see `make_draws`)."""
+        """Set the state to the row of t = 0; `draws` are DRAWS_PER_RUN numbers (see `make_draws`).
+
+        Raises:
+            ValueError: There are more or fewer draws.
+        """
+        if len(draws) != op.DRAWS_PER_RUN:
+            raise ValueError(f"a run needs {op.DRAWS_PER_RUN} draws, not {len(draws)}")
         for k, value in enumerate(draws):
             self.state.draw[k] = value
         self.form.enter("reset")
@@ -140,9 +146,12 @@ class Simulation:
             speed: Its speed, m/s.
             posed: Whether it is moved by `pose` instead of commands.
             steer_rate: Greatest rate of its front wheels' angle, rad/s.
+
+        Raises:
+            IndexError: There is no entity with this index; so also `remove`, `command`, `pose` and `touched`.
         """
         program = self.program
-        block = program.entity_const[entity]
+        block = program.entity_const[self._index(entity)]
         for k, number in enumerate(vehicle_numbers(vehicle)):
             program.const[block + k] = number
         self.let_pose(entity, posed=posed)
@@ -151,11 +160,11 @@ class Simulation:
 
     def let_pose(self, entity: int, *, posed: bool) -> None:
         """Set whether a spawned entity is moved by `pose` or by commands."""
-        self.program.entity_motion[entity] = op.MOTION_POSED if posed else op.MOTION_BICYCLE
+        self.program.entity_motion[self._index(entity)] = op.MOTION_POSED if posed else op.MOTION_BICYCLE
 
     def remove(self, entity: int) -> None:
         """Let an entity disappear; an absent one stays absent."""
-        self.form.enter("delete_entity", entity)
+        self.form.enter("delete_entity", self._index(entity))
 
     def command(self, entity: int, throttle: float, steer: float, brake: float, *, reverse: bool = False) -> None:
         """Set the commands of a vehicle, which hold until the next call.
@@ -167,16 +176,22 @@ class Simulation:
             brake: 0 to 1.
             reverse: Whether the throttle drives it backwards.
         """
-        st = self.state
+        st, entity = self.state, self._index(entity)
         st.command_throttle[entity], st.command_steer[entity] = throttle, steer
         st.command_brake[entity], st.command_reverse[entity] = brake, int(reverse)
 
     def pose(self, entity: int, pose: Pose, speed: float) -> None:
         """Set the pose and speed (m/s) of an entity between `move` and `end`; `end` finds its road and lane."""
-        st = self.state
+        st, entity = self.state, self._index(entity)
         st.x[entity], st.y[entity], st.z[entity] = pose.x, pose.y, pose.z
         st.h[entity], st.pitch[entity], st.roll[entity] = pose.heading % math.tau, pose.pitch, pose.roll
         st.v[entity] = speed
+
+    def _index(self, entity: int) -> int:
+        """Return an index at which there is an entity; machine code would write beyond its columns at another one."""
+        if not 0 <= entity < self.program.entity_count[0]:
+            raise IndexError(f"there is no entity {entity}: the program has {self.program.entity_count[0]}")
+        return entity
 
     def column(self, name: str) -> NDArray[Any]:
         """Return a column of the state as a read-only array of float64 or int64.
@@ -192,7 +207,7 @@ class Simulation:
 
     def touched(self, entity: int) -> int | None:
         """Return an entity whose box overlaps that of the given one at the present poses, or None."""
-        found: int = self.form.enter("find_touched", entity)
+        found: int = self.form.enter("find_touched", self._index(entity))
         return None if found == op.NONE else found
 
     def contacts(self) -> list[tuple[int, int]]:

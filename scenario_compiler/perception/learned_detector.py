@@ -91,7 +91,7 @@ class LearnedLaneDetector:
         data = network if network is not None else _shipped_network()
         self._net = cv2.dnn.readNetFromONNX(np.frombuffer(data, np.uint8))
         self.confidence = confidence or load_confidence(self.confidence_file, self.features)
-        self._turn = None if _alike(self.camera, TRAINED_FOR) else _homography(self.camera)
+        self._turn = None if _alike(self.camera, TRAINED_FOR) else homography_to_trained(self.camera)
         self._scale = self.camera.z / TRAINED_FOR.z
         self._v = (np.arange(ROWS) + 0.5) * TRAINED_FOR.height / ROWS - 0.5
 
@@ -295,7 +295,7 @@ def _alike(camera: Camera, other: Camera) -> bool:
     return all(getattr(camera, name) == getattr(other, name) for name in names)
 
 
-def _homography(camera: Camera) -> Floats:
+def homography_to_trained(camera: Camera) -> Floats:
     """Return the matrix from pixels of a camera to those of the trained camera."""
     inner = [
         np.array([[one.focal, 0.0, one.width / 2.0], [0.0, one.focal, one.height / 2.0], [0.0, 0.0, 1.0]])

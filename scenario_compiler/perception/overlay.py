@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from scenario_compiler.legible import legible
 from scenario_compiler.perception.camera import Camera, View, vehicle_axes
 from scenario_compiler.perception.lane_detector import LaneResult
 from scenario_compiler.roads.positions import Pose
@@ -165,7 +166,7 @@ def outline_box(
 
 def write_above(image: Image, corner: tuple[int, int], text: str, colour: Colour) -> None:
     """Write a text above an outline with the given upper left corner, as far as the picture has room."""
-    scale = max(0.42, 0.5 * image.shape[1] / 960.0)
+    text, scale = legible(text), max(0.42, 0.5 * image.shape[1] / 960.0)
     wide = cv2.getTextSize(text, _FONT, scale, 1)[0][0]
     left = min(max(corner[0], 4), max(4, image.shape[1] - wide - 4))
     _text(image, text, (left, max(corner[1] - 6, 14)), colour, scale)
@@ -234,7 +235,7 @@ def _write(picture: Image, lane: LaneResult | None, caption: Caption) -> None:
     if lane is not None:
         confidence = f"left {lane.p_left:.2f}   right {lane.p_right:.2f}   sensor {lane.sensor_health:.2f}"
         lines.append((confidence, _confidence_colour(lane)))
-    lines += [(note, WHITE) for note in caption.notes]
+    lines += [(legible(note), WHITE) for note in caption.notes]
     height, width = picture.shape[:2]
     scale = max(width / 960.0, LEAST_SCALE)
     pitch = round(24 * scale)
@@ -242,7 +243,9 @@ def _write(picture: Image, lane: LaneResult | None, caption: Caption) -> None:
     for k, (text, colour) in enumerate(lines):
         _text(picture, text, (round(14 * scale), round(26 * scale) + k * pitch), colour, 0.55 * scale)
     messages = [(text, AMBER) for text in caption.warnings] + [(text, RED) for text in caption.alarms]
-    rows = [(row, colour, size) for text, colour in messages for row, size in _rows(text, 0.9 * scale, width - 32)]
+    rows = [
+        (row, colour, size) for text, colour in messages for row, size in _rows(legible(text), 0.9 * scale, width - 32)
+    ]
     for k, (text, colour, fitted) in enumerate(reversed(rows)):
         size = cv2.getTextSize(text, _FONT, fitted, 2)[0][0]
         left, line = max(0, (width - size) // 2), height - round((24 + 36 * k) * scale)

@@ -95,8 +95,18 @@ class Outcome(_Part):
     versions: dict[str, str] = Field(description="Versions of the software on which the result depends.")
 
 
+class OtherPlanError(ValueError):
+    """A recording is not one of the plan by which it should be judged."""
+
+
 def judge(plan: Plan, recording: Recording) -> Outcome:
-    """Judge a run by its plan's criteria and measure it."""
+    """Judge a run by its plan's criteria and measure it.
+
+    Raises:
+        OtherPlanError: The recording has other entities than the plan.
+    """
+    if recording.header.entities != tuple(entity.id for entity in plan.entities):
+        raise OtherPlanError(f"the recording of '{recording.header.plan_name}' has other entities than '{plan.name}'")
     traces = traces_of(plan, recording)
     automated = plan.controller is not None
     criteria = tuple(judge_criterion(criterion, recording, traces) for criterion in plan.criteria)

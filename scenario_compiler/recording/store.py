@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -85,6 +86,8 @@ def read_recording(path: Path) -> Recording:
     except RecordingError:
         raise
     except _UNREADABLE as problem:
+        if isinstance(problem, OSError) and problem.errno is not None:  # pyarrow's own text names the file again
+            raise RecordingError(f"{path} cannot be read: {os.strerror(problem.errno)}") from problem
         raise RecordingError(f"{path} is not a recording: {problem}") from problem
 
 

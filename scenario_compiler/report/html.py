@@ -70,7 +70,7 @@ class Report:
 
 
 def write_report(
-    runs: Sequence[Run], folder: Path, *, title: str = "", pictures: Sequence[Sequence[Picture]] | None = None
+    runs: Sequence[Run], folder: str | Path, *, title: str = "", pictures: Sequence[Sequence[Picture]] | None = None
 ) -> Path:
     """Write report.html to a folder and return its path.
 
@@ -88,7 +88,7 @@ def write_report(
     if not runs:
         raise ValueError("a report needs at least one run")
     make_folder(folder)
-    path = folder / "report.html"
+    path = Path(folder) / "report.html"
     write_whole(path, render(runs, title=title, pictures=pictures))
     return path
 

@@ -139,11 +139,9 @@ def painted_share(n: RoadTables, mark: int, begin: float, end: float) -> float:
     if n.mark_line[mark + 1] > n.mark_line[mark]:
         return most
     kind = n.mark_type[mark]
-    if kind in (MARK_BROKEN, MARK_BROKEN_BROKEN):
-        return dashes_between(begin - first, end - first, STANDARD_DASH, STANDARD_GAP)
-    if kind == MARK_BOTTS_DOTS:
-        return dashes_between(begin - first, end - first, DOT, DOT_GAP)
-    return 1.0 if kind < MARK_GRASS else 0.0
+    if kind >= MARK_GRASS:
+        return 0.0
+    return dashes_between(begin - first, end - first, standard_dash(kind), standard_gap(kind))
 
 
 @compiled
@@ -159,11 +157,25 @@ def usual_share(n: RoadTables, mark: int, begin: float, end: float) -> float:
     if n.mark_line[mark + 1] > n.mark_line[mark]:
         return most
     kind = n.mark_type[mark]
+    if kind >= MARK_GRASS:
+        return 0.0
+    return dashes_share(standard_dash(kind), standard_gap(kind))
+
+
+@compiled
+def standard_dash(kind: int) -> float:
+    """Return the length of the dashes of a mark whose file gives no lines, m; 0 of a solid one."""
     if kind in (MARK_BROKEN, MARK_BROKEN_BROKEN):
-        return dashes_share(STANDARD_DASH, STANDARD_GAP)
-    if kind == MARK_BOTTS_DOTS:
-        return dashes_share(DOT, DOT_GAP)
-    return 1.0 if kind < MARK_GRASS else 0.0
+        return STANDARD_DASH
+    return DOT if kind == MARK_BOTTS_DOTS else 0.0
+
+
+@compiled
+def standard_gap(kind: int) -> float:
+    """Return the space between them, m; 0 of a solid mark."""
+    if kind in (MARK_BROKEN, MARK_BROKEN_BROKEN):
+        return STANDARD_GAP
+    return DOT_GAP if kind == MARK_BOTTS_DOTS else 0.0
 
 
 @compiled

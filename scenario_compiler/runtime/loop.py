@@ -144,6 +144,9 @@ def run(
         person: The person at the wheel of a plan with a person; without one nobody responds. A recorded person ends the
             run where the user ended the recorded one.
         ended: Asked after every step whether the user has ended the run.
+
+    Raises:
+        ValueError: The world has another map than the plan, or a file of the map that has changed since.
     """
     execution = Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust, person=person)
     while execution.going:
@@ -254,7 +257,13 @@ class Execution:
         trust: Trust | None = None,
         person: Person | None = None,
     ) -> None:
-        """Prepare everything for the start of the run; the arguments are those of `run`."""
+        """Prepare everything for the start of the run; the arguments are those of `run`.
+
+        Raises:
+            ValueError: The world has another map than the plan.
+        """
+        if world.network.sha256 != plan.map.sha256:
+            raise ValueError(f"the world's map, {world.network.path}, is not the plan's, {plan.map.file}")
         self.plan = plan
         self.world = world
         self.lowered = lowered(plan, world.network, posed=world.moves_ego)

@@ -15,9 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.files import split_target
-from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.processes import spawned_pool
 from scenario_compiler.recording.outcome import Outcome, judge
 from scenario_compiler.report.wording import CAUSE_WORDS, outcome_words
 from scenario_compiler.resources import library_folder, templates_from, templates_given
@@ -25,6 +23,7 @@ from scenario_compiler.roads import Network
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.source.catalogs import load_catalogs
 from scenario_compiler.source.expansion import catalog_driver
+from scenario_compiler.survey.spreading import results_of
 from scenario_compiler.vocabulary.driver import Driver, DriverModel
 from scenario_compiler.vocabulary.sensors import Perception
 
@@ -90,7 +89,7 @@ def separate_all(
     perception: Perception = "ideal",
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[Separated]:
-    """Yield each scenario with the four drivers, in order.
+    """Return the results of each scenario with the four drivers, in order.
 
     Args:
         targets: FILE#name of each.
@@ -100,22 +99,12 @@ def separate_all(
         progress: Called with the number of finished scenarios and the total.
     """
     task = partial(separate, maps=tuple(maps), templates=templates_given(), perception=perception)
-    if processes < 2:
-        yield from _counted(map(task, targets), len(targets), progress)
-        return
-    with spawned_pool(processes) as pool:
-        with left_to_this_process():
-            found = pool.map(task, targets)
-        yield from _counted(found, len(targets), progress)
+    return results_of(targets, task, given_up, processes=processes, progress=progress)
 
 
-def _counted(
-    found: Iterator[Separated], count: int, progress: Callable[[int, int], None] | None
-) -> Iterator[Separated]:
-    for done, one in enumerate(found, start=1):
-        if progress is not None:
-            progress(done, count)
-        yield one
+def given_up(target: str, fault: str) -> Separated:
+    """Return the result of a scenario that could not be run."""
+    return Separated(target=target, name=split_target(target)[1] or Path(target).stem, fault=fault)
 
 
 def separate(
@@ -123,14 +112,13 @@ def separate(
 ) -> Separated:
     """Run a scenario with the four drivers; if it cannot be compiled, the result has the reason."""
     sink = Diagnostics()
-    name = split_target(target)[1] or Path(target).stem
     with templates_from(templates):
         compilation = compile_target(
             target, {}, sink, maps=maps, overrides=Overrides(perception=perception, driven_by="model")
         )
     if compilation is None:
-        fault = next((one.message for one in sink if one.severity is Severity.ERROR), "it cannot be compiled")
-        return Separated(target=target, name=name, fault=fault)
+        faults = (one.message for one in sink if one.severity is Severity.ERROR)
+        return given_up(target, next(faults, "it cannot be compiled"))
     plan = compilation.plan
     if plan.controller is None:
         return Separated(target=target, name=plan.name, summary=plan.summary, fault="it has no automated vehicle")

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future
-from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from pathlib import Path
 
@@ -13,17 +11,13 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity, position_text
 from scenario_compiler.files import split_target
-from scenario_compiler.interruption import left_to_this_process
-from scenario_compiler.processes import spawned_pool
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.resources import templates_from, templates_given
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.survey.duplicates import likeness
 from scenario_compiler.survey.odd import Tags, tags_of
+from scenario_compiler.survey.spreading import results_of
 from scenario_compiler.vocabulary.scenario import Classification
-
-FEW = 4
-"""Number of scenarios up to which no worker process is started."""
 
 
 class Ran(BaseModel):
@@ -58,9 +52,6 @@ class Studied(BaseModel):
     numbers: dict[str, float] = Field(default={}, description="The numbers of its plan, by where they stand.")
 
 
-Task = Callable[[str], Studied]
-
-
 def study_all(
     targets: Sequence[str],
     *,
@@ -69,7 +60,7 @@ def study_all(
     maps: Sequence[Path] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[Studied]:
-    """Yield the results for each scenario, in order.
+    """Return the results for each scenario, in order.
 
     Args:
         targets: FILE#name of each.
@@ -79,36 +70,11 @@ def study_all(
         progress: Called with the number of finished scenarios and the total.
     """
     task = partial(study, runs=runs, maps=tuple(maps), templates=templates_given())
-    few = processes < 2 or len(targets) <= FEW
-    for done, one in enumerate(map(task, targets) if few else spread(targets, task, processes), start=1):
-        if progress is not None:
-            progress(done, len(targets))
-        yield one
+    return results_of(targets, task, given_up, processes=processes, progress=progress)
 
 
-def spread(targets: Sequence[str], task: Task, processes: int) -> Iterator[Studied]:
-    """Yield results from worker processes. If one dies, its scenario is tried again alone, and then given up."""
-    with spawned_pool(processes) as pool:
-        with left_to_this_process():
-            waiting = [pool.submit(task, target) for target in targets]
-        for target, future in zip(targets, waiting, strict=True):
-            yield _alone(target, task) if _was_lost(future) else future.result()
-
-
-def _alone(target: str, task: Task) -> Studied:
-    with spawned_pool(1) as pool:
-        with left_to_this_process():
-            future = pool.submit(task, target)
-        if _was_lost(future):
-            return _given_up(target, "the process that studied it was ended by the system")
-        return future.result()
-
-
-def _was_lost(future: Future[Studied]) -> bool:
-    return isinstance(future.exception(), BrokenProcessPool)
-
-
-def _given_up(target: str, fault: str) -> Studied:
+def given_up(target: str, fault: str) -> Studied:
+    """Return the results for a scenario that could not be examined."""
     return Studied(target=target, name=split_target(target)[1] or Path(target).stem, fault=fault)
 
 
@@ -122,8 +88,8 @@ def study(target: str, runs: int = 0, maps: Sequence[Path] = (), templates: Sequ
     if compilation is None:
         first = next((one for one in sink if one.severity is Severity.ERROR), None)
         if first is None:
-            return _given_up(target, "it cannot be compiled")
-        return _given_up(target, f"{first.code.id} {first.message} ({position_text(first.place)})")
+            return given_up(target, "it cannot be compiled")
+        return given_up(target, f"{first.code.id} {first.message} ({position_text(first.place)})")
     plan = compilation.plan
     same, numbers = likeness(plan)
     return Studied(

@@ -147,3 +147,26 @@ def test_what_is_read_cannot_be_written(simulation: Simulation) -> None:
     with pytest.raises(ValueError, match="read-only"):
         simulation.column("x")[0] = 1.0
     assert math.isfinite(float(np.sum(simulation.column("x"))))
+
+
+@pytest.mark.parametrize("entity", [-1, 4, 10**7])
+def test_an_entity_that_the_program_does_not_have_is_refused(simulation: Simulation, entity: int) -> None:
+    before = columns(simulation)
+    here = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for use in (
+        lambda: simulation.spawn(entity, CAR, here),
+        lambda: simulation.let_pose(entity, posed=True),
+        lambda: simulation.remove(entity),
+        lambda: simulation.command(entity, 1.0, 0.0, 0.0),
+        lambda: simulation.pose(entity, here, 1.0),
+        lambda: simulation.touched(entity),
+    ):
+        with pytest.raises(IndexError, match=f"there is no entity {entity}: the program has 4"):
+            use()
+    assert columns(simulation) == before
+
+
+@pytest.mark.parametrize("count", [0, 1, 10**4])
+def test_a_reset_needs_all_draws_of_a_run(simulation: Simulation, count: int) -> None:
+    with pytest.raises(ValueError, match="draws"):
+        simulation.reset([0.5] * count)

@@ -10,7 +10,6 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from scenario_compiler.perception import learned_detector
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.lane_detector import LaneState
 from scenario_compiler.perception.learned_detector import (
@@ -22,6 +21,7 @@ from scenario_compiler.perception.learned_detector import (
     LearnedLaneDetector,
     Rows,
     ground_of,
+    homography_to_trained,
     tilt_between,
 )
 from scenario_compiler.perception.road_camera import RoadCamera
@@ -87,7 +87,7 @@ def test_a_row_tells_the_likeliest_of_two_lines() -> None:
 
 def test_images_of_another_camera_are_warped_to_the_trained_one() -> None:
     camera = Camera(width=800, height=500, fov=math.radians(60.0), yaw=0.1, pitch=-0.15, roll=0.05)
-    homography = learned_detector._homography(camera)
+    homography = homography_to_trained(camera)
     x, y = np.array([8.0, 15.0]), np.array([1.0, -2.0])
     u, v = camera.project_ground(x, y)
     turned = homography @ np.stack([u, v, np.ones(2)])

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
 import pytest
 
 from scenario_compiler.resources import library_folder
-from scenario_compiler.survey.separating import ATTENTIVE, DRIVERS, SLOW, Separated, separate
+from scenario_compiler.survey.separating import ATTENTIVE, DRIVERS, SLOW, Separated, given_up, separate
 from scenario_compiler.survey.separation_page import separation_page
+from scenario_compiler.survey.spreading import spread
 from tests.command import call
 
 CONFLICTS = library_folder() / "conflicts"
@@ -61,6 +63,20 @@ def test_a_scenario_that_cannot_be_compiled_has_a_reason(tmp_path: Path) -> None
     found = separate(f"{path}#bad")
     assert found.fault
     assert not found.drivers
+
+
+def killed_by(target: str) -> Separated:
+    """End the process, as the system does with one that takes too much memory; for other scenarios, give up at once."""
+    if target.endswith("#large"):
+        os._exit(9)
+    return given_up(target, "it is not run in this test")
+
+
+def test_a_process_that_dies_is_the_fault_of_its_own_scenario() -> None:
+    targets = ["some.xml#small", "some.xml#large", "some.xml#other"]
+    found = list(spread(targets, killed_by, given_up, 2))
+    assert [one.name for one in found] == ["small", "large", "other"]
+    assert ["ended by the system" in one.fault for one in found] == [False, True, False]
 
 
 def test_the_command_writes_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

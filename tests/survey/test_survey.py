@@ -16,7 +16,8 @@ import pytest
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.resources import library_folder
 from scenario_compiler.survey.page import page_of
-from scenario_compiler.survey.studying import Studied, spread, study, study_all
+from scenario_compiler.survey.spreading import spread
+from scenario_compiler.survey.studying import Studied, given_up, study, study_all
 from scenario_compiler.survey.survey import Survey, survey
 from tests.command import call
 
@@ -124,7 +125,7 @@ def killed_by(target: str) -> Studied:
 @pytest.mark.slow
 def test_a_process_that_dies_costs_only_its_own_scenario(folder: Path) -> None:
     targets = [f"{folder / 'good.xml'}#{name}" for name in ("blocked", "nested", "blocked_faster", "nothing_there")]
-    found = list(spread(targets, killed_by, 2))
+    found = list(spread(targets, killed_by, given_up, 2))
     assert [bool(one.fault) for one in found] == [False, True, False, False]
     assert "ended by the system" in found[1].fault
 
@@ -139,7 +140,7 @@ def takes_long(target: str) -> Studied:
 
 def test_ctrl_c_ends_all_processes_at_once(repository: Path) -> None:
     """The signal goes to the whole group, as a terminal sends it; the scenarios that wait are not begun."""
-    program = f"from {__name__} import spread, takes_long; list(spread(['one'] * 8, takes_long, 2))"
+    program = f"from {__name__} import given_up, spread, takes_long; list(spread(['one'] * 8, takes_long, given_up, 2))"
     with subprocess.Popen(
         [sys.executable, "-c", program],
         cwd=repository,

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scenario_compiler import open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.perception.stage import Stage
 from scenario_compiler.roads import Pose
 from scenario_compiler.vocabulary.sensors import Perception
 from scenario_compiler.worlds import EntityState, Snapshot
@@ -94,10 +95,7 @@ def test_the_versions_on_which_pictures_depend_are_recorded_only_with_a_camera(t
 def test_objects_follow_the_slope_on_which_they_stand(tmp_path: Path) -> None:
     """A box is placed and turned with its whole pose, not with its heading alone."""
     done = compiled(tmp_path)
-    poses = (done.network.lane_pose("1", -1, 20.0), Pose(40.0, -1.75, 0.0, 0.0, 0.1, 0.2))
-    states = tuple(EntityState(there=True, shown=True, pose=pose) for pose in poses)
-    with KinematicWorld(done.plan, done.network) as world:
-        box = world._boxes(Snapshot(t=0.0, frame=0, entities=states))[0]
+    (box,) = Stage(done.plan, done.network).boxes([(1, Pose(40.0, -1.75, 0.0, 0.0, 0.1, 0.2), False)])
     center = done.plan.entities[1].vehicle.center
     assert (box.pitch, box.roll) == (0.1, 0.2)
     assert (box.x, box.z) == pytest.approx((40.0 + center * math.cos(0.1), -center * math.sin(0.1)))
