@@ -19,7 +19,8 @@ STEP = 0.05
 LANDED = 8
 """Ticks after which a vehicle stands on the road that has been spawned 0.5 m above it, where spawn points are."""
 
-PATIENCE = 10.0
+PATIENCE = 60.0
+"""Time after which an answer that must come is no longer waited for, s: the machine may be slow and busy."""
 
 
 @dataclass
@@ -61,7 +62,7 @@ def served(folder: Path, *arguments: str) -> Iterator[Served]:
         gc.collect()  # clients that nobody holds any more end before their server does
         process.send_signal(signal.SIGINT)
         try:
-            code = process.wait(timeout=20)
+            code = process.wait(timeout=PATIENCE)
         except subprocess.TimeoutExpired:
             process.kill()
             raise

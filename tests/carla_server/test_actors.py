@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import math
-import time
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
 from tests.carla_server.conftest import LANDED, STEP, Served
+from tests.live.serving import waited_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
 """Run by `make test-carla`."""
@@ -344,11 +344,7 @@ def test_a_colour_that_is_none_does_not_hide_the_actors(server: Served, world: A
     client = server.client()
     seen = client.get_world()
     car = spawn("vehicle.audi.tt", 5)
-    for _ in range(1000):  # until the second client has joined the stream of snapshots
-        world.tick()
-        if len(seen.get_actors()):
-            break
-        time.sleep(0.01)
+    waited_for(lambda: world.tick() > 0 and len(seen.get_actors()) > 0)  # until it has joined the stream of snapshots
     assert car.id in {actor.id for actor in seen.get_actors()}
 
 

@@ -14,7 +14,7 @@ import msgpack
 import pytest
 
 from scenario_compiler.carla_server.protocol import CALLS
-from tests.carla_server.conftest import Served, served
+from tests.carla_server.conftest import PATIENCE, Served, served
 from tests.carla_server.test_clients import resident
 from tests.carla_server.values import value_of
 
@@ -29,9 +29,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 
 def connection(port: int) -> socket.socket:
-    made = socket.create_connection(("127.0.0.1", port), timeout=10.0)
-    made.settimeout(10.0)
-    return made
+    return socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
 
 
 def ask(port: int, name: str = "version") -> Any:

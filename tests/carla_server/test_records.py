@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from tests.carla_server.conftest import Served
+from tests.live.serving import waited_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
 """Run by `make test-carla`."""
@@ -69,11 +70,7 @@ def test_a_recording_is_played_where_it_was(server: Served, world: Any, spawn: S
         played = world.get_actors().filter("vehicle.audi.tt")[0]
         assert played.get_transform().location.distance(where[k + 1].location) < 0.05
     client.stop_replayer(False)
-    for _ in range(50):  # nobody waits for the answer to that call
-        world.tick()
-        if not world.get_actors().filter("vehicle.*"):
-            break
-    assert list(world.get_actors().filter("vehicle.*")) == []
+    waited_for(lambda: world.tick() > 0 and not world.get_actors().filter("vehicle.*"))  # no answer says that it ended
     del car
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.carla_server.sensors.bearings import on_globe, reference_of
 from scenario_compiler.perception.labels import Tag
-from tests.carla_server.conftest import LANDED, STEP, Served
+from tests.carla_server.conftest import LANDED, PATIENCE, STEP, Served
 from tests.perception.test_terrain import tilted
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
@@ -35,7 +35,7 @@ class Listening:
 
     def next(self) -> Any:
         """Return the next message."""
-        return self._came.get(timeout=10.0)
+        return self._came.get(timeout=PATIENCE)
 
     def nothing(self) -> bool:
         """Return whether no message waits."""

@@ -61,6 +61,9 @@ globalThis.pad = {id: "test pad", connected: true, axes: [0, 0, 0, 0],
 navigator.getGamepads = () => [globalThis.pad];
 """
 
+SEEN = "() => new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(seen)))"
+"""Waits until the page, which looks at the devices in each frame, has seen their values."""
+
 UNEVEN = """
 () => {
   const decode = createImageBitmap;
@@ -109,7 +112,7 @@ def moved(page: Page, axis: int, *values: float) -> None:
     """Move an axis of the gamepad from value to value, each of which is seen by the page."""
     for value in values:
         page.evaluate("([axis, value]) => (pad.axes[axis] = value)", [axis, value])
-        page.evaluate("() => new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(seen)))")
+        page.evaluate(SEEN)
 
 
 def driven(folder: Path, number: int = 1) -> Recording:
@@ -160,7 +163,7 @@ def test_a_person_takes_over_by_keys_drives_and_is_repeated_bit_for_bit(
     assert recording.header.step == 0.02
     assert recording.stop_reason == "user"
     by_hand = recording.control == next(code for code, name in SOURCES.items() if name == "person")
-    assert recording.person_brake[by_hand].max() > 0.5
+    assert recording.person_brake[by_hand].max() > 0.1  # from which on a pedal takes over
     inputs = [
         json.loads(line) for line in (out / "drive-001" / "inputs.jsonl").read_text(encoding="utf-8").splitlines()
     ]
@@ -340,7 +343,7 @@ def test_a_wheel_and_separate_pedals_are_assigned_together(soon: Path, browser: 
             rows.nth(row).click()
             for value in values:
                 page.evaluate("([device, axis, value]) => (pads[device].axes[axis] = value)", [device, axis, value])
-                page.wait_for_timeout(150)
+                page.evaluate(SEEN)
         places = [one.strip() for one in rows.locator("td:nth-child(2)").all_inner_texts()]
         assert places[:3] == ["wheel: axis 0", "pedals: axis 0", "pedals: axis 1"]
         page.evaluate("pads[0].axes = [1, -1]; pads[1].axes = [-0.5]")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 from itertools import pairwise
@@ -50,23 +51,23 @@ def test_a_run_that_is_behind_leaves_out_pictures_but_not_all(compiled: Compilat
 
 
 def test_a_run_stands_still_for_its_probe_and_shows_nothing_meanwhile(compiled: Compilation) -> None:
-    shown: list[tuple[object, int]] = []
+    shown: list[tuple[str, float, int]] = []
 
     def show(picture: Picture) -> bool:
-        shown.append((picture.about.get("held") or picture.about.get("t"), len(picture.ahead)))
-        if picture.about.get("held") and len([one for one, _ in shown if one == "probe"]) == 3:
+        shown.append((picture.about.get("held", ""), picture.about.get("t", math.nan), len(picture.ahead)))
+        if [why for why, _, _ in shown].count("probe") == 3:
             session.go_on()
         return True
 
     runs: list[Run] = []
     session = Session(drive(compiled), show, probe_at=0.5, kept=lambda _, run: runs.append(run))
     session.run()
-    held = [k for k, (what, _) in enumerate(shown) if what == "probe"]
+    held = [row for row, (why, _, _) in enumerate(shown) if why == "probe"]
     assert len(held) == 3
     assert held == list(range(held[0], held[0] + 3))
-    before, after = shown[held[0] - 1][0], shown[held[-1] + 1][0]
-    assert (before, after) == (pytest.approx(0.48), pytest.approx(0.52))
-    assert all(size == 0 for what, size in shown if what == "probe")
+    before, after = (shown[row][1] for row in (held[0] - 1, held[-1] + 1))
+    assert 0.5 - SLOWEST <= before < 0.5 < after <= 0.5 + SLOWEST  # a machine that is behind leaves out pictures
+    assert all(size == 0 for why, _, size in shown if why == "probe")
     assert [run.recording.t[-1] for run in runs] == [pytest.approx(1.0)]
 
 

@@ -20,7 +20,7 @@ from scenario_compiler.recording.store import read_recording
 from scenario_compiler.vocabulary.sensors import Failure
 from scenario_compiler.worlds import WorldError
 from scenario_compiler.worlds.carla import PURPLE, YELLOW
-from tests.carla_server.conftest import Served, client_version, served
+from tests.carla_server.conftest import PATIENCE, Served, client_version, served
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
 """Run by `make test-carla`."""
@@ -203,11 +203,11 @@ def test_a_server_that_ends_loses_the_world_and_keeps_the_recording(tmp_path: Pa
         with open_world("carla", plan, load_network(plan.map.file), port=dying.port) as world:
             killed = run(plan, world, progress=lambda t: dying.process.send_signal(signal.SIGINT) if t > 1.0 else None)
         assert killed.stop_reason == "world_lost"
-        assert 1.0 < killed.t[-1] < 5.0
+        assert killed.t[-1] > 1.0
         broken = next(one for one in killed.events if one.kind == "broken_off")
         assert broken.cause == "SC520"
         assert f"127.0.0.1:{dying.port}" in broken.message
-        dying.process.wait(10)
+        dying.process.wait(PATIENCE)
 
 
 def test_a_server_that_hung_has_its_settings_again_when_it_goes_on(tmp_path: Path, client_version: str) -> None:
@@ -223,7 +223,7 @@ def test_a_server_that_hung_has_its_settings_again_when_it_goes_on(tmp_path: Pat
             hung = run(plan, world, progress=hang)
         server.process.send_signal(signal.SIGCONT)
         assert hung.stop_reason == "world_lost"
-        there.wait_for_tick(10.0)
+        there.wait_for_tick(PATIENCE)
         assert not there.get_settings().synchronous_mode
         assert [one for one in there.get_actors() if one.type_id.startswith(("vehicle", "sensor"))] == []
 
