@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from scenario_compiler.carla_server.signs import Box, SignRules, signs_of
+from scenario_compiler.carla_server.areas import Box
+from scenario_compiler.carla_server.signs import SignRules, signs_of
 from scenario_compiler.carla_server.traffic_lights import GREEN, RED, groups_of
 from scenario_compiler.roads import Network, load_network
 from tests.carla_server.conftest import STEP, Served, served
