@@ -233,6 +233,11 @@ OTHERS = (
         (_role("front"), *_numbers("friction=3.5 extent_x=1.0 extent_y=1.0 extent_z=1.0")),
     ),
     Blueprint("util.actor.empty", "util,actor,empty", (_role("empty"),)),
+    Blueprint(
+        "static.prop.mesh",
+        "static,prop,mesh",
+        (_role("front"), Attribute("mesh_path", "str", ""), Attribute("mass", "float", ""), *_numbers("scale=1.0")),
+    ),
 )
 
 

@@ -57,7 +57,7 @@ def _limit(one: RoadObject, number: str) -> Signal:
 
 def stands(network: Network, signal: Signal) -> CarlaTransform:
     """Return where a signal's actor stands: upright, and turned by 90 degrees (MapBuilder, TrafficLightManager)."""
-    pose = network.road_pose(signal.road, signal.s, signal.t)
+    pose = network.road_pose(signal.road, _on_road(network, signal), signal.t)
     heading = pose.heading + signal.heading_offset
     ahead = LIGHTS_AHEAD if signal.type == LIGHT else 0.0
     x, y = pose.x + ahead * math.cos(heading), pose.y + ahead * math.sin(heading)
@@ -82,10 +82,15 @@ def stop_lines(network: Network, signal: Signal) -> Iterator[LanePosition]:
 
 def lanes_of(network: Network, place: Signal) -> Iterator[LanePosition]:
     """Yield the driving lanes that a signal, or a reference to it, is for, where it stands."""
-    s = min(max(place.s, 0.0), network.road(place.road).length)
+    s = _on_road(network, place)
     for one in network.lanes_at(place.road, s):
         if one.type == "driving" and _is_meant(network, place, one.lane):
             yield LanePosition(place.road, one.lane, s, 0.0)
+
+
+def _on_road(network: Network, place: Signal) -> float:
+    """Return the s of a signal, or that of the end of its road which it lies beyond."""
+    return min(max(place.s, 0.0), network.road(place.road).length)
 
 
 def _is_meant(network: Network, place: Signal, lane: int) -> bool:

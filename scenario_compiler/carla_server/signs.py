@@ -15,10 +15,10 @@ CARLA 0.9.15 and 0.9.16.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
+from scenario_compiler.carla_server.areas import LEAST_WIDTH, Area, AreaIndex, Box, area_before
 from scenario_compiler.carla_server.signals import (
     LIMIT,
     STOP,
@@ -45,11 +45,8 @@ CLEARED = 0.5
 way; and how long after one has left, s.
 """
 
-LENGTH, HEIGHT, BACK = 1.5, 1.0, 3.0
-"""Half length and half height of the area before a stop line, and how far before the line its middle is, m."""
-
-WIDTH_SHARE, CHECK_SHARE, LIMIT_SHARE = 0.25, 0.45, 0.35
-"""Half widths of the areas as shares of their lane's width: before a line, on a conflicting way, at a speed limit."""
+CHECK_SHARE, LIMIT_SHARE = 0.45, 0.35
+"""Half widths of the areas as shares of their lane's width: on a conflicting way, at a speed limit."""
 
 CLOSE = 2.0
 """Ways through a junction conflict where their middles come so close, m."""
@@ -59,56 +56,7 @@ DEFAULT_SPEED = 40.0
 """Areas on a way before the junction reach back for so many hours at its speed limit in km/h, as CARLA computes it."""
 
 SAMPLED = 1.0
-CELL = 8.0
-LONGEST = 6.0
-"""Distance of points along a way, edge of a cell of the index of areas, and a vehicle's greatest half diagonal, m."""
-
-
-class Box(NamedTuple):
-    """A vehicle's box: its middle on the ground, heading, length, width and height. OpenDRIVE axes, m and rad."""
-
-    x: float
-    y: float
-    z: float
-    heading: float
-    length: float
-    width: float
-    height: float
-
-
-@dataclass(frozen=True)
-class Area:
-    """A box on a lane: its middle, heading and half extents. OpenDRIVE axes, m and rad."""
-
-    x: float
-    y: float
-    z: float
-    heading: float
-    length: float
-    width: float
-    height: float
-
-    def touches(self, box: Box) -> bool:
-        """Return whether a vehicle's box and this one overlap."""
-        if box.z > self.z + self.height or box.z + box.height < self.z - self.height:
-            return False
-        away = (box.x - self.x, box.y - self.y)
-        both = (self.heading, self.length, self.width), (box.heading, 0.5 * box.length, 0.5 * box.width)
-        for heading, *_ in both:
-            for across in (heading, heading + 0.5 * math.pi):
-                c, s = math.cos(across), math.sin(across)
-                reach = sum(
-                    length * abs(math.cos(one - across)) + width * abs(math.sin(one - across))
-                    for one, length, width in both
-                )
-                if abs(c * away[0] + s * away[1]) > reach:
-                    return False
-        return True
-
-    def half_extents(self) -> tuple[float, float, float]:
-        """Return the half extents of the box along the world's axes about this one, m."""
-        c, s = abs(math.cos(self.heading)), abs(math.sin(self.heading))
-        return self.length * c + self.width * s, self.length * s + self.width * c, self.height
+"""Distance of points along a way, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,12 +139,16 @@ class SignRules:
         self._rules = [
             RightOfWay(sign, tuple(_crossed(network, sign))) for sign in signs if sign.kind in AGAIN and sign.areas
         ]
-        self._cells: dict[tuple[int, int], list[tuple[Area, RightOfWay, int]]] = {}
-        for rule in self._rules:
-            for index, area in enumerate((*rule.sign.areas, *rule.crossed), -len(rule.sign.areas)):
-                reach = math.hypot(area.length, area.width) + LONGEST
-                for cell in _cells(area.x, area.y, reach):
-                    self._cells.setdefault(cell, []).append((area, rule, index))
+        self._index = AreaIndex(
+            (area, (rule, number))
+            for rule in self._rules
+            for number, area in enumerate((*rule.sign.areas, *rule.crossed), -len(rule.sign.areas))
+        )
+
+    @property
+    def empty(self) -> bool:
+        """Whether there is no such sign."""
+        return not self._rules
 
     def step(self, time: float, boxes: Iterable[tuple[int, Box]]) -> dict[int, int]:
         """Return what signs let vehicles see from a time on, RED or GREEN by their ids.
@@ -205,18 +157,14 @@ class SignRules:
             time: s.
             boxes: Id and box of each vehicle.
         """
-        if not self._rules:
-            return {}
         waiting: dict[RightOfWay, set[int]] = {}
         crossing: dict[RightOfWay, set[tuple[int, int]]] = {}
         for car, box in boxes:
-            for area, rule, index in self._cells.get((math.floor(box.x / CELL), math.floor(box.y / CELL)), ()):
-                if not area.touches(box):
-                    continue
-                if index < 0:
+            for rule, number in self._index.touched(box):
+                if number < 0:
                     waiting.setdefault(rule, set()).add(car)
                 else:
-                    crossing.setdefault(rule, set()).add((car, index))
+                    crossing.setdefault(rule, set()).add((car, number))
         shown: dict[int, int] = {}
         for rule in self._rules:
             if rule in waiting or rule in crossing or rule.waiting or rule.crossing or rule.due:
@@ -233,7 +181,7 @@ def signs_of(network: Network) -> list[Sign]:
         where = stands(network, signal)
         if signal.type in (STOP, YIELD):
             kind = "traffic.stop" if signal.type == STOP else "traffic.yield"
-            areas = tuple(_before(network, line, BACK, _held_area) for line in stop_lines(network, signal))
+            areas = tuple(area_before(network, line) for line in stop_lines(network, signal))
             found.append(Sign(kind, signal.id, where, areas))
         elif signal.type == LIMIT and (signal.value or signal.subtype):
             number = (signal.value or signal.subtype).partition(".")[0]
@@ -243,28 +191,15 @@ def signs_of(network: Network) -> list[Sign]:
     return found
 
 
-def _held_area(network: Network, at: LanePosition) -> Area:
-    width = max(WIDTH_SHARE * network.lane_width(at.road, at.lane, at.s), 0.01)
-    pose = network.lane_pose(at.road, at.lane, at.s)
-    return Area(pose.x, pose.y, pose.z, pose.heading, LENGTH, width, HEIGHT)
-
-
 def _cube(network: Network, at: LanePosition, half: float) -> Area:
     pose = network.lane_pose(at.road, at.lane, at.s)
     return Area(pose.x, pose.y, pose.z, pose.heading, half, half, half)
 
 
-def _before(
-    network: Network, line: LanePosition, distance: float, area: Callable[[Network, LanePosition], Area]
-) -> Area:
-    """Return an area whose middle is so far before a line, at the line where no lane leads to it."""
-    return area(network, network.previous(line, distance) or line)
-
-
 def _limit_areas(network: Network, signal: Signal) -> Iterator[Area]:
     for place in places_of(network, signal):
         for at in lanes_of(network, place):
-            half = max(LIMIT_SHARE * network.lane_width(at.road, at.lane, at.s), 0.01)
+            half = max(LIMIT_SHARE * network.lane_width(at.road, at.lane, at.s), LEAST_WIDTH)
             yield _cube(network, network.previous(at, half) or at, half)
 
 
@@ -317,7 +252,7 @@ def _points(network: Network, road: str, lane: int) -> list[tuple[float, float]]
 def _along(network: Network, road: str, lane: int) -> Iterator[Area]:
     """Yield the areas along a lane in a junction, and those before it."""
     at = _start(network, road, lane)
-    half = max(CHECK_SHARE * network.lane_width(at.road, at.lane, at.s), 0.01)
+    half = max(CHECK_SHARE * network.lane_width(at.road, at.lane, at.s), LEAST_WIDTH)
     length = network.road(road).length
     for k in range(math.floor(length / (2.0 * half)) + 1):
         s = 2.0 * half * k
@@ -328,10 +263,3 @@ def _along(network: Network, road: str, lane: int) -> Iterator[Area]:
         limit = network.speed_limit(before.road, before.lane, before.s)
         speed = DEFAULT_SPEED if limit is None or not 0.0 < limit < math.inf else 3.6 * limit
         left, before = left - half / speed, network.previous(before, 2.0 * half)
-
-
-def _cells(x: float, y: float, reach: float) -> Iterator[tuple[int, int]]:
-    """Yield the cells of the index that a circle's bounding square touches."""
-    for column in range(math.floor((x - reach) / CELL), math.floor((x + reach) / CELL) + 1):
-        for row in range(math.floor((y - reach) / CELL), math.floor((y + reach) / CELL) + 1):
-            yield column, row

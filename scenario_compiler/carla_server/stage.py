@@ -19,11 +19,12 @@ from scenario_compiler.carla_server.actors import (
     SignActor,
     Walker,
 )
+from scenario_compiler.carla_server.areas import AreaIndex, Box
 from scenario_compiler.carla_server.blueprints import Blueprint
 from scenario_compiler.carla_server.debug_shapes import DebugShapes
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.impacts import Footprint, impact
-from scenario_compiler.carla_server.signs import Box, SignRules, signs_of
+from scenario_compiler.carla_server.signs import SignRules, signs_of
 from scenario_compiler.carla_server.snapshot import ACTIVE, LIGHT, SIGN, VEHICLE, WALKER, Rows
 from scenario_compiler.carla_server.towns import Town
 from scenario_compiler.carla_server.traffic_lights import GREEN, Light, groups_of
@@ -153,10 +154,10 @@ class Stage:
         self.spectator = self.add(
             Actor(0, Blueprint("spectator", "spectator"), {}, [0, "spectator", []], CarlaTransform(0, 0, 50, 0, 0, 0))
         )
-        self._zones: dict[tuple[int, int], list[tuple[float, float, Light]]] = {}
-        for group in self.groups:
-            for light in group.lights:
-                self._add_light(light)
+        lights = [light for group in self.groups for light in group.lights]
+        for light in lights:
+            self._add_light(light)
+        self._lit = AreaIndex((area, light) for light in lights for area in light.areas)
         signs = signs_of(town.network)
         for sign in signs:
             blueprint = Blueprint(sign.kind, sign.kind.replace(".", ","))
@@ -167,8 +168,6 @@ class Stage:
         blueprint = Blueprint("traffic.traffic_light", "traffic,traffic_light")
         actor = LightActor(0, blueprint, {}, [0, blueprint.name, []], light.transform, light=light)
         light.actor = self.add(actor).id
-        for one in light.stretches:
-            self._zones.setdefault((one.road, one.lane), []).append((one.low, one.high, light))
 
     def add(self, actor: Actor, wanted: int = 0) -> Actor:
         """Take an actor in and give it its id: the next one, or the wanted one if nobody has it.
@@ -465,19 +464,23 @@ class Stage:
                     st.v[body.place] = math.copysign(max(abs(speed) - lost, 0.0), speed)
 
     def _heed_signs(self) -> None:
-        """Let vehicles see what stop and yield signs show them."""
-        for number, state in self._rules.step(self.time, self._boxes_of_cars()).items():
-            car = self.actors[number]
-            if isinstance(car, Car):
-                car.shown = state
+        """Find the light that each vehicle is at, and let vehicles see what stop and yield signs show them."""
+        if self._lit.empty and self._rules.empty:
+            return
+        boxes = [(body, self._box_on_road(body)) for body in self._by_place.values() if isinstance(body, Car)]
+        for car, box in boxes:
+            car.light = next(self._lit.touched(box), None)
+            if car.light is not None:
+                car.shown = GREEN
+        for number, state in self._rules.step(self.time, [(car.id, box) for car, box in boxes]).items():
+            shown_to = self.actors[number]
+            assert isinstance(shown_to, Car)
+            shown_to.shown = state
 
-    def _boxes_of_cars(self) -> Iterator[tuple[int, Box]]:
-        st = self.simulation.state
-        for body in self._by_place.values():
-            if isinstance(body, Car):
-                at, shape = body.place, body.shape
-                middle = (st.middle_x[at], st.middle_y[at], st.z[at], st.h[at])
-                yield body.id, Box(*middle, shape.length, shape.width, shape.height)
+    def _box_on_road(self, car: Car) -> Box:
+        st, at, shape = self.simulation.state, car.place, car.shape
+        middle = (st.middle_x[at], st.middle_y[at], st.z[at], st.h[at])
+        return Box(*middle, shape.length, shape.width, shape.height)
 
     def _walk_on(self, walker: Walker, dt: float) -> None:
         """Let a walker that has been stopped or pushed by an impact walk as it did."""
@@ -620,7 +623,6 @@ class Stage:
         for body in self._bodies:
             if isinstance(body, Car):
                 throttle, steer, brake, hand, reverse, manual, _ = body.control
-                self._note_light(body)
                 light = body.light
                 where = (st.road[body.place], st.lane[body.place])
                 limit = self._limits.get(where)
@@ -632,16 +634,6 @@ class Stage:
                 )
             elif isinstance(body, Walker):
                 rows.put(WALKER, body.row, *body.control[0], body.control[1], body.control[2])
-
-    def _note_light(self, car: Car) -> None:
-        if not self._zones:
-            return
-        st, place = self.simulation.state, car.place
-        zones = self._zones.get((st.road[place], st.lane[place]), ())
-        s = st.s[place]
-        car.light = next((light for low, high, light in zones if low <= s <= high), None)
-        if car.light is not None:
-            car.shown = GREEN
 
     def _limit_at(self, road: int, lane: int, s: float) -> float:
         if road < 0:

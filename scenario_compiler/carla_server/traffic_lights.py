@@ -4,19 +4,20 @@ A light is a signal of type 1000001 in the OpenDRIVE file. The lights of one con
 controllers of a junction take turns: green, yellow, then red for all before the next one's green. Controllers that no
 junction names belong to the one that their lights lead to; lights without a controller take turns there by the
 directions from which traffic comes, opposite ones together. Times are CARLA's defaults and can be set. A vehicle is at
-a light while its reference point lies in the stretch of lane before the stop line, which is found from where the
-signal, or a reference to it on another road, lies.
+a light while its box touches the area before the stop line, which is found from where the signal, or a reference to it
+on another road, lies.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+from scenario_compiler.carla_server.areas import Area, area_before
 from scenario_compiler.carla_server.signals import LIGHT, stands, stop_lines
 from scenario_compiler.frames import CarlaTransform, carla_from_pose
-from scenario_compiler.roads import LanePosition, Network
+from scenario_compiler.roads import Network
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.model import Signal
 
@@ -26,21 +27,8 @@ RED, YELLOW, GREEN = 0, 1, 2
 GREEN_TIME, YELLOW_TIME, RED_TIME = 10.0, 3.0, 2.0
 """CARLA's default times, s."""
 
-BEFORE, AFTER = 16.0, 1.0
-"""Where a vehicle's reference point is at a light: from so far before the stop line to so far before it, m."""
-
 BOX = (1.5, 1.5, 2.0)
 """Half extents of the box about a point on the stop line: along the line, across it and up, m."""
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """A piece of a lane: road index, lane, and from which to which s."""
-
-    road: int
-    lane: int
-    low: float
-    high: float
 
 
 @dataclass(eq=False)
@@ -51,7 +39,7 @@ class Light:
         signal: Id of its signal.
         transform: Where it stands, CARLA's axes.
         stops: Where vehicles wait for it: points before stop lines, CARLA's axes.
-        stretches: Where a vehicle's reference point is at it.
+        areas: Areas before its stop lines in which it is for a vehicle.
         group: The lights of its junction, it among them.
         actor: Id of its actor.
         pole: Its number in the group.
@@ -64,7 +52,7 @@ class Light:
     signal: str
     transform: CarlaTransform
     stops: tuple[CarlaTransform, ...]
-    stretches: tuple[Stretch, ...]
+    areas: tuple[Area, ...]
     group: Group = field(repr=False)
     times: list[float]
     actor: int = 0
@@ -197,29 +185,11 @@ def _by_direction(network: Network, signals: Sequence[Signal]) -> list[list[Sign
 
 def _light(network: Network, signal: Signal, group: Group, times: list[float]) -> Light:
     stops: list[CarlaTransform] = []
-    stretches: list[Stretch] = []
+    areas: list[Area] = []
     for stop in stop_lines(network, signal):
         pose = network.lane_pose(stop.road, stop.lane, stop.s)
         road = network.road_index(stop.road)
         turned = 0.0 if lane_direction(network.tables, road, stop.lane) > 0 else math.pi
         stops.append(carla_from_pose(pose._replace(heading=(pose.heading + turned) % math.tau)))
-        stretches += _before(network, stop)
-    return Light(signal.id, stands(network, signal), tuple(stops), tuple(stretches), group, times)
-
-
-def _before(network: Network, stop: LanePosition) -> Iterator[Stretch]:
-    """Yield the stretches of lane before a stop line in which a vehicle is at it."""
-    low_high = []
-    step = 1.0
-    count = round((BEFORE - AFTER) / step)
-    at = network.previous(stop, AFTER)
-    for _ in range(count):
-        if at is None:
-            break
-        low_high.append((network.road_index(at.road), at.lane, at.s))
-        at = network.previous(at, step)
-    found: dict[tuple[int, int], list[float]] = {}
-    for road, lane, s in low_high:
-        found.setdefault((road, lane), []).append(s)
-    for (road, lane), places in found.items():
-        yield Stretch(road, lane, min(places) - 0.5 * step, max(places) + 0.5 * step)
+        areas.append(area_before(network, stop))
+    return Light(signal.id, stands(network, signal), tuple(stops), tuple(areas), group, times)

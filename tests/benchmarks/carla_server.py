@@ -72,10 +72,10 @@ def main() -> None:
         settings.synchronous_mode, settings.fixed_delta_seconds = True, STEP
         world.apply_settings(settings)
         measure("nobody", server, 5_000, world.tick)
-        measure("nobody, for long", server, 20_000, world.tick)
+        measure("nobody, for long", server, 100_000, world.tick)
         ids = spawn_driving(client, world, 10)
         mounted = carla.Transform(carla.Location(x=-30.0, z=6.0), carla.Rotation(pitch=-8.0))
-        cameras = []
+        cameras: list[Any] = []
         images: queue.Queue[Any] = queue.Queue()
 
         def tick_and_look() -> None:

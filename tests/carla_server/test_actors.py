@@ -646,3 +646,15 @@ def test_who_is_gone_before_the_first_tick_leaves_nothing(server: Served, world:
     car = spawn("vehicle.tesla.model3")
     world.tick()
     assert world.get_snapshot().has_actor(car.id)
+
+
+def test_a_prop_of_a_mesh_that_the_server_does_not_have_is_an_actor_without_a_box(world: Any, spawn: Spawn) -> None:
+    """As in CARLA where the path names no mesh: Bench2Drive and its like spawn parked cars so."""
+    path = "/Game/Carla/Static/Car/4Wheeled/ParkedVehicles/TeslaM3/TeslaM3_parked.TeslaM3_parked"
+    prop = spawn("static.prop.mesh", 0, mesh_path=path, scale="1.5")
+    car = spawn("vehicle.audi.tt")
+    world.tick()
+    assert prop.attributes["mesh_path"] == path
+    assert prop.bounding_box.extent.x == 0.0
+    assert prop.get_location().distance(world.get_map().get_spawn_points()[0].location) < 1e-3
+    assert car.get_location().distance(prop.get_location()) < 1.0

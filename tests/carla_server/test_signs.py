@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from scenario_compiler.carla_server.signs import Box, SignRules, signs_of
+from scenario_compiler.carla_server.areas import Box
+from scenario_compiler.carla_server.signs import SignRules, signs_of
 from scenario_compiler.carla_server.traffic_lights import GREEN, RED, groups_of
 from scenario_compiler.roads import Network, load_network
 from tests.carla_server.conftest import STEP, Served, served
@@ -23,23 +24,34 @@ STOP, YIELD = "12", "22"
 """Signals of signal_crossing that become signs: on the northern arm and on the southern one."""
 
 
+def refer(root: etree._Element, road: str, number: str) -> None:
+    """Add references to a sign to the roads of the junction that begin at the end of its road."""
+    for way in root.iterfind("road"):
+        before = way.find("link/predecessor")
+        if way.get("junction") == "-1" or before is None:
+            continue
+        if (before.get("elementId"), before.get("contactPoint")) == (road, "end"):
+            signals = etree.SubElement(way, "signals")
+            reference = etree.SubElement(signals, "signalReference", s="0", t="-5", id=number, orientation="+")
+            etree.SubElement(reference, "validity", fromLane="-1", toLane="-1")
+
+
 def signed_crossing() -> bytes:
     """Return signal_crossing with a stop sign in the north and a yield sign in the south, both for the junction."""
     root = etree.parse(MAPS / "signal_crossing" / "signal_crossing.xodr").getroot()
-    for one in root.xpath("controller | junction/controller"):
-        one.getparent().remove(one)
-    for one in root.xpath("road/signals/signal"):
-        number = str(one.get("id"))
-        if number not in (STOP, YIELD):
-            one.getparent().remove(one)
-            continue
-        one.set("type", "206" if number == STOP else "205")
-        one.set("dynamic", "no")
-        roads = root.xpath(f"road/link/predecessor[@elementId='{one.getparent().getparent().get('id')}']")
-        for arm in (road.getparent().getparent() for road in roads if road.get("contactPoint") == "end"):
-            signals = etree.SubElement(arm, "signals")
-            reference = etree.SubElement(signals, "signalReference", s="0", t="-5", id=number, orientation="+")
-            etree.SubElement(reference, "validity", fromLane="-1", toLane="-1")
+    for one in (root, *root.iterfind("junction")):
+        for controller in list(one.iterfind("controller")):
+            one.remove(controller)
+    for road in root.iterfind("road"):
+        for signals in road.iterfind("signals"):
+            for one in list(signals):
+                number = str(one.get("id"))
+                if number not in (STOP, YIELD):
+                    signals.remove(one)
+                    continue
+                one.set("type", "206" if number == STOP else "205")
+                one.set("dynamic", "no")
+                refer(root, str(road.get("id")), number)
     limited = next(root.iterfind("road"))
     objects = limited.find("objects")
     objects = etree.SubElement(limited, "objects") if objects is None else objects
@@ -122,6 +134,17 @@ def test_a_sign_painted_on_the_road_is_no_actor(network: Network, tmp_path: Path
     path = tmp_path / "painted.xodr"
     path.write_bytes(signed_crossing().replace(b'name="light_12"', b'name="Stencil_STOP"'))
     assert "traffic.stop" not in [one.kind for one in signs_of(load_network(path, cache=False))]
+
+
+def test_signs_beyond_the_end_of_their_road_stand_at_its_end(tmp_path: Path) -> None:
+    path = tmp_path / "beyond.xodr"
+    path.write_bytes(signed_crossing().replace(b's="844.103425"', b's="900"').replace(b's="100"', b's="-5"'))
+    network = load_network(path, cache=False)
+    at = {one.signal: one.transform for one in signs_of(network)}
+    for number, road, s in ((STOP, "1", network.road("1").length), ("90", "1", 0.0)):
+        pose = network.road_pose(road, s, 0.0)
+        assert math.hypot(at[number].x - pose.x, -at[number].y - pose.y) < 7.0
+    SignRules(network, signs_of(network))
 
 
 def test_lights_stand_where_the_clients_map_has_them() -> None:

@@ -125,6 +125,23 @@ def test_a_car_before_a_light_is_at_it(world: Any, spawn: Any, lights: list[Any]
     assert car.get_speed_limit() == pytest.approx(50.0)
 
 
+@pytest.mark.parametrize(("before", "at"), [(3.0, True), (6.4, True), (7.0, False), (16.0, False)])
+def test_a_car_is_at_a_light_where_its_box_touches_the_area_before_the_line(
+    world: Any, spawn: Any, lights: list[Any], before: float, at: bool
+) -> None:
+    """The area reaches from 4.5 m to 1.5 m before the line, as CARLA's does; a car of 4.18 m begins 2.09 m further."""
+    import carla
+
+    way = lights[0].get_stop_waypoints()[0].previous(before)[0].transform
+    ahead = way.get_forward_vector()
+    line = lights[0].get_stop_waypoints()[0].transform.location
+    gone = (line.x - way.location.x) * ahead.x + (line.y - way.location.y) * ahead.y
+    assert gone == pytest.approx(before, abs=0.05)
+    car = spawn("vehicle.audi.tt", carla.Transform(way.location + carla.Location(z=0.3), way.rotation))
+    world.tick()
+    assert car.is_at_traffic_light() is at
+
+
 def crossed(one: Any, before: Any, now: Any) -> bool:
     """Return whether a car's middle has gone over the stop line of a light in a step."""
     for stop in one.get_stop_waypoints():
