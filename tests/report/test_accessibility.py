@@ -14,7 +14,7 @@ from scenario_compiler.report.gallery import Card, Moment, write_gallery
 from scenario_compiler.report.html import write_report
 from scenario_compiler.report.run import Run
 from tests.browser import opened_page
-from tests.live.serving import served
+from tests.live.serving import COARSELY, served
 from tests.report import made
 
 WIDTHS = pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])
@@ -65,7 +65,7 @@ def test_a_gallery_is_accessible(tmp_path: Path, browser: Browser, width: int) -
 
 def test_the_page_of_a_run_under_way_is_accessible(browser: Browser) -> None:
     with (
-        served("drive", "obstacle_ahead", "--perception", "ideal") as server,
+        served("drive", "obstacle_ahead", *COARSELY) as server,
         opened_page(browser, server.address, bypass_csp=True) as page,
     ):
         page.wait_for_function("globalThis.page?.role === 'driver'")

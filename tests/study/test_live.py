@@ -13,8 +13,9 @@ from scenario_compiler.recording.store import read_recording
 from scenario_compiler.study.journal import read_journal
 from scenario_compiler.study.tables import read_table, tidy_rows
 from tests.browser import free_page, opened_page
-from tests.live.serving import Served, served, waited_for
+from tests.live.serving import COARSELY, Served, served, waited_for
 from tests.study import made
+from tests.study.test_server import ordered as sent
 
 LONG = """\
 <scenarios version="1">
@@ -50,19 +51,17 @@ def endless(tmp_path: Path) -> Path:
 
 
 def serving(study: Path) -> tuple[object, ...]:
-    return ("study", study, "--perception", "ideal", "--size", "640x360", "-o", study.parent / "data")
+    return ("study", study, *COARSELY, "--size", "640x360", "-o", study.parent / "data")
 
 
 def journal(study: Path, participant: int) -> list[dict[str, object]]:
     return read_journal(study.parent / "data" / "sourcedata" / f"sub-{participant:02d}" / "ses-01" / "journal.jsonl")
 
 
-def started(browser: Browser, server: Served, *participants: int) -> None:
-    """Let participants begin, by the experimenter's page."""
-    with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
-        for one in participants:
-            ordered(desk, one, "Start")
-            expect(row_of(desk, one)).to_contain_text("started")
+def started(server: Served, *participants: int) -> None:
+    """Let participants begin; in the tests of the experimenter's page its button does so."""
+    for one in participants:
+        assert sent(server, participant=one, action="start") == 200
 
 
 def row_of(desk: Page, participant: int) -> Locator:
@@ -124,7 +123,7 @@ def answered(page: Page) -> None:
 def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: Path, browser: Browser) -> None:
     data = short.parent / "data"
     with served(*serving(short)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             consented(page)
             driven(page)
@@ -138,7 +137,7 @@ def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: 
     assert [one["kind"] for one in before][-1] == "begun"
     with served(*serving(short)) as server:
         assert journal(short, 1) == before
-        started(browser, server, 1, 2)
+        started(server, 1, 2)
         with opened_page(browser, f"{server.address}?participant=1", bypass_csp=True) as page:
             for _ in range(3):
                 driven(page)
@@ -173,7 +172,7 @@ def test_a_page_that_is_gone_in_a_takeover_stops_the_vehicle_and_marks_the_trial
     endless: Path, browser: Browser
 ) -> None:
     with served(*serving(endless)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             begun(page)
             page.wait_for_function("globalThis.page?.latest !== undefined")
@@ -248,7 +247,7 @@ PRESS_LARGEST = """
 def test_an_open_page_goes_on_by_itself_when_the_server_is_there_again(endless: Path, browser: Browser) -> None:
     page = free_page(browser)  # one that complains of the missing server
     with served(*serving(endless)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         page.goto(f"{server.address}participant/1")
         begun(page)
         page.wait_for_function("page.latest !== undefined")
@@ -258,7 +257,7 @@ def test_an_open_page_goes_on_by_itself_when_the_server_is_there_again(endless: 
         expect(page.locator("#go")).to_be_disabled()
     with served(*serving(endless), port=int(server.host.rpartition(":")[2])) as again:
         expect(page.get_by_role("heading", name="Please wait")).to_be_visible()
-        started(browser, again, 1)
+        started(again, 1)
         begun(page)
         page.wait_for_function("page.latest !== undefined")
         page.close()
@@ -301,7 +300,7 @@ def test_a_run_that_cannot_be_written_is_reported_to_the_experimenter_and_repeat
 ) -> None:
     short.write_text(short.read_text().replace('from="0.5" to="1.5"', 'from="0.5" to="1.5" share="0"'))
     with served(*serving(short), largest=120_000) as server:  # less than the map
-        started(browser, server, 1)
+        started(server, 1)
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             consented(page)
             begun(page)
@@ -316,7 +315,7 @@ def test_a_run_that_cannot_be_written_is_reported_to_the_experimenter_and_repeat
 
 def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser) -> None:
     with served(*serving(endless)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         address = f"{server.address}participant/1"
         with (
             opened_page(browser, address, bypass_csp=True) as page,
@@ -336,7 +335,7 @@ def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser)
 
 def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> None:
     with served(*serving(short)) as server:
-        started(browser, server, 2)
+        started(server, 2)
         with opened_page(browser, f"{server.address}participant/2", bypass_csp=True) as page:
             page.get_by_role("button", name="I do not agree").click()
             expect(page.get_by_role("heading", name="You do not take part")).to_be_visible()
@@ -350,7 +349,7 @@ def test_all_questions_of_a_probe_are_in_sight_in_a_narrow_window(short: Path, b
     more = "".join(query.format(name, name) for name in ("blocked", "vehicles"))
     short.write_text(short.read_text().replace("</probe>", f"{more}</probe>"))
     with served(*serving(short)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         with opened_page(browser, f"{server.address}participant/1", 390, 600, bypass_csp=True) as page:
             consented(page)
             begun(page)
@@ -360,18 +359,19 @@ def test_all_questions_of_a_probe_are_in_sight_in_a_narrow_window(short: Path, b
             assert heights[0] == heights[1]  # the page scrolls, not a part of it that hides the rest
 
 
-@pytest.mark.parametrize("width", [1400, 390])
-def test_scales_stay_in_the_window_whatever_their_length(short: Path, browser: Browser, width: int) -> None:
+def test_scales_stay_in_the_window_whatever_their_length(short: Path, browser: Browser) -> None:
     study, effort = short, short.parent / "effort.xml"
     study.write_text(study.read_text().replace('<consent file="consent.md"/>', '<ask file="effort.xml"/>'))
     long = '<scale name="whole" from="0" to="100"/><scale name="twenty" from="0" to="20"/>'
     items = '<item name="much" text="How much?" scale="whole"/><item name="demand" text="Demand" scale="twenty"/>'
     effort.write_text(effort.read_text().replace("  <item", f"{long}{items}\n  <item", 1))
     with served(*serving(study)) as server:
-        started(browser, server, 1)
-        with opened_page(browser, f"{server.address}participant/1", width, bypass_csp=True) as page:
+        started(server, 1)
+        with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             expect(page.get_by_role("group", name="Demand").get_by_role("radio")).to_have_count(21)
-            assert page.evaluate("document.documentElement.scrollWidth") <= width
+            for width in (1400, 390):
+                page.set_viewport_size({"width": width, "height": 900})
+                assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 @pytest.mark.slow
