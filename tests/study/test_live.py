@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -39,15 +40,27 @@ def short(tmp_path: Path) -> Path:
     return study
 
 
+def endless_in(folder: Path) -> Path:
+    """Write a study of three participants that begins with a run, and whose runs last; return its file."""
+    study = made.study(folder)
+    (folder / "conflicts.xml").write_text(LONG, encoding="utf-8")
+    head, _, rest = study.read_text(encoding="utf-8").partition("  <before>")
+    rest = rest.partition("</before>\n")[2].replace('from="0.5" to="1.5"', 'from="900" to="900"')
+    study.write_text(head.replace('participants="2"', 'participants="3"') + rest, encoding="utf-8")
+    return study
+
+
 @pytest.fixture
 def endless(tmp_path: Path) -> Path:
-    study = made.study(tmp_path)
-    (tmp_path / "conflicts.xml").write_text(LONG, encoding="utf-8")
-    head, _, rest = study.read_text(encoding="utf-8").partition("  <before>")
-    study.write_text(
-        head + rest.partition("</before>\n")[2].replace('from="0.5" to="1.5"', 'from="900" to="900"'), encoding="utf-8"
-    )
-    return study
+    return endless_in(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def standing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, Path]]:
+    """A server of such a study, of which each test takes a participant of its own; and the study's file."""
+    study = endless_in(tmp_path_factory.mktemp("standing"))
+    with served(*serving(study)) as server:
+        yield server, study
 
 
 def serving(study: Path) -> tuple[object, ...]:
@@ -169,31 +182,31 @@ def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: 
 
 
 def test_a_page_that_is_gone_in_a_takeover_stops_the_vehicle_and_marks_the_trial(
-    endless: Path, browser: Browser
+    standing: tuple[Served, Path], browser: Browser
 ) -> None:
-    with served(*serving(endless)) as server:
-        started(server, 1)
-        with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
-            begun(page)
-            page.wait_for_function("globalThis.page?.latest !== undefined")
-            page.keyboard.press("Enter")
-            page.wait_for_function("page.latest.byHand")
-        with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
-            expect(row_of(desk, 1)).to_contain_text("standstill, page gone")
-            ordered(desk, 1, "Abort")
-            waited_for(lambda: journal(endless, 1)[-1]["kind"] == "done")
-            expect(row_of(desk, 1)).to_contain_text("ask")
-    ended = next(one for one in journal(endless, 1) if one["kind"] == "driven")
+    server, study = standing
+    started(server, 2)
+    with opened_page(browser, f"{server.address}participant/2", bypass_csp=True) as page:
+        begun(page)
+        page.wait_for_function("globalThis.page?.latest !== undefined")
+        page.keyboard.press("Enter")
+        page.wait_for_function("page.latest.byHand")
+    with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
+        expect(row_of(desk, 2)).to_contain_text("standstill, page gone")
+        ordered(desk, 2, "Abort")
+        waited_for(lambda: journal(study, 2)[-1]["kind"] == "done")
+        expect(row_of(desk, 2)).to_contain_text("ask")
+    ended = next(one for one in journal(study, 2) if one["kind"] == "driven")
     assert ended["marks"] == ["aborted", "person_left"]
-    (table,) = (endless.parent / "data").glob("sub-01/ses-01/beh/*_run-01_events.tsv")
+    (table,) = (study.parent / "data").glob("sub-02/ses-01/beh/*_run-01_events.tsv")
     events = [one["trial_type"] for one in read_table(table)]
     assert events.index("override") < events.index("person_left") < events.index("minimum_risk")
     assert events.index("minimum_risk") < events.index("standstill")
 
 
-def test_the_experimenter_pauses_requests_aborts_and_notes(endless: Path, browser: Browser) -> None:
+def test_the_experimenter_pauses_requests_aborts_and_notes(standing: tuple[Served, Path], browser: Browser) -> None:
+    server, study = standing
     with (
-        served(*serving(endless)) as server,
         opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page,
         opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk,
     ):
@@ -215,21 +228,21 @@ def test_the_experimenter_pauses_requests_aborts_and_notes(endless: Path, browse
         expect(page.locator("#told")).to_be_hidden()
         desk.get_by_label("Note on participant 1").fill("looked aside")
         desk.get_by_label("Note on participant 1").press("Enter")
-        waited_for(lambda: any(one["kind"] == "note" for one in journal(endless, 1)))
+        waited_for(lambda: any(one["kind"] == "note" for one in journal(study, 1)))
         circles = page.locator("#search circle")
         expect(circles).to_have_count(6)
         page.evaluate(PRESS_LARGEST)
-        waited_for(lambda: any(one["kind"] == "search" for one in journal(endless, 1)))
+        waited_for(lambda: any(one["kind"] == "search" for one in journal(study, 1)))
         ordered(desk, 1, "Abort")
         left(page)
         expect(page.get_by_role("heading", name="This trial")).to_be_visible()
-    records = journal(endless, 1)
+    records = journal(study, 1)
     kinds = [one["kind"] for one in records]
     assert kinds[:3] == ["started", "begun", "paused"]
     assert next(one for one in records if one["kind"] == "note")["text"] == "looked aside"
     assert next(one for one in records if one["kind"] == "search")["right"] is True
     assert next(one for one in records if one["kind"] == "driven")["marks"] == ["aborted", "requested"]
-    (row,) = tidy_rows(endless.parent / "data")
+    (row,) = (one for one in tidy_rows(study.parent / "data") if one["participant_id"] == "sub-01")
     assert (row["cause"], row["marks"], row["search_right"]) == ("scheduled", "aborted requested", "1")
 
 
@@ -313,16 +326,14 @@ def test_a_run_that_cannot_be_written_is_reported_to_the_experimenter_and_repeat
     assert [one["kind"] for one in journal(short, 1)][-2:] == ["begun", "begun"]
 
 
-def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser) -> None:
-    with served(*serving(endless)) as server:
-        started(server, 1)
-        address = f"{server.address}participant/1"
-        with (
-            opened_page(browser, address, bypass_csp=True) as page,
-            opened_page(browser, address, bypass_csp=True) as other,
-        ):
-            for one in (page, other):
-                one.wait_for_function("globalThis.page?.role !== undefined")
+def test_a_second_page_of_a_participant_watches(standing: tuple[Served, Path], browser: Browser) -> None:
+    server, _ = standing
+    started(server, 3)
+    address = f"{server.address}participant/3"
+    with opened_page(browser, address, bypass_csp=True) as page:
+        page.wait_for_function("globalThis.page?.role === 'driver'")
+        with opened_page(browser, address, bypass_csp=True) as other:
+            other.wait_for_function("globalThis.page?.role === 'viewer'")
             begun(page)
             other.wait_for_function("page.latest?.t > 1.5")  # pages that watch stay connected
             assert (page.evaluate("page.role"), other.evaluate("page.role")) == ("driver", "viewer")
