@@ -71,6 +71,11 @@ def journal(study: Path, participant: int) -> list[dict[str, object]]:
     return read_journal(study.parent / "data" / "sourcedata" / f"sub-{participant:02d}" / "ses-01" / "journal.jsonl")
 
 
+def rows_of(study: Path, participant: int) -> list[dict[str, str]]:
+    """Return the runs of a participant as far as the tables go."""
+    return [one for one in tidy_rows(study.parent / "data") if one["participant_id"] == f"sub-{participant:02d}"]
+
+
 def started(server: Served, *participants: int) -> None:
     """Let participants begin; in the tests of the experimenter's page its button does so."""
     for one in participants:
@@ -198,7 +203,9 @@ def test_a_page_that_is_gone_in_a_takeover_stops_the_vehicle_and_marks_the_trial
         expect(row_of(desk, 2)).to_contain_text("ask")
     ended = next(one for one in journal(study, 2) if one["kind"] == "driven")
     assert ended["marks"] == ["aborted", "person_left"]
-    (table,) = (study.parent / "data").glob("sub-02/ses-01/beh/*_run-01_events.tsv")
+    folder = study.parent / "data" / "sub-02" / "ses-01" / "beh"
+    waited_for(lambda: any(folder.glob("*_run-01_events.tsv")))  # the tables come after the journal
+    (table,) = folder.glob("*_run-01_events.tsv")
     events = [one["trial_type"] for one in read_table(table)]
     assert events.index("override") < events.index("person_left") < events.index("minimum_risk")
     assert events.index("minimum_risk") < events.index("standstill")
@@ -242,7 +249,8 @@ def test_the_experimenter_pauses_requests_aborts_and_notes(standing: tuple[Serve
     assert next(one for one in records if one["kind"] == "note")["text"] == "looked aside"
     assert next(one for one in records if one["kind"] == "search")["right"] is True
     assert next(one for one in records if one["kind"] == "driven")["marks"] == ["aborted", "requested"]
-    (row,) = (one for one in tidy_rows(study.parent / "data") if one["participant_id"] == "sub-01")
+    waited_for(lambda: rows_of(study, 1) != [])
+    (row,) = rows_of(study, 1)
     assert (row["cause"], row["marks"], row["search_right"]) == ("scheduled", "aborted requested", "1")
 
 
