@@ -82,7 +82,7 @@ def files() -> Iterator[tuple[str, str, set[str]]]:
     yield "geometries", whole(road(1, 6_000).replace("<planView>", f"<planView>{times(6_000, piece)}")), {"SC344"}
     yield "unknown_elements", whole(road(more=times(4_800, "<made_up_{}/>"))), {"SC307", "SC320"}
     made_up = times(900, 'made{}="1" ')
-    yield "unknown_attributes", whole(f"<road {made_up}/>" * 10), {"SC307", "SC321"}
+    yield "unknown_attributes", whole(f"<road {made_up}/>" * 30), {"SC307", "SC321"}
     yield "misplaced", whole(road(more="<objects/><signals/>" + "<objects/>" * 4_800)), {"SC307", "SC324"}
     words = '<type s="0" type="unheard of {}"/>'
     yield "words", whole(road().replace("<planView>", times(4_800, words) + "<planView>", 1)), {"SC307", "SC323"}
