@@ -116,7 +116,7 @@ def test_a_severity_is_that_of_imagenet_c(tmp_path: Path, severity: int, sigma: 
 def test_without_a_camera_the_health_is_the_one_that_the_camera_measures(
     tmp_path: Path, weather: str, kind: str, amount: float
 ) -> None:
-    parts = {"camera": f'<camera><failure kind="{kind}" amount="{amount}"/></camera>', "duration": 1}
+    parts = {"camera": f'<camera><failure kind="{kind}" amount="{amount}"/></camera>', "duration": 0.6}
     parts["weather"] = f'<weather preset="{weather}"/>'
     ideal, camera = (played(compiled(tmp_path, one, **parts))[0] for one in ("ideal", "camera"))
     assert float(np.mean(ideal.sensor_health[-4:])) == pytest.approx(float(np.mean(camera.sensor_health[-4:])), abs=0.2)

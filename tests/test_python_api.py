@@ -42,7 +42,9 @@ def test_code_of_the_page_runs(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["cut_in.xosc", "town_grid.xodr"]
 
 
+@pytest.mark.slow
 def test_code_of_the_page_has_types(tmp_path: Path) -> None:
+    """Run by `make check`, where mypy has just read the package."""
     file = tmp_path / "page.py"
     file.write_text(program(), encoding="utf-8")
     command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", str(file)]

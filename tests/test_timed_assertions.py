@@ -83,15 +83,25 @@ def timed_assertions(text: str) -> list[int]:
     return [node.lineno for node in ast.walk(tree) if isinstance(node, ast.Assert) and _timed(node.test, timed)]
 
 
-def test_no_test_asserts_a_time() -> None:
+def texts() -> dict[Path, str]:
+    """Return the texts of the tests, by their files."""
     files = [path for path in sorted(TESTS.rglob("*.py")) if path.relative_to(TESTS).parts[0] not in FREE]
-    assert len(files) > 100
+    return {path: path.read_text(encoding="utf-8") for path in files}
+
+
+def test_no_test_asserts_a_time() -> None:
+    assert len(texts()) > 100
+    timed = {path: text for path, text in texts().items() if any(clock in text for clock in CLOCKS)}
     found = [
-        f"{path.relative_to(TESTS.parent)}:{line}"
-        for path in files
-        for line in timed_assertions(path.read_text(encoding="utf-8"))
+        f"{path.relative_to(TESTS.parent)}:{line}" for path, text in timed.items() for line in timed_assertions(text)
     ]
     assert found == []
+
+
+def test_no_test_gives_a_page_a_time() -> None:
+    """A slow machine's page has not done by then what it will do: tests wait for the state that must come."""
+    others = {path: text for path, text in texts().items() if path != Path(__file__).resolve()}
+    assert [path.name for path, text in others.items() if ".wait_for_timeout(" in text] == []
 
 
 @pytest.mark.parametrize(

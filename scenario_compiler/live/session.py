@@ -26,7 +26,6 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES, EventKind, StateName
 from scenario_compiler.recording.outcome import judge
-from scenario_compiler.report.folder import write_run_folder
 from scenario_compiler.report.palette import STATE_COLOURS
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.wording import outcome_words
@@ -253,6 +252,8 @@ class Session(threading.Thread):
             if self.wheel is not None:
                 self.wheel.close()
             if self.folder is not None:
+                from scenario_compiler.report.folder import write_run_folder  # takes a third of the server's start
+
                 write_run_folder(finished, self.folder)
                 write_whole(self.folder / "live.json", json.dumps(self.figures(), indent=1) + "\n")
             self.ended = outcome_words(finished.outcome, automated=automated)

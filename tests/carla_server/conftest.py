@@ -6,6 +6,7 @@ import contextlib
 import gc
 import re
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -21,6 +22,13 @@ LANDED = 8
 
 PATIENCE = 60.0
 """Time after which an answer that must come is no longer waited for, s: the machine may be slow and busy."""
+
+
+def free_port() -> int:
+    """Return a port that nobody listens on: Traffic Managers of other tests may run at that time."""
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
 
 
 @dataclass

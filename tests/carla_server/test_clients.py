@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from tests.carla_server.conftest import Served
+from tests.carla_server.conftest import Served, free_port
 from tests.live.serving import waited_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
@@ -180,7 +180,10 @@ def resident(process: int) -> int:
 def test_maps_can_be_loaded_beside_a_traffic_manager(server: Served, mode: str) -> None:
     """The client's own process used to end: its Traffic Manager met an episode that was not there yet."""
     ended = subprocess.run(
-        [sys.executable, "-c", LOADING, str(server.port), mode, "8870"], capture_output=True, text=True, timeout=240
+        [sys.executable, "-c", LOADING, str(server.port), mode, str(free_port())],
+        capture_output=True,
+        text=True,
+        timeout=240,
     )
     assert ended.returncode == 0, ended.stderr
     assert ended.stdout.split("\n")[:-1] == ["highway_loop True", "town_grid True", "town_grid True"]
@@ -188,6 +191,6 @@ def test_maps_can_be_loaded_beside_a_traffic_manager(server: Served, mode: str) 
 
 def test_vehicles_can_be_destroyed_while_a_traffic_manager_drives_them(server: Served) -> None:
     """The client's own process used to end: its Traffic Manager was in the middle of a step with a vehicle."""
-    command = [sys.executable, "-c", DESTROYING, str(server.port), "8880"]
+    command = [sys.executable, "-c", DESTROYING, str(server.port), str(free_port())]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=240)
     assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr

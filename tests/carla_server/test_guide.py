@@ -12,7 +12,7 @@ import cv2
 import pytest
 import yaml
 
-from tests.carla_server.conftest import Served
+from tests.carla_server.conftest import Served, free_port
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "carla-server.md").read_text(encoding="utf-8")
@@ -38,7 +38,8 @@ def test_the_pipelines_commands_run(client_version: str, tmp_path: Path) -> None
     assert found is not None
     steps = yaml.safe_load(found.group(1))["jobs"]["drive"]["steps"]
     commands = steps[-1]["run"].replace("serve-carla", f"serve-carla --carla-version {client_version}")
-    commands = commands.replace("2000", "2471").replace("picture.png", f"{tmp_path}/picture.png 2471")
+    port = free_port()
+    commands = commands.replace("2000", f"{port}").replace("picture.png", f"{tmp_path}/picture.png {port}")
     script = f"set -em\ncd {tmp_path}\nln -s {ROOT}/examples\n{commands}wait\n"
     paths = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
     done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, timeout=180, check=False, env=paths)

@@ -8,13 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.carla_server.conftest import LANDED, STEP, Served
+from tests.carla_server.conftest import LANDED, STEP, Served, free_port
 from tests.carla_server.test_sensors import Listening, Spawn, pixels
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
 """Run by `make test-carla`."""
-
-MANAGER = 8750
 
 
 def synchronous(client: Any) -> Any:
@@ -29,10 +27,10 @@ def synchronous(client: Any) -> Any:
 def test_constant_velocity_beside_managed_cars_and_again_in_a_reloaded_world(server: Served) -> None:
     import carla
 
-    client = server.client()
+    client, port = server.client(), free_port()
     for _ in range(2):
         world = synchronous(client)
-        manager = client.get_trafficmanager(MANAGER)
+        manager = client.get_trafficmanager(port)
         manager.set_synchronous_mode(True)
         manager.set_random_device_seed(4)
         library, points = world.get_blueprint_library(), world.get_map().get_spawn_points()
@@ -42,7 +40,7 @@ def test_constant_velocity_beside_managed_cars_and_again_in_a_reloaded_world(ser
             world.tick()
         begun = {one.id: one.get_location() for one in (*managed, steady)}
         for one in managed:
-            one.set_autopilot(True, MANAGER)
+            one.set_autopilot(True, port)
         steady.enable_constant_velocity(carla.Vector3D(6.0, 0.0, 0.0))
         for _ in range(100):
             world.tick()
@@ -101,9 +99,9 @@ def test_cameras_on_a_truck_that_turns_stay_where_they_are_mounted(world: Any, s
 def test_what_a_lidar_meets_of_cars_that_drive_lies_on_their_boxes(server: Served) -> None:
     import carla
 
-    client = server.client()
+    client, port = server.client(), free_port()
     world = synchronous(client)
-    manager = client.get_trafficmanager(MANAGER + 10)
+    manager = client.get_trafficmanager(port)
     manager.set_synchronous_mode(True)
     library, points = world.get_blueprint_library(), world.get_map().get_spawn_points()
     near = sorted(points, key=lambda one: one.location.distance(points[0].location))[:7]
@@ -116,7 +114,7 @@ def test_what_a_lidar_meets_of_cars_that_drive_lies_on_their_boxes(server: Serve
     world.tick()
     lidar.next()
     for car in cars:
-        car.set_autopilot(True, MANAGER + 10)
+        car.set_autopilot(True, port)
     met = set()
     for _ in range(30):
         world.tick()

@@ -10,13 +10,12 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from tests.carla_server.conftest import STEP, Served, served
+from tests.carla_server.conftest import STEP, Served, free_port, served
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
 """Run by `make test-carla`."""
 
 MAPS = Path(__file__).parents[2] / "maps"
-MANAGER = 8650
 
 
 def lit_town() -> bytes:
@@ -157,13 +156,13 @@ def crossed(one: Any, before: Any, now: Any) -> bool:
 def test_the_traffic_manager_drives_for_a_minute(server: Served, world: Any, lights: list[Any], cars: int) -> None:
     import carla
 
-    client = server.client()
-    manager = client.get_trafficmanager(MANAGER)
+    client, port = server.client(), free_port()
+    manager = client.get_trafficmanager(port)
     manager.set_synchronous_mode(True)
     manager.set_random_device_seed(7)
     library, points = world.get_blueprint_library(), world.get_map().get_spawn_points()
     command = carla.command
-    autopilot = command.SetAutopilot(command.FutureActor, True, MANAGER)
+    autopilot = command.SetAutopilot(command.FutureActor, True, port)
     spawning = [
         command.SpawnActor(library.find("vehicle.tesla.model3"), points[k * len(points) // cars]).then(autopilot)
         for k in range(cars)
@@ -211,19 +210,19 @@ def test_managed_cars_heed_the_lights_of_a_crossing_that_its_arms_come_back_to(s
     """The client follows such arms in the map as it is served, and no junction of the file names its controllers."""
     import carla
 
-    client = server.client()
+    client, port = server.client(), free_port()
     world = client.load_world("signal_crossing")
     settings = world.get_settings()
     settings.synchronous_mode, settings.fixed_delta_seconds = True, STEP
     world.apply_settings(settings)
-    manager = client.get_trafficmanager(MANAGER + 20)
+    manager = client.get_trafficmanager(port)
     manager.set_synchronous_mode(True)
     manager.set_random_device_seed(3)
     points, model = world.get_map().get_spawn_points(), world.get_blueprint_library().find("vehicle.tesla.model3")
     cars = [world.spawn_actor(model, point) for point in points[::17]]
     world.tick()
     for car in cars:
-        car.set_autopilot(True, MANAGER + 20)
+        car.set_autopilot(True, port)
     town, shown, stopped, entered = world.get_map(), dict[int, Any](), 0, 0
     for _ in range(1200):
         world.tick()

@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
@@ -34,12 +35,14 @@ def test_a_library_is_made_of_all_marked_modules() -> None:
 
 def test_a_library_depends_on_every_module_that_a_marked_function_names() -> None:
     """Its numbers are written into the C, so a change in one of these modules makes the library stale."""
-    named = set()
+    used: dict[Path, set[str]] = defaultdict(set)
     for function in marked_functions():
-        home = Path(inspect.getfile(function))
-        used = {node.id for node in ast.walk(FunctionSource.of(function).tree) if isinstance(node, ast.Name)}
+        tree = FunctionSource.of(function).tree
+        used[Path(inspect.getfile(function))] |= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    named = set()
+    for home, names in used.items():
         for node in ast.walk(ast.parse(home.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and used & {one.asname or one.name for one in node.names}:
+            if isinstance(node, ast.ImportFrom) and names & {one.asname or one.name for one in node.names}:
                 named.add(str(node.module))
     ours = {name.partition(".")[2].replace(".", "/") for name in named if name.startswith(f"{PACKAGE.name}.")}
     sources = {path.relative_to(PACKAGE).as_posix() for path in source_files()}

@@ -15,6 +15,9 @@ from dataclasses import dataclass
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
 
+COARSELY = ("--perception", "ideal", "--dt", "0.1")
+"""Ten pictures a second instead of 25, each of which is drawn, sent and shown."""
+
 
 @dataclass
 class Served:

@@ -78,7 +78,7 @@ def test_a_participant_of_a_study_takes_over_in_carla(tmp_path: Path, carla: con
     conflicts.write_text(lasting, encoding="utf-8")
     words = (*serving(study), "--world", "carla", "--carla-port", carla.port)
     with served(*words) as server, opened_browser() as browser:
-        started(browser, server, 1)
+        started(server, 1)
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             consented(page)
             begun_in_study(page)

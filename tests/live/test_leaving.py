@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, expect
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.store import read_recording
 from tests.browser import killable_page, opened_page
-from tests.live.serving import served, waited_for
+from tests.live.serving import COARSELY, served, waited_for
 from tests.live.test_drive import begun, kinds, seconds_since_leaving
 from tests.study import made
 from tests.study.test_live import journal, serving, started
@@ -62,7 +62,7 @@ def test_a_browser_that_is_killed_leaves_a_whole_run(
     out = tmp_path / "out"
     file = written(tmp_path, told, duration=30)
     with (
-        served("drive", file, "--perception", "ideal", "-o", out) as server,
+        served("drive", file, *COARSELY, "-o", out) as server,
         killable_page(browser, server.address, tmp_path / "profile") as (page, kill),
     ):
         begun(page)
@@ -87,7 +87,7 @@ def test_a_browser_that_is_killed_leaves_a_whole_run(
 
 @pytest.mark.slow
 def test_who_is_killed_before_the_start_leaves_the_wheel_to_the_next(tmp_path: Path, browser: Browser) -> None:
-    with served("drive", written(tmp_path), "--perception", "ideal") as server:
+    with served("drive", written(tmp_path), *COARSELY) as server:
         with killable_page(browser, server.address, tmp_path / "profile") as (page, kill):
             expect(page.get_by_role("button", name="Start")).to_be_enabled()
             kill()
@@ -104,7 +104,7 @@ def test_a_questionnaire_outlives_the_browser(tmp_path: Path, browser: Browser) 
         encoding="utf-8",
     )
     with served(*serving(study)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         address = f"{server.address}participant/1"
         with killable_page(browser, address, tmp_path / "profile") as (page, kill):
             page.get_by_role("button", name="I agree").click()
@@ -136,7 +136,7 @@ with connect(address, origin=Origin(origin), max_size=None) as page:
 @pytest.mark.slow
 def test_a_page_that_falls_silent_counts_as_gone(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with served("drive", written(tmp_path), "--perception", "ideal", "-o", out) as server:
+    with served("drive", written(tmp_path), *COARSELY, "-o", out) as server:
         here = f"127.0.0.1:{server.host.rpartition(':')[2]}"
         command = [sys.executable, "-c", SILENT, f"ws://{here}/socket", f"http://{here}"]
         page = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)

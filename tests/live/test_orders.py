@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
 from tests.browser import free_page, opened_page
-from tests.live.serving import served
+from tests.live.serving import COARSELY, served
 from tests.live.test_drive import OPEN, TOLD, begun, driven, ended
 
 pytestmark = pytest.mark.slow
@@ -37,7 +37,7 @@ def given(folder: Path, number: int) -> list[tuple[str, str]]:
 
 def test_a_page_that_is_hidden_while_it_waits_for_the_screen_goes_on(open_road: Path, browser: Browser) -> None:
     with (
-        served("drive", open_road, "--perception", "ideal") as server,
+        served("drive", open_road, *COARSELY) as server,
         opened_page(browser, server.address, bypass_csp=True) as page,
     ):
         begun(page)
@@ -56,7 +56,7 @@ def test_a_page_that_is_hidden_while_it_waits_for_the_screen_goes_on(open_road: 
 
 
 def test_a_run_is_started_when_its_sounds_can_be_played(told: Path, browser: Browser) -> None:
-    with served("drive", told, "--perception", "ideal") as server:
+    with served("drive", told, *COARSELY) as server:
         page = free_page(browser)
         held: list[Route] = []
         let = threading.Event()
@@ -74,7 +74,7 @@ def test_a_run_is_started_when_its_sounds_can_be_played(told: Path, browser: Bro
 
 def test_a_page_whose_data_have_gone_is_loaded_again(open_road: Path, browser: Browser) -> None:
     """A study's page is loaded at the very moment at which its run ends."""
-    with served("drive", open_road, "--perception", "ideal") as server:
+    with served("drive", open_road, *COARSELY) as server:
         page = free_page(browser)
         page.route("**/about", lambda one: one.fulfill(status=404), times=1)
         page.goto(server.address)
@@ -96,7 +96,7 @@ def spoken_later(page: Page) -> None:
 def test_speech_that_begins_late_is_not_counted_for_the_next_run(told: Path, tmp_path: Path, browser: Browser) -> None:
     out = tmp_path / "out"
     with (
-        served("drive", told, "--perception", "ideal", "-o", out) as server,
+        served("drive", told, *COARSELY, "-o", out) as server,
         opened_page(browser, server.address, bypass_csp=True) as page,
     ):
         spoken_later(page)
@@ -119,7 +119,7 @@ def test_speech_that_begins_late_is_not_counted_for_the_next_run(told: Path, tmp
 
 
 def test_a_page_that_watches_sees_each_run_alone_and_drives_when_nobody_does(open_road: Path, browser: Browser) -> None:
-    with served("drive", open_road, "--perception", "ideal") as server:
+    with served("drive", open_road, *COARSELY) as server:
         with opened_page(browser, server.address, bypass_csp=True) as page:
             page.wait_for_function("globalThis.page?.role === 'driver'")
             other = free_page(browser)

@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
 from tests.command import call
-from tests.live.serving import Served, seated, served
+from tests.live.serving import COARSELY, Served, seated, served
 from tests.live.test_drive import OPEN
 from tests.test_cli import CONFLICT
 
@@ -155,7 +155,7 @@ def picture(page: ClientConnection, seconds: int) -> dict[str, Any]:
 def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(tmp_path: Path) -> None:
     file, out = tmp_path / "open.xml", tmp_path / "out"
     file.write_text(OPEN, encoding="utf-8")
-    with served("drive", file, "--perception", "ideal", "-o", out) as server, server.connected() as page:
+    with served("drive", file, *COARSELY, "-o", out) as server, server.connected() as page:
         seated(page)
         page.send('{"kind": "start"}')
         picture(page, 60)
@@ -182,7 +182,7 @@ def test_the_end_of_a_run_does_not_wait_for_a_page_that_is_slow(tmp_path: Path) 
     """A page that the screen does not show may keep pictures for as long as it is hidden."""
     file = tmp_path / "open.xml"
     file.write_text(OPEN.replace('duration="600"', 'duration="3"'), encoding="utf-8")
-    with served("drive", file, "--perception", "ideal") as server, server.connected() as page:
+    with served("drive", file, *COARSELY) as server, server.connected() as page:
         seated(page)
         page.send('{"kind": "start"}')
         picture(page, 60)

@@ -30,6 +30,12 @@ def report(finished: Run, tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @pytest.fixture(scope="module")
+def both(network: Network, tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A report of two runs."""
+    return write_report(made.runs(network), tmp_path_factory.mktemp("both")).as_uri()
+
+
+@pytest.fixture(scope="module")
 def opened(browser: Browser, report: str) -> Iterator[Page]:
     with opened_page(browser, report) as page:
         page.locator(".player.ready").wait_for()
@@ -97,10 +103,7 @@ def test_it_plays_at_one_speed_however_often_it_was_paused_within_a_frame(player
     assert asked == 1
 
 
-def test_the_last_moment_asked_for_is_shown_however_long_a_run_is_unpacked(
-    browser: Browser, network: Network, tmp_path: Path
-) -> None:
-    report = write_report(made.runs(network), tmp_path).as_uri()
+def test_the_last_moment_asked_for_is_shown_however_long_a_run_is_unpacked(browser: Browser, both: str) -> None:
     page = free_page(browser)
     page.add_init_script(
         """
@@ -115,7 +118,7 @@ def test_the_last_moment_asked_for_is_shown_however_long_a_run_is_unpacked(
         };
         """
     )
-    page.goto(f"{report}#run-1&t=3")
+    page.goto(f"{both}#run-1&t=3")
     page.evaluate("location.hash = '#run-2&t=5'")
     expect(page.locator("#run-2 .clock")).to_have_text("5.00 s")
     page.evaluate("release()")
@@ -154,9 +157,8 @@ def test_an_address_leads_to_a_moment_and_back(browser: Browser, report: str, pl
     player.wait_for_function("location.hash === '#t=0.05'")
 
 
-def test_of_several_runs_an_address_names_one(browser: Browser, network: Network, tmp_path: Path) -> None:
-    path = write_report(made.runs(network), tmp_path)
-    with opened_page(browser, f"{path.as_uri()}#run-2&t=6.4") as page:
+def test_of_several_runs_an_address_names_one(browser: Browser, both: str) -> None:
+    with opened_page(browser, f"{both}#run-2&t=6.4") as page:
         expect(page.locator("#run-2 .clock")).to_have_text("6.40 s")
         expect(page.locator("#run-2 .values")).to_contain_text("driver in control")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,8 +14,9 @@ from scenario_compiler.recording.store import read_recording
 from scenario_compiler.study.journal import read_journal
 from scenario_compiler.study.tables import read_table, tidy_rows
 from tests.browser import free_page, opened_page
-from tests.live.serving import Served, served, waited_for
+from tests.live.serving import COARSELY, Served, served, waited_for
 from tests.study import made
+from tests.study.test_server import ordered as sent
 
 LONG = """\
 <scenarios version="1">
@@ -38,31 +40,46 @@ def short(tmp_path: Path) -> Path:
     return study
 
 
-@pytest.fixture
-def endless(tmp_path: Path) -> Path:
-    study = made.study(tmp_path)
-    (tmp_path / "conflicts.xml").write_text(LONG, encoding="utf-8")
+def endless_in(folder: Path) -> Path:
+    """Write a study of three participants that begins with a run, and whose runs last; return its file."""
+    study = made.study(folder)
+    (folder / "conflicts.xml").write_text(LONG, encoding="utf-8")
     head, _, rest = study.read_text(encoding="utf-8").partition("  <before>")
-    study.write_text(
-        head + rest.partition("</before>\n")[2].replace('from="0.5" to="1.5"', 'from="900" to="900"'), encoding="utf-8"
-    )
+    rest = rest.partition("</before>\n")[2].replace('from="0.5" to="1.5"', 'from="900" to="900"')
+    study.write_text(head.replace('participants="2"', 'participants="3"') + rest, encoding="utf-8")
     return study
 
 
+@pytest.fixture
+def endless(tmp_path: Path) -> Path:
+    return endless_in(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def standing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, Path]]:
+    """A server of such a study, of which each test takes a participant of its own; and the study's file."""
+    study = endless_in(tmp_path_factory.mktemp("standing"))
+    with served(*serving(study)) as server:
+        yield server, study
+
+
 def serving(study: Path) -> tuple[object, ...]:
-    return ("study", study, "--perception", "ideal", "--size", "640x360", "-o", study.parent / "data")
+    return ("study", study, *COARSELY, "--size", "640x360", "-o", study.parent / "data")
 
 
 def journal(study: Path, participant: int) -> list[dict[str, object]]:
     return read_journal(study.parent / "data" / "sourcedata" / f"sub-{participant:02d}" / "ses-01" / "journal.jsonl")
 
 
-def started(browser: Browser, server: Served, *participants: int) -> None:
-    """Let participants begin, by the experimenter's page."""
-    with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
-        for one in participants:
-            ordered(desk, one, "Start")
-            expect(row_of(desk, one)).to_contain_text("started")
+def rows_of(study: Path, participant: int) -> list[dict[str, str]]:
+    """Return the runs of a participant as far as the tables go."""
+    return [one for one in tidy_rows(study.parent / "data") if one["participant_id"] == f"sub-{participant:02d}"]
+
+
+def started(server: Served, *participants: int) -> None:
+    """Let participants begin; in the tests of the experimenter's page its button does so."""
+    for one in participants:
+        assert sent(server, participant=one, action="start") == 200
 
 
 def row_of(desk: Page, participant: int) -> Locator:
@@ -124,7 +141,7 @@ def answered(page: Page) -> None:
 def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: Path, browser: Browser) -> None:
     data = short.parent / "data"
     with served(*serving(short)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             consented(page)
             driven(page)
@@ -138,7 +155,7 @@ def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: 
     assert [one["kind"] for one in before][-1] == "begun"
     with served(*serving(short)) as server:
         assert journal(short, 1) == before
-        started(browser, server, 1, 2)
+        started(server, 1, 2)
         with opened_page(browser, f"{server.address}?participant=1", bypass_csp=True) as page:
             for _ in range(3):
                 driven(page)
@@ -170,31 +187,33 @@ def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: 
 
 
 def test_a_page_that_is_gone_in_a_takeover_stops_the_vehicle_and_marks_the_trial(
-    endless: Path, browser: Browser
+    standing: tuple[Served, Path], browser: Browser
 ) -> None:
-    with served(*serving(endless)) as server:
-        started(browser, server, 1)
-        with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
-            begun(page)
-            page.wait_for_function("globalThis.page?.latest !== undefined")
-            page.keyboard.press("Enter")
-            page.wait_for_function("page.latest.byHand")
-        with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
-            expect(row_of(desk, 1)).to_contain_text("standstill, page gone")
-            ordered(desk, 1, "Abort")
-            waited_for(lambda: journal(endless, 1)[-1]["kind"] == "done")
-            expect(row_of(desk, 1)).to_contain_text("ask")
-    ended = next(one for one in journal(endless, 1) if one["kind"] == "driven")
+    server, study = standing
+    started(server, 2)
+    with opened_page(browser, f"{server.address}participant/2", bypass_csp=True) as page:
+        begun(page)
+        page.wait_for_function("globalThis.page?.latest !== undefined")
+        page.keyboard.press("Enter")
+        page.wait_for_function("page.latest.byHand")
+    with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
+        expect(row_of(desk, 2)).to_contain_text("standstill, page gone")
+        ordered(desk, 2, "Abort")
+        waited_for(lambda: journal(study, 2)[-1]["kind"] == "done")
+        expect(row_of(desk, 2)).to_contain_text("ask")
+    ended = next(one for one in journal(study, 2) if one["kind"] == "driven")
     assert ended["marks"] == ["aborted", "person_left"]
-    (table,) = (endless.parent / "data").glob("sub-01/ses-01/beh/*_run-01_events.tsv")
+    folder = study.parent / "data" / "sub-02" / "ses-01" / "beh"
+    waited_for(lambda: any(folder.glob("*_run-01_events.tsv")))  # the tables come after the journal
+    (table,) = folder.glob("*_run-01_events.tsv")
     events = [one["trial_type"] for one in read_table(table)]
     assert events.index("override") < events.index("person_left") < events.index("minimum_risk")
     assert events.index("minimum_risk") < events.index("standstill")
 
 
-def test_the_experimenter_pauses_requests_aborts_and_notes(endless: Path, browser: Browser) -> None:
+def test_the_experimenter_pauses_requests_aborts_and_notes(standing: tuple[Served, Path], browser: Browser) -> None:
+    server, study = standing
     with (
-        served(*serving(endless)) as server,
         opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page,
         opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk,
     ):
@@ -216,21 +235,22 @@ def test_the_experimenter_pauses_requests_aborts_and_notes(endless: Path, browse
         expect(page.locator("#told")).to_be_hidden()
         desk.get_by_label("Note on participant 1").fill("looked aside")
         desk.get_by_label("Note on participant 1").press("Enter")
-        waited_for(lambda: any(one["kind"] == "note" for one in journal(endless, 1)))
+        waited_for(lambda: any(one["kind"] == "note" for one in journal(study, 1)))
         circles = page.locator("#search circle")
         expect(circles).to_have_count(6)
         page.evaluate(PRESS_LARGEST)
-        waited_for(lambda: any(one["kind"] == "search" for one in journal(endless, 1)))
+        waited_for(lambda: any(one["kind"] == "search" for one in journal(study, 1)))
         ordered(desk, 1, "Abort")
         left(page)
         expect(page.get_by_role("heading", name="This trial")).to_be_visible()
-    records = journal(endless, 1)
+    records = journal(study, 1)
     kinds = [one["kind"] for one in records]
     assert kinds[:3] == ["started", "begun", "paused"]
     assert next(one for one in records if one["kind"] == "note")["text"] == "looked aside"
     assert next(one for one in records if one["kind"] == "search")["right"] is True
     assert next(one for one in records if one["kind"] == "driven")["marks"] == ["aborted", "requested"]
-    (row,) = tidy_rows(endless.parent / "data")
+    waited_for(lambda: rows_of(study, 1) != [])
+    (row,) = rows_of(study, 1)
     assert (row["cause"], row["marks"], row["search_right"]) == ("scheduled", "aborted requested", "1")
 
 
@@ -248,7 +268,7 @@ PRESS_LARGEST = """
 def test_an_open_page_goes_on_by_itself_when_the_server_is_there_again(endless: Path, browser: Browser) -> None:
     page = free_page(browser)  # one that complains of the missing server
     with served(*serving(endless)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         page.goto(f"{server.address}participant/1")
         begun(page)
         page.wait_for_function("page.latest !== undefined")
@@ -258,7 +278,7 @@ def test_an_open_page_goes_on_by_itself_when_the_server_is_there_again(endless: 
         expect(page.locator("#go")).to_be_disabled()
     with served(*serving(endless), port=int(server.host.rpartition(":")[2])) as again:
         expect(page.get_by_role("heading", name="Please wait")).to_be_visible()
-        started(browser, again, 1)
+        started(again, 1)
         begun(page)
         page.wait_for_function("page.latest !== undefined")
         page.close()
@@ -301,7 +321,7 @@ def test_a_run_that_cannot_be_written_is_reported_to_the_experimenter_and_repeat
 ) -> None:
     short.write_text(short.read_text().replace('from="0.5" to="1.5"', 'from="0.5" to="1.5" share="0"'))
     with served(*serving(short), largest=120_000) as server:  # less than the map
-        started(browser, server, 1)
+        started(server, 1)
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             consented(page)
             begun(page)
@@ -314,16 +334,14 @@ def test_a_run_that_cannot_be_written_is_reported_to_the_experimenter_and_repeat
     assert [one["kind"] for one in journal(short, 1)][-2:] == ["begun", "begun"]
 
 
-def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser) -> None:
-    with served(*serving(endless)) as server:
-        started(browser, server, 1)
-        address = f"{server.address}participant/1"
-        with (
-            opened_page(browser, address, bypass_csp=True) as page,
-            opened_page(browser, address, bypass_csp=True) as other,
-        ):
-            for one in (page, other):
-                one.wait_for_function("globalThis.page?.role !== undefined")
+def test_a_second_page_of_a_participant_watches(standing: tuple[Served, Path], browser: Browser) -> None:
+    server, _ = standing
+    started(server, 3)
+    address = f"{server.address}participant/3"
+    with opened_page(browser, address, bypass_csp=True) as page:
+        page.wait_for_function("globalThis.page?.role === 'driver'")
+        with opened_page(browser, address, bypass_csp=True) as other:
+            other.wait_for_function("globalThis.page?.role === 'viewer'")
             begun(page)
             other.wait_for_function("page.latest?.t > 1.5")  # pages that watch stay connected
             assert (page.evaluate("page.role"), other.evaluate("page.role")) == ("driver", "viewer")
@@ -357,7 +375,7 @@ def test_a_second_page_of_a_participant_goes_on_with_the_first(endless: Path, br
 
 def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> None:
     with served(*serving(short)) as server:
-        started(browser, server, 2)
+        started(server, 2)
         with opened_page(browser, f"{server.address}participant/2", bypass_csp=True) as page:
             page.get_by_role("button", name="I do not agree").click()
             expect(page.get_by_role("heading", name="You do not take part")).to_be_visible()
@@ -371,7 +389,7 @@ def test_all_questions_of_a_probe_are_in_sight_in_a_narrow_window(short: Path, b
     more = "".join(query.format(name, name) for name in ("blocked", "vehicles"))
     short.write_text(short.read_text().replace("</probe>", f"{more}</probe>"))
     with served(*serving(short)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         with opened_page(browser, f"{server.address}participant/1", 390, 600, bypass_csp=True) as page:
             consented(page)
             begun(page)
@@ -381,18 +399,19 @@ def test_all_questions_of_a_probe_are_in_sight_in_a_narrow_window(short: Path, b
             assert heights[0] == heights[1]  # the page scrolls, not a part of it that hides the rest
 
 
-@pytest.mark.parametrize("width", [1400, 390])
-def test_scales_stay_in_the_window_whatever_their_length(short: Path, browser: Browser, width: int) -> None:
+def test_scales_stay_in_the_window_whatever_their_length(short: Path, browser: Browser) -> None:
     study, effort = short, short.parent / "effort.xml"
     study.write_text(study.read_text().replace('<consent file="consent.md"/>', '<ask file="effort.xml"/>'))
     long = '<scale name="whole" from="0" to="100"/><scale name="twenty" from="0" to="20"/>'
     items = '<item name="much" text="How much?" scale="whole"/><item name="demand" text="Demand" scale="twenty"/>'
     effort.write_text(effort.read_text().replace("  <item", f"{long}{items}\n  <item", 1))
     with served(*serving(study)) as server:
-        started(browser, server, 1)
-        with opened_page(browser, f"{server.address}participant/1", width, bypass_csp=True) as page:
+        started(server, 1)
+        with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             expect(page.get_by_role("group", name="Demand").get_by_role("radio")).to_have_count(21)
-            assert page.evaluate("document.documentElement.scrollWidth") <= width
+            for width in (1400, 390):
+                page.set_viewport_size({"width": width, "height": 900})
+                assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 @pytest.mark.slow

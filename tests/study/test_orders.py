@@ -52,7 +52,7 @@ def test_what_is_pressed_and_passes_in_a_probe_is_neither_a_takeover_nor_latency
     driving: Path, browser: Browser
 ) -> None:
     with served(*serving(driving)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         with (
             opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page,
             opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk,
@@ -96,7 +96,7 @@ MEASURE = """
 
 def test_a_press_on_a_picture_that_is_answered_is_not_sent(driving: Path, browser: Browser) -> None:
     with served(*serving(driving)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
             begun(page)
             page.wait_for_function("document.querySelectorAll('#search circle').length === 6")
@@ -121,7 +121,7 @@ def test_answers_whose_page_was_not_received_stand_in_the_form_again(tmp_path: P
         study.read_text(encoding="utf-8").replace("<before>", '<before><ask file="effort.xml"/>'), encoding="utf-8"
     )
     with served(*serving(study)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         page = free_page(browser)
         page.goto(f"{server.address}participant/1")
         page.get_by_role("group", name="Taking over was hard.").get_by_label("2").check()
