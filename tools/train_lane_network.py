@@ -115,24 +115,29 @@ class Layer(nn.Module):
     def __init__(self, before: int, after: int, size: int = 3, stride: int = 1) -> None:
         """Create the branches."""
         super().__init__()
-        sizes = (3, 1) if size == 3 else (1,)
-        self.branches = nn.ModuleList(
-            nn.Sequential(nn.Conv2d(before, after, k, stride, k // 2, bias=False), nn.BatchNorm2d(after)) for k in sizes
-        )
-        self.same = nn.BatchNorm2d(after) if size == 3 and stride == 1 and before == after else None
+        self.stride = stride
+        self.main = nn.Sequential(nn.Conv2d(before, after, size, stride, size // 2, bias=False), nn.BatchNorm2d(after))
+        self.point = self.same = None
+        if size == 3:
+            self.point = nn.Sequential(nn.Conv2d(before, after, 1, bias=False), nn.BatchNorm2d(after))
+            self.same = nn.BatchNorm2d(after) if stride == 1 and before == after else None
 
     def forward(self, x: torch.Tensor) -> torch.Tensor:
         """Return the output of the layer."""
-        total = sum(branch(x) for branch in self.branches)
-        return functional.relu(total if self.same is None else total + self.same(x))
+        total = self.main(x)
+        if self.point is not None:
+            total = total + self.point(x[:, :, :: self.stride, :: self.stride])
+        if self.same is not None:
+            total = total + self.same(x)
+        return functional.relu(total)
 
     def folded(self) -> nn.Sequential:
         """Return a convolution and a ReLU that do the same as the layer does after the training."""
-        first = self.branches[0][0]
+        first = self.main[0]
         size, after = first.kernel_size[0], first.out_channels
         one = nn.Conv2d(first.in_channels, after, size, first.stride, size // 2)
         weight, bias = torch.zeros_like(one.weight), torch.zeros(after)
-        parts = [(branch[0].weight, branch[1]) for branch in self.branches]
+        parts = [(branch[0].weight, branch[1]) for branch in (self.main, self.point) if branch is not None]
         if self.same is not None:
             parts.append((torch.eye(after)[:, :, None, None], self.same))
         for kernel, norm in parts:
