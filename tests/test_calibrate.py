@@ -85,7 +85,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
     ("detector", "digest"),
     [
         ("classical", "d3c8e476eb12db0209066361aaf35b3c2d04ba420f4f20041415ce11e74a02e0"),
-        ("learned", "c44e3fae13979b2d9b0b37bbdfc49975b658d55c820c7837d8247a3a046897a7"),
+        ("learned", "2abac4c544933444561ed0b466d965656df907b57de1d2b0392a660fa7276d91"),
     ],
 )
 def test_the_pages_are_about_the_packaged_confidence(detector: DetectorName, digest: str) -> None:

@@ -1,17 +1,19 @@
-"""Trains the network of the learned lane detector, fits its confidence and evaluates both, within ten minutes.
+"""Trains the network of the learned lane detector, fits its confidence and evaluates both, in 20 minutes.
 
-    python tools/train_lane_network.py MAPS OUT [--images N] [--epochs 33] [--jobs 16] [--seconds 550]
+    python tools/train_lane_network.py MAPS OUT [--images N] [--epochs 400] [--jobs 16] [--seconds 1250]
 
 MAPS is a folder of road files. The maps are split in three: `TEST` for the figures, `UNSEEN` for the fit of the
 confidence, and all others for the training. For the training and the fit, maps with repainted lane marks and made-up
 roads (`training_roads`) are added, with seeds of their own. Every map of the training and every added one has a ground
-texture of its own. lane_network.onnx, learned_confidence.json, learned_figures.json and the added road files are
-written to OUT. PyTorch is needed, which the package does not depend on; it uses a GPU if there is one.
+texture of its own. lane_network.onnx, learned_confidence.json, learned_figures.json, learned_looks.npz (what the
+confidence was fitted to and measured on) and the added road files are written to OUT, the network every two minutes
+from the start of its training. PyTorch is needed, which the package does not depend on; it uses a GPU if there is one.
 """
 
 from __future__ import annotations
 
 import argparse
+import copy
 import hashlib
 import json
 import math
@@ -28,6 +30,7 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 from torch.nn import functional
+from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 from training_roads import made_up, repainted
 
 from scenario_compiler.perception.calibration.bank import BANK, drawn_situation, picture, pictures
@@ -43,6 +46,7 @@ from scenario_compiler.perception.learned_detector import (
     HEIGHT,
     LEARNED_FEATURES,
     NETWORK_FILE,
+    PEAK,
     ROWS,
     TRAINED_FOR,
     WIDTH,
@@ -59,7 +63,7 @@ SEED, UNSEEN_SEED, TEST_SEED = 101, 202, 303
 PAINTED_ANEW = {"Town01": 4, "Town04": 6, "Town_Safebench_Light": 4, "HRI_custommap": 3, "cubetown": 2, "Town05": 2}
 """Number of repainted copies of a map by its name. A map that is not named has one; a map of `TEST` has none."""
 
-MADE_UP, MADE_UP_UNSEEN = 24, 6
+MADE_UP, MADE_UP_UNSEEN = 24, 10
 """Number of files with made-up roads for the training and for the fit of the confidence."""
 
 ANEW, OTHER_ROADS = "-anew-", "other-roads-"
@@ -68,15 +72,17 @@ ANEW, OTHER_ROADS = "-anew-", "other-roads-"
 CLIPS = 24
 """Clips or situations per job."""
 
-
-IMAGES, VIEWS = 100_000, 2
+IMAGES, VIEWS = 130_000, 2
 """Images in the training set, and images of each clip; more of a clip would be much alike."""
 
-RATE, WARM_UP, BATCH = 4e-3, 200, 256
+RATE, WARM_UP, BATCH = 4e-3, 500, 512
 """Greatest learning rate, steps until it is reached, and images per step."""
 
-MEASURING = 110.0
-"""Time that is reserved for what follows the training, s."""
+MEMORY = 0.999
+"""Share of the averaged weights that is kept in each step."""
+
+MEASURING, BETWEEN = 180.0, 120.0
+"""Time that is reserved for what follows the training, and time between two exports during the training, s."""
 
 BLUR, ABSENT, UNPAINTED = 0.8, 0.3, 0.25
 """Width of a row's target, columns; weight of rows without a boundary; weight of rows with an unpainted boundary."""
@@ -84,21 +90,68 @@ BLUR, ABSENT, UNPAINTED = 0.8, 0.3, 0.25
 THIN = 1.5
 """Half the width of the mask with which overlaps are computed, columns: 3 columns of 128."""
 
+PRESENT = 1.0 / (1.0 + ABSENT)
+"""Probability from which a row of a mask has the boundary. A row without one has the weight `ABSENT` in the training,
+so the network says this where either is as likely.
+"""
+
 OFF, FAR = 0.2, 3.0
 """Weight of the distance of a row's mean column from the true one, and the loss of that distance above which it is
 constant.
 """
 
-SIZES, MIDDLE = (16, 32, 40, 48, 60), (24, 32, 32, 40)
+OVERLAP = 1.0
+"""Weight of the masks' overlap in the loss."""
+
+SIZES, MIDDLE = (16, 32, 40, 48, 64), (24, 32, 32, 40)
 """Channels of the encoder's and of the decoder's steps, both from the large feature maps to the small ones."""
 
 Arrays = tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.float32]]
 
 
-def _layer(before: int, after: int, size: int = 3, stride: int = 1) -> nn.Sequential:
-    return nn.Sequential(
-        nn.Conv2d(before, after, size, stride, size // 2, bias=False), nn.BatchNorm2d(after), nn.ReLU()
-    )
+class Layer(nn.Module):
+    """A convolution with normalisation, and a ReLU.
+
+    While it is trained, a convolution of 3 x 3 has a branch of 1 x 1 beside it and, if its output has the input's
+    shape, the identity, each with a normalisation of its own. `folded` adds them up in one convolution (RepVGG, Ding et
+    al., arXiv 2101.03697).
+    """
+
+    def __init__(self, before: int, after: int, size: int = 3, stride: int = 1) -> None:
+        """Create the branches."""
+        super().__init__()
+        self.stride = stride
+        self.main = nn.Sequential(nn.Conv2d(before, after, size, stride, size // 2, bias=False), nn.BatchNorm2d(after))
+        self.point = self.same = None
+        if size == 3:
+            self.point = nn.Sequential(nn.Conv2d(before, after, 1, bias=False), nn.BatchNorm2d(after))
+            self.same = nn.BatchNorm2d(after) if stride == 1 and before == after else None
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        """Return the output of the layer."""
+        total = self.main(x)
+        if self.point is not None:
+            total = total + self.point(x[:, :, :: self.stride, :: self.stride])
+        if self.same is not None:
+            total = total + self.same(x)
+        return functional.relu(total)
+
+    def folded(self) -> nn.Sequential:
+        """Return a convolution and a ReLU that do the same as the layer does after the training."""
+        first = self.main[0]
+        size, after = first.kernel_size[0], first.out_channels
+        one = nn.Conv2d(first.in_channels, after, size, first.stride, size // 2)
+        weight, bias = torch.zeros_like(one.weight), torch.zeros(after)
+        parts = [(branch[0].weight, branch[1]) for branch in (self.main, self.point) if branch is not None]
+        if self.same is not None:
+            parts.append((torch.eye(after)[:, :, None, None], self.same))
+        for kernel, norm in parts:
+            scale = norm.weight / torch.sqrt(norm.running_var + norm.eps)
+            edge = (size - kernel.shape[2]) // 2
+            weight += functional.pad(kernel * scale[:, None, None, None], [edge] * 4)
+            bias += norm.bias - norm.running_mean * scale
+        one.weight.data, one.bias.data = weight.detach(), bias.detach()
+        return nn.Sequential(one, nn.ReLU())
 
 
 class LaneNetwork(nn.Module):
@@ -116,13 +169,13 @@ class LaneNetwork(nn.Module):
         before = 3
         self.down = nn.ModuleList()
         for k, size in enumerate(SIZES):
-            step = [_layer(before, size, stride=2)] + ([_layer(size, size)] if k else [])
+            step = [Layer(before, size, stride=2)] + ([Layer(size, size)] if k else [])
             self.down.append(nn.Sequential(*step))
             before = size
         self.thin, self.up = nn.ModuleList(), nn.ModuleList()
         for skip, size in zip(SIZES[-2::-1], MIDDLE[::-1], strict=True):
-            self.thin.append(_layer(before, size, 1))
-            self.up.append(_layer(size + skip, size))
+            self.thin.append(Layer(before, size, 1))
+            self.up.append(Layer(size + skip, size))
             before = size
         self.maps = nn.Conv2d(before, 2, 3, 1, 1)
         self.rest = nn.Sequential(nn.Linear(SIZES[-1] * 4 * 2, 32), nn.ReLU(), nn.Linear(32, 4))
@@ -137,6 +190,15 @@ class LaneNetwork(nn.Module):
         for thin, layer, skip in zip(self.thin, self.up, steps[-2::-1], strict=True):
             x = layer(torch.cat([functional.interpolate(thin(x), scale_factor=2.0, mode="nearest"), skip], 1))
         return self.maps(x), self.rest(pooled)
+
+    def folded(self) -> LaneNetwork:
+        """Return a copy for use after the training, on the CPU, with one convolution in each layer."""
+        found: LaneNetwork = copy.deepcopy(self).to("cpu", memory_format=torch.contiguous_format).eval()
+        for module in list(found.modules()):
+            for name, child in list(module.named_children()):
+                if isinstance(child, Layer):
+                    setattr(module, name, child.folded())
+        return found
 
 
 def columns_of(pixels: NDArray[np.float64]) -> NDArray[np.float32]:
@@ -256,7 +318,12 @@ def augmented(x: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
 
 
 def loss_of(maps: torch.Tensor, rest: torch.Tensor, columns: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
-    """Return the loss: cross-entropies of each row's column and of the paint, and errors of the column, tilt and width.
+    """Return the loss.
+
+    It is the sum of the cross-entropies of each row's column and of the paint, of the errors of the column, the tilt
+    and the width, and of what the overlap of the masks of painted sides lacks to 1. A side's mask covers `THIN` columns
+    on either side of a row's column, which is the mean around the most probable one, and counts as much as it is
+    probable that the boundary is in the row.
 
     Args:
         maps: (N, 2, ROWS, COLUMNS) logits of the columns.
@@ -274,58 +341,83 @@ def loss_of(maps: torch.Tensor, rest: torch.Tensor, columns: torch.Tensor, truth
     painted = truth[:, :2, None]
     weight = torch.where(absent, ABSENT, UNPAINTED + (1.0 - UNPAINTED) * painted)
     rows = (entropy * weight).sum() / weight.sum()
-    told = (functional.softmax(maps, 3) * place).sum(3)
+    share = functional.softmax(maps, 3)
+    told = (share * place).sum(3)
     off = functional.smooth_l1_loss(told, columns.nan_to_num(0.0), reduction="none", beta=0.5).clamp_max(FAR)
     seen = torch.where(absent, torch.zeros_like(weight), weight)
     rows = rows + OFF * (off * seen).sum() / seen.sum().clamp_min(1.0)
+    peak = share * ((place - share.argmax(3, keepdim=True)).abs() <= PEAK)
+    middle = (peak * place).sum(3) / peak.sum(3)
+    there = 1.0 - functional.softmax(logits, 3)[..., -1]
+    both = there * (2.0 * THIN - (middle - columns.nan_to_num(-1e3)).abs()).clamp_min(0.0)
+    either = 2.0 * THIN * (there + ~absent) - both
+    rows = rows + OVERLAP * (1.0 - (both * painted).sum() / (either * painted).sum().clamp_min(1.0))
     paint = functional.binary_cross_entropy_with_logits(rest[:, :2], truth[:, :2])
-    both = functional.smooth_l1_loss(rest[:, 2:], truth[:, 2:])
-    return rows + 0.3 * paint + 0.3 * both
+    plane = functional.smooth_l1_loss(rest[:, 2:], truth[:, 2:])
+    return rows + 0.3 * paint + 0.3 * plane
 
 
-def train(data: Arrays, epochs: int, seconds: float, device: str) -> LaneNetwork:
-    """Return the network after `epochs` epochs, or after the epoch in which `seconds` have passed."""
+def train(data: Arrays, epochs: int, seconds: float, device: str, path: Path) -> LaneNetwork:
+    """Return the network after `epochs` epochs or `seconds`; on the way it is exported to a path now and then.
+
+    The weights are averaged over the last steps, with exponentially falling shares.
+    """
     torch.manual_seed(SEED)
     images, columns, truth = (torch.from_numpy(one).to(device) for one in data)
     images = images.permute(0, 3, 1, 2).contiguous()
     network = LaneNetwork()
     network.to(device, memory_format=torch.channels_last)
+    mean = AveragedModel(network, multi_avg_fn=get_ema_multi_avg_fn(MEMORY), use_buffers=True)
+    averaged: LaneNetwork = mean.module
     torch.backends.cuda.matmul.allow_tf32 = torch.backends.cudnn.allow_tf32 = torch.backends.cudnn.benchmark = True
     optimizer = torch.optim.AdamW(network.parameters(), lr=RATE, weight_decay=1e-4)
-    steps, batch = epochs * max(len(images) // BATCH, 1), min(BATCH, len(images))
+    batch = min(BATCH, len(images))
+    steps = epochs * (len(images) // batch)
     generator = torch.Generator(device=device).manual_seed(SEED)
     flips = np.random.default_rng(SEED).random(steps) < 0.5
-    began, step = time.monotonic(), 0
+    began, exported, step = time.monotonic(), 0.0, 0
     for epoch in range(epochs):
         order = torch.randperm(len(images), generator=generator, device=device)
-        total = 0.0
+        losses = []
         for k in range(len(images) // batch):
+            # If time is short, the rate falls with the time, so that it is low in the last steps in that case too.
+            used = time.monotonic() - began
+            if used > seconds:
+                print(f"stopped in epoch {epoch + 1}: the time is over", flush=True)
+                return averaged.folded()
+            done = max(step / steps, used / seconds)
+            for group in optimizer.param_groups:
+                group["lr"] = RATE * min(step / WARM_UP, 0.5 + 0.5 * math.cos(math.pi * done))
             chosen = order[k * batch : (k + 1) * batch]
             x, c, t = images[chosen].float() / 255.0, columns[chosen], truth[chosen]
-            # If time is short, the rate falls with the time, so that it is low in the last epochs in that case too.
-            done = max(step / steps, (time.monotonic() - began) / seconds)
-            for group in optimizer.param_groups:
-                group["lr"] = RATE * min(step / WARM_UP, 0.5 + 0.5 * math.cos(math.pi * min(done, 1.0)))
             if flips[step]:
                 x, c, t = x.flip(3), (COLUMNS - 1 - c).flip(1), t[:, [1, 0, 2, 3]]
-            maps, rest = network(augmented(x, generator).contiguous(memory_format=torch.channels_last))
-            loss = loss_of(maps, rest, c, t)
+            x = augmented(x, generator).contiguous(memory_format=torch.channels_last)
+            with torch.autocast(device, torch.bfloat16):
+                maps, rest = network(x)
+            loss = loss_of(maps.float(), rest.float(), c, t)
             optimizer.zero_grad(set_to_none=True)
             loss.backward()
             nn.utils.clip_grad_norm_(network.parameters(), 5.0)
             optimizer.step()
+            mean.update_parameters(network)
             step += 1
-            total += float(loss.detach()) if k % 20 == 0 else 0.0
+            if k % 20 == 0:
+                losses.append(float(loss.detach()))
         used = time.monotonic() - began
-        print(
-            f"epoch {epoch + 1}: loss {total / max(len(range(0, len(images) // batch, 20)), 1):.4f}, {used:.0f} s",
-            flush=True,
-        )
-        if used > seconds:
-            print("stopped: the time is over")
-            break
-    network.eval().to("cpu", memory_format=torch.contiguous_format)
-    return network
+        print(f"epoch {epoch + 1}: loss {np.mean(losses):.4f}, {used:.0f} s", flush=True)
+        if used > exported + BETWEEN:
+            export(averaged.folded(), path)
+            exported = used
+    return averaged.folded()
+
+
+def of_paint_alone() -> Confidence:
+    """Return a confidence that is the network's own probability of paint, for looks to which another one is fitted."""
+    size = len(LEARNED_FEATURES)
+    found = Confidence(np.zeros(size), np.ones(size), np.zeros((1, size + 1)), np.zeros((3, size + 2)))
+    found.out[:, 1 + LEARNED_FEATURES.index("painted")] = 3.0
+    return found
 
 
 def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.float64]]:
@@ -334,10 +426,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
     A job is of clips of a map, of random situations or of a situation of the bank.
     """
     which, seed, first, last, network = job
-    size = len(LEARNED_FEATURES)
-    even = Confidence(np.zeros(size), np.ones(size), np.zeros((1, size + 1)), np.zeros((3, size + 2)))
-    even.out[:, 1] = 3.0  # the weight of the network's own logit of the paint; the confidence is fitted later
-    detector = LearnedLaneDetector(network=network, confidence=even)
+    detector = LearnedLaneDetector(network=network, confidence=of_paint_alone())
     rows: list[NDArray[np.float64]] = []
     rest: list[tuple[float, ...]] = []
     overlaps: list[tuple[float, ...]] = []
@@ -375,7 +464,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
         for number, (image, truth) in enumerate(pictures(BANK[int(which)], seed, last)):
             take(image, LaneState(), truth, number, (0.0,) * len(CONDITIONS))
     table = np.array(rest).reshape(-1, 6 + len(CONDITIONS))
-    features = np.array(rows).reshape(len(table), size)
+    features = np.array(rows).reshape(len(table), len(LEARNED_FEATURES))
     looks = Looks(features, table[:, :3], table[:, 3], table[:, 4], table[:, 5].astype(np.int64), table[:, 6:])
     return which, looks, np.array(overlaps).reshape(-1, 5)
 
@@ -383,7 +472,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
 def overlap(told: Rows, columns: NDArray[np.float32], half: NDArray[np.float64]) -> tuple[float, float]:
     """Return the number of cells in both masks and in either. A mask has the cells within `half` of a row's column."""
     place = np.arange(COLUMNS)
-    ours = (np.abs(place - told.column[:, None]) <= half[:, None]) & (told.there > 0.5)[:, None]
+    ours = (np.abs(place - told.column[:, None]) <= half[:, None]) & (told.there > PRESENT)[:, None]
     true = np.abs(place - np.nan_to_num(columns, nan=-1e3)[:, None]) <= half[:, None]
     return float((ours & true).sum()), float((ours | true).sum())
 
@@ -415,6 +504,16 @@ def jobs_of_looks(paths: list[Path], scale: float, onnx: bytes) -> list[tuple[st
             jobs += [(str(path), seed, k, min(k + 24, count), onnx) for k in range(0, count, 24)]
     jobs += [("drawn", UNSEEN_SEED, k, k + 48, onnx) for k in range(0, int(2000 * scale), 48)]
     return jobs + [(str(k), TEST_SEED, 0, max(int(60 * scale), 2), onnx) for k in range(len(BANK))]
+
+
+def write_looks(seen: list[tuple[str, Looks, NDArray[np.float64]]], path: Path) -> None:
+    """Write the looks and overlaps of each map, of the random situations and of the bank, as one table each."""
+    tables: dict[str, list[NDArray[np.float32]]] = {}
+    for which, looks, overlaps in seen:
+        rest = np.stack([looks.error, looks.painted, looks.clip], axis=1)
+        table = np.concatenate([looks.rows, looks.p, rest, looks.conditions, overlaps], axis=1)
+        tables.setdefault(Path(which).stem, []).append(table.astype(np.float32))
+    np.savez_compressed(path, allow_pickle=False, **{name: np.concatenate(parts) for name, parts in tables.items()})
 
 
 def confidence_of(seen: list[tuple[str, Looks, NDArray[np.float64]]]) -> Confidence:
@@ -469,9 +568,9 @@ def main() -> None:
     parser.add_argument("maps", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--images", type=int, default=IMAGES)
-    parser.add_argument("--epochs", type=int, default=33)
+    parser.add_argument("--epochs", type=int, default=400)
     parser.add_argument("--jobs", type=int, default=16)
-    parser.add_argument("--seconds", type=float, default=550.0)
+    parser.add_argument("--seconds", type=float, default=1250.0)
     options = parser.parse_args()
     began = time.monotonic()
     options.out.mkdir(parents=True, exist_ok=True)
@@ -482,10 +581,13 @@ def main() -> None:
         rendered = time.monotonic() - began
         print(f"{len(data[0])} pictures in {rendered:.0f} s", flush=True)
         device = "cuda" if torch.cuda.is_available() else "cpu"
-        network = train(data, options.epochs, options.seconds - rendered - MEASURING, device)
+        path = options.out / NETWORK_FILE
+        network = train(data, options.epochs, options.seconds - rendered - MEASURING, device, path)
         trained = time.monotonic() - began
-        onnx = export(network, options.out / NETWORK_FILE)
+        onnx = export(network, path)
+        print(f"trained until {trained:.0f} s", flush=True)
         seen = list(pool.imap(look, jobs_of_looks(paths, min(max(options.images / IMAGES, 0.01), 1.0), onnx)))
+    write_looks(seen, options.out / "learned_looks.npz")
     confidence = confidence_of(seen)
     text = confidence_text(confidence, LearnedLaneDetector.features)
     (options.out / LearnedLaneDetector.confidence_file).write_text(text, encoding="utf-8")

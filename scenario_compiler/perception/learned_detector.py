@@ -7,8 +7,8 @@ sides of a lane usually are parallel, so the tilt is estimated from their rows a
 combined (see `road_plane`). Rows are projected to the ground with the tilt, and a parabola is fitted to them, weighted
 by their certainty. The confidence is calibrated like that of the classical detector, on properties of the rows.
 
-It was trained for the default camera by `tools/train_lane_network.py`; the picture of another camera is rectified to
-that camera. docs/perception.md has its results.
+It was trained for the default camera by `tools/train_lane_network.py` and `tools/fit_lane_head.py`; the picture of
+another camera is rectified to that camera. docs/perception-learned.md has its results.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.confidence import Confidence, in_order, load_confidence, noise_of
+from scenario_compiler.perception.confidence import PLACES, Confidence, in_order, load_confidence, noise_of
 from scenario_compiler.perception.lane_detector import Boundary, LaneResult, LaneState
 from scenario_compiler.perception.road_plane import Tilt, tilt_of_widening
 
@@ -66,6 +66,7 @@ LEARNED_FEATURES = (
     *("tilt", "tilt_deviation", "width_off"),
     *("other_painted", "other_present", "other_certain", "apart_slope", "apart_curvature"),
     *("noise", "remembered", "moved", "way"),
+    *("lever", "deviation_tilt", "seen_off"),
 )
 """Names of the features of its confidence."""
 
@@ -116,7 +117,7 @@ class LearnedLaneDetector:
         health = noise_health(sigma_hat)
         found, features = [], []
         for side, other, before in ((sides[0], sides[1], state.left), (sides[1], sides[0], state.right)):
-            row = _features(side, other, tilt, width, sigma_hat, before, state.way is not None)
+            row = _features(side, other, tilt, seen_pitch, width, sigma_hat, before, state.way is not None)
             curvature, slope, y0 = side.curve
             features.append(row)
             found.append(Boundary(y0, slope, 2.0 * curvature, *self.confidence(row), side.reach))
@@ -212,7 +213,11 @@ def tilt_between(left: Rows, right: Rows, v: Floats, pitch: float) -> Tilt:
 
 
 class _Side:
-    """One side's boundary from its rows."""
+    """One side's boundary from its rows.
+
+    An error of the tilt moves it by `lever` metres per radian, where it moves most between 6 and 18 m ahead: at x by
+    p x (x dy/dx - y) / h for a small tilt p (see `road_plane`). The outer side of a bend moves the most.
+    """
 
     def __init__(self, rows: Rows, painted: float, v: Floats, pitch: float, scale: float) -> None:
         self.painted = painted
@@ -236,6 +241,9 @@ class _Side:
             off = (np.vander(x[kept], 3) @ curve - y[kept]) * weight
             self.residual = float(np.sqrt((off * off).mean()))
             self.curve = (float(curve[0]), float(curve[1]), float(curve[2]))
+        height = scale * TRAINED_FOR.z
+        half, _, y0 = self.curve
+        self.lever = float(np.abs(PLACES * (half * PLACES * PLACES - y0)).max()) / height
 
 
 def ground_of(u: Floats, v: Floats, pitch: float) -> tuple[Floats, Floats]:
@@ -250,7 +258,14 @@ def ground_of(u: Floats, v: Floats, pitch: float) -> tuple[Floats, Floats]:
 
 
 def _features(
-    side: _Side, other: _Side, tilt: Tilt, width: float, sigma: float, before: Boundary | None, way: bool
+    side: _Side,
+    other: _Side,
+    tilt: Tilt,
+    seen_pitch: float,
+    width: float,
+    sigma: float,
+    before: Boundary | None,
+    way: bool,
 ) -> Floats:
     x = np.array([12.0])
     off = abs(abs(side.curve[2] - other.curve[2]) - width)
@@ -281,6 +296,9 @@ def _features(
             "remembered": float(before is not None),
             "moved": min(4.0 * moved, 2.0),
             "way": float(way),
+            "lever": side.lever / 20.0,
+            "deviation_tilt": math.log(side.lever * tilt.deviation / 0.1 + 0.1),
+            "seen_off": min(side.lever * abs(seen_pitch - tilt.pitch), 1.5),
         },
     )
 

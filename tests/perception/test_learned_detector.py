@@ -10,7 +10,9 @@ from importlib import resources
 import numpy as np
 import pytest
 
+from scenario_compiler.perception.calibration.scenes import Reference
 from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.confidence import PLACES
 from scenario_compiler.perception.lane_detector import LaneState
 from scenario_compiler.perception.learned_detector import (
     COLUMNS,
@@ -25,7 +27,8 @@ from scenario_compiler.perception.learned_detector import (
     tilt_between,
 )
 from scenario_compiler.perception.road_camera import RoadCamera
-from tests.perception.scenery import CLEAR, bend, two_lanes
+from scenario_compiler.perception.solids import Box
+from tests.perception.scenery import CLEAR, EU_DASH, US_DASH, bend, two_lanes
 
 
 @pytest.mark.parametrize("pitch", [0.0, 0.02, -0.02])
@@ -105,10 +108,46 @@ def test_the_confidence_knows_whether_a_junction_is_in_sight() -> None:
     assert crossing.left.y0 == free.left.y0
 
 
+@pytest.mark.parametrize("radius", [0.0, 50.0, -50.0])
+def test_an_error_of_the_tilt_moves_a_boundary_by_its_lever(radius: float) -> None:
+    detector, error = LearnedLaneDetector(), 1e-4
+    image = RoadCamera(two_lanes(bend(radius))).frame(bend(radius).pose(60.0), [], CLEAR, 0.0, 0)
+    (level, rows), tilted = detector.look(image, pitch=0.0), detector.detect(image, pitch=error)
+    for row, before, after in zip(rows, (level.left, level.right), (tilted.left, tilted.right), strict=True):
+        moved = np.abs(after.y(PLACES) - before.y(PLACES)).max()
+        assert moved / error == pytest.approx(20.0 * row[LEARNED_FEATURES.index("lever")], rel=0.15)
+
+
+@pytest.mark.parametrize("radius", [40.0, -40.0])
+def test_the_confidence_knows_the_outer_side_of_a_bend(radius: float) -> None:
+    image = RoadCamera(two_lanes(bend(radius))).frame(bend(radius).pose(65.0), [], CLEAR, 0.0, 0)
+    found, (left, right) = LearnedLaneDetector().look(image)
+    outer, inner = (right, left) if radius > 0.0 else (left, right)
+    for name in ("lever", "deviation_tilt"):
+        index = LEARNED_FEATURES.index(name)
+        assert outer[index] > inner[index]
+    sides = (found.right, found.left) if radius > 0.0 else (found.left, found.right)
+    assert sides[0].p_geom < sides[1].p_geom
+
+
+@pytest.mark.parametrize("dash", [EU_DASH, US_DASH])
+@pytest.mark.parametrize("gap", [6.0, 8.0])
+def test_lines_beside_a_lorry_close_ahead_are_still_painted(dash: tuple[float, float], gap: float) -> None:
+    straight = Reference([(200.0, 0.0, 0.0)])
+    detector, camera, sides = LearnedLaneDetector(), RoadCamera(two_lanes(straight, dash=dash)), []
+    for k in range(8):
+        here = 40.0 + 2.5 * k
+        rear = straight.pose(here + 3.5 + gap + 4.25)
+        lorry = Box(rear.x, rear.y, rear.z, rear.heading, 8.5, 2.5, 3.5, (90, 120, 160), "truck", rear.pitch)
+        found = detector.detect(camera.frame(straight.pose(here), [lorry], CLEAR, 0.0, k))
+        sides.append(max(found.left.p, found.right.p))
+    assert min(sides) > 0.6
+
+
 def test_the_network_is_that_of_the_page() -> None:
     data = resources.files("scenario_compiler.perception").joinpath(NETWORK_FILE).read_bytes()
     assert len(data) < 1_000_000
-    assert hashlib.sha256(data).hexdigest() == "fd5d0c4e14c9a175aa9e0d36a6286957ba89efa0042ee3b16b61a613cdd698b1"
+    assert hashlib.sha256(data).hexdigest() == "e194f83acc0a20d259c2894306f4d0d417e36d503dcdb17bf36228df6ced391b"
 
 
 def test_rows_are_distributions_over_columns() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from scenario_compiler import find_map, load_network
-from scenario_compiler.perception.calibration.maps import MapRoads
+from scenario_compiler.perception.calibration.maps import LORRIES_AHEAD, MapRoads
 from scenario_compiler.validation import validate_files
 
 TOOL = Path(__file__).parents[2] / "tools" / "training_roads.py"
@@ -40,6 +40,14 @@ def test_made_up_roads_are_valid_and_can_be_driven(roads: ModuleType, tmp_path: 
         seen = [next(views).truth for _, _, views in clips]
         assert len(seen) >= 4
         assert all(np.isfinite(truth.boundaries[0][0]) for truth in seen)
+
+
+def test_lorries_are_close_ahead_in_the_clips_that_ask_for_them() -> None:
+    network = load_network(find_map("highway_loop"))
+    with_lorries = [conditions for _, conditions, _ in MapRoads(network, lorries=1.0).clips(1, range(8))]
+    usual = [conditions for _, conditions, _ in MapRoads(network).clips(1, range(8))]
+    assert all(LORRIES_AHEAD[0] <= one.leader <= LORRIES_AHEAD[1] for one in with_lorries)
+    assert any(np.isinf(one.leader) for one in usual)
 
 
 def test_the_same_seed_makes_the_same_file_and_another_does_not(roads: ModuleType, tmp_path: Path) -> None:

@@ -45,6 +45,9 @@ REACH = 40
 BEHIND = 6
 """Length of the known path behind it, m."""
 
+LORRIES_AHEAD = (4.0, 14.0)
+"""Least and greatest distance to a lorry ahead, m."""
+
 GAP = 13.0
 """Longest gap between two pieces of paint of the same line, m."""
 
@@ -94,9 +97,19 @@ class Conditions:
 class MapRoads:
     """A map prepared for clips."""
 
-    def __init__(self, network: Network, camera: Camera | None = None, texture: int = GROUND_SEED) -> None:
-        """Prepare surfaces and marks once; `texture` is the seed of the ground's texture."""
+    def __init__(
+        self, network: Network, camera: Camera | None = None, texture: int = GROUND_SEED, lorries: float = 0.0
+    ) -> None:
+        """Prepare surfaces and marks once.
+
+        Args:
+            network: The map.
+            camera: The camera; by default the default one.
+            texture: Seed of the ground's texture.
+            lorries: Share of the clips in which a lorry is close ahead.
+        """
         self.network, self.camera, self.texture = network, camera if camera is not None else Camera(), texture
+        self._lorries = lorries
         self._surface, self._marks, self._beside = road_surface(network), road_marks(network), roadside_of(network)
         self._lines = _Lines(self._marks)
         n = network.tables
@@ -148,7 +161,7 @@ class MapRoads:
             return None
         curvature = way.curvature
         speed = min(float(draw.uniform(5.0, 25.0)), math.sqrt(LATERAL / max(curvature, 1e-4)))
-        boxes, leader, beside = _traffic(draw, way, curvature)
+        boxes, leader, beside = _traffic(draw, way, curvature, self._lorries)
         weather = CLEAR_DAY
         if draw.random() < 0.5:
             weather = weather_preset(str(int(draw.integers(len(WEATHER_PRESETS))))) or CLEAR_DAY
@@ -334,7 +347,7 @@ class _Way:
         return np.array([lines.paint(*one) for one in self.right_line])
 
 
-def _traffic(draw: np.random.Generator, way: _Way, curvature: float) -> tuple[list[Box], float, bool]:
+def _traffic(draw: np.random.Generator, way: _Way, curvature: float, lorries: float) -> tuple[list[Box], float, bool]:
     """Return the other vehicles near the car, the distance to the leader, and whether a truck is beside."""
     boxes: list[Box] = []
     leader, beside = math.inf, False
@@ -349,6 +362,13 @@ def _traffic(draw: np.random.Generator, way: _Way, curvature: float) -> tuple[li
     for _ in range(int(draw.integers(0, 3)) if draw.random() < 0.4 else 0):
         side = float(draw.choice([-1.0, 1.0])) * width
         boxes.append(_box(draw, way, float(draw.uniform(8.0, REACH - BEHIND)), side))
+    if lorries and draw.random() < lorries:
+        boxes = boxes if math.isinf(leader) else boxes[1:]
+        leader = float(draw.uniform(*LORRIES_AHEAD))
+        pose = way.pose(BEHIND + leader + 5.5, 0.0, 0.0)
+        shade = int(draw.integers(30, 240))
+        size = (8.5, 2.5, float(draw.uniform(2.8, 4.0)))
+        boxes.append(Box(pose.x, pose.y, pose.z, pose.heading, *size, (shade, shade, shade), "truck", pose.pitch))
     return boxes, leader, beside
 
 
