@@ -304,8 +304,9 @@ def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
         line, column = getattr(error, "position", (0, 0)) or (0, 0)
         text = _decode(raw, None)
         lines = text.split("\n")
-        source = lines[line - 1].rstrip("\r") if 0 < line <= len(lines) and len(lines[line - 1]) < 400 else ""
-        place = FilePlace(name, line, column if source else 0, 1, source)
+        known = 0 < line <= len(lines)
+        source = lines[line - 1].rstrip("\r") if known and len(lines[line - 1]) < 400 else ""
+        place = FilePlace(name, line, column if known else 0, 1, source)
         sink.add(MALFORMED, f"not well-formed XML: {_short(str(error))}", place)
         return None
     info = root.getroottree().docinfo

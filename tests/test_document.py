@@ -201,3 +201,12 @@ def test_every_start_tag_is_found_where_it_stands(values: list[str], comment: st
         assert document.line_text(line)[column - 1 :].startswith("<child")
         line, column, length = document.position(child, "second")
         assert document.line_text(line)[column - 1 : column - 1 + length] == "2"
+
+
+def test_a_fault_in_a_very_long_line_has_its_column() -> None:
+    """Programs write whole files as one line; the line itself is not shown."""
+    sink = Diagnostics()
+    text = f'<a b="{"x" * 600}" c="<"/>'
+    assert parse_document(text.encode(), "a.xml", sink) is None
+    (found,) = sink
+    assert (found.place.line, found.place.column, found.place.source_line) == (1, text.rindex("<") + 1, "")

@@ -59,8 +59,10 @@ class Viewer:
         role: Whether it drives or watches; the page is informed before anything else is sent.
         waiting: The next message for it; a later picture replaces one that has not been sent.
         fresh: Set if there is one.
+        reports: Whether the page says what it has processed, as it does from the beginning: the first pictures must not
+            be sent without limit either, because a slow network would deliver all of them.
         sent: Number of sent messages with pictures.
-        shown: Number of those that the page has processed; always 0 for a page that does not report it.
+        shown: Number of those that the page has processed.
         room: Set if another picture may be sent.
     """
 
@@ -68,6 +70,7 @@ class Viewer:
     role: Role = "viewer"
     waiting: bytes | None = None
     fresh: asyncio.Event = field(default_factory=asyncio.Event)
+    reports: bool = False
     sent: int = 0
     shown: int = 0
     room: asyncio.Event = field(default_factory=asyncio.Event)
@@ -76,7 +79,7 @@ class Viewer:
         """Count messages that have been sent, or that the page has processed."""
         self.sent += sent
         self.shown += shown
-        if self.shown and self.sent - self.shown >= MOST_UNSHOWN:
+        if self.reports and self.sent - self.shown >= MOST_UNSHOWN:
             self.room.clear()
         else:
             self.room.set()
@@ -97,7 +100,7 @@ class Viewer:
     @property
     def informed(self) -> bool:
         """Whether it has processed everything; of a page that does not report it, whether everything was sent."""
-        return self.waiting is None and (not self.shown or self.shown >= self.sent)
+        return self.waiting is None and (not self.reports or self.shown >= self.sent)
 
 
 class Begin(Protocol):
@@ -205,6 +208,8 @@ class Cockpit:
         session = self.session
         if kind == "ping":
             await viewer.socket.send_json({"pong": float(message["t"]), "at": 1e3 * time.perf_counter()})
+        elif kind == "reports":
+            viewer.reports = True
         elif kind == "shown":
             viewer.count(shown=1)
         elif viewer is not self._driver:

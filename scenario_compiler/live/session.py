@@ -194,10 +194,9 @@ class Session(threading.Thread):
                 self.stop()
 
     def request(self) -> None:
-        """Let the automation request a takeover now, and mark the run."""
+        """Let the automation request a takeover now, which marks the run unless it has requested one already."""
         with self._ending:
             if self.wheel is not None and self.going:
-                self.marks.add("requested")
                 self.wheel.request()
 
     def pause(self) -> None:
@@ -243,6 +242,8 @@ class Session(threading.Thread):
                 self._go(execution)
                 with self._ending:  # from here on, nothing that happens belongs to the run
                     self.going = False
+                    if self.wheel is not None and self.wheel.requested:
+                        self.marks.add("requested")
                     self._take_down(execution)
                 self._show(Picture({"over": True, "run": self.number}, b"", b""))  # its files take a moment
                 recording = execution.finish("user" if self._stopping.is_set() else "")

@@ -92,6 +92,10 @@ class Wheel:
     """Connects the page, which reports at any time, and the run, which asks once in each step.
 
     The inputs of the run are written to a file at the same time, as one JSON object for each step.
+
+    Attributes:
+        applied: Number of the page's last message that the run has used.
+        requested: Whether the automation has been asked for a request while it drove without one.
     """
 
     def __init__(self, plan: Plan, kept: Path | None = None) -> None:
@@ -101,7 +105,7 @@ class Wheel:
             plan: The plan, which defines when a pedal or the wheel counts as an input that takes over.
             kept: File for the inputs; None to keep them only in the recording.
         """
-        self.applied = 0
+        self.applied, self.requested = 0, False
         values, inputs = parameter_values(plan.parameters), plan.takeover.inputs
         angle = number_value(inputs.steering, values) / number_value(inputs.steering_ratio, values)
         self._steer_from = angle / max(math.radians(plan.entities[0].vehicle.max_steer), 0.01)
@@ -111,7 +115,7 @@ class Wheel:
         self._asked: Wish = ""
         self._away = False
         self._left = False
-        self._requested = False
+        self._requesting = False
         self._file = None if kept is None else InputFile(kept)
         self._kept_until = 0.0
 
@@ -127,7 +131,7 @@ class Wheel:
     def request(self) -> None:
         """Let the automation request a takeover if it drives."""
         with self._lock:
-            self._requested = True
+            self._requesting = True
 
     def leave(self) -> None:
         """Record that the page is gone: a vehicle that is driven manually stops, even if a page returns soon."""
@@ -149,14 +153,14 @@ class Wheel:
             if self._asked == ("take_over" if by_hand else "hand_back"):
                 self._asked = ""
             wish: Wish = self._asked
-            self._requested = self._requested and state in ("automated", "warning")
-            requested = self._requested
+            self._requesting = self._requesting and state in ("automated", "warning")
+            requesting = self._requesting
         if away:
             wish = "leave" if by_hand else ""
         elif not by_hand and self._is_input(told):
             wish = "take_over"
-        elif requested and not wish:
-            wish = "request"
+        elif requesting and not wish:
+            wish, self.requested = "request", True
         done = PersonInput(told.throttle, told.brake, told.steer, wish)
         self.applied = told.seq
         self._keep(t, done)

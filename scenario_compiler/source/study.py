@@ -312,7 +312,7 @@ class StudyElement(Word):
 
     version: Literal["1"] = attribute("Version of the language.")
     name: str = attribute("Name in the data: the task name in BIDS.", pattern=LABEL)
-    summary: str = attribute("Subject of the study in one sentence.", default="")
+    summary: str = attribute("Subject of the study in one sentence. Participants do not see it.", default="")
     participants: int = attribute("Number of participants.", minimum=1, maximum=9999)
     sessions: int = attribute("Number of sessions of each participant.", default=1, minimum=1, maximum=99)
     repetitions: int = attribute(

@@ -9,6 +9,9 @@ from scenario_compiler.vocabulary.takeover import Language
 
 WORDS: dict[Language, dict[str, str]] = {
     "en": {
+        "title": "Study",
+        "welcome": "Welcome",
+        "questions": "Questions",
         "continue": "Continue",
         "agree": "I agree",
         "decline": "I do not agree",
@@ -29,6 +32,9 @@ WORDS: dict[Language, dict[str, str]] = {
         "no": "no",
     },
     "de": {
+        "title": "Studie",
+        "welcome": "Willkommen",
+        "questions": "Fragen",
         "continue": "Weiter",
         "agree": "Ich stimme zu",
         "decline": "Ich stimme nicht zu",
@@ -49,6 +55,9 @@ WORDS: dict[Language, dict[str, str]] = {
         "no": "nein",
     },
     "fi": {
+        "title": "Tutkimus",
+        "welcome": "Tervetuloa",
+        "questions": "Kysymyksiä",
         "continue": "Jatka",
         "agree": "Suostun",
         "decline": "En suostu",
@@ -69,6 +78,9 @@ WORDS: dict[Language, dict[str, str]] = {
         "no": "ei",
     },
     "sv": {
+        "title": "Studie",
+        "welcome": "Välkommen",
+        "questions": "Frågor",
         "continue": "Fortsätt",
         "agree": "Jag samtycker",
         "decline": "Jag samtycker inte",

@@ -35,7 +35,7 @@ def studied(
     folder: Path, count: int, conflicts: str = soaking.SHORT, program: str = "scenario_compiler"
 ) -> list[float]:
     """Return the memory after each run of a study by participants who drive at the same time, MiB."""
-    study = soaking.written(folder, PARTICIPANTS, count, conflicts)
+    study = soaking.written(folder, PARTICIPANTS, count, conflicts=conflicts)
     found: list[float] = []
 
     def drive(server: Served, participant: int) -> None:
@@ -63,7 +63,7 @@ def hurried(folder: Path, count: int) -> list[float]:
 
 def piloted(folder: Path, count: int) -> list[float]:
     """Return the memory of a pilot after each of its runs of a minute, or of those that end at the same time, MiB."""
-    study = soaking.written(folder, PARTICIPANTS, count, soaking.LONG)
+    study = soaking.written(folder, PARTICIPANTS, count, conflicts=soaking.LONG)
     words = ("study", study, "--pilot", "--perception", "ideal", "-o", folder / "data")
     process = subprocess.Popen([sys.executable, "-m", "scenario_compiler", *map(str, words)], stderr=subprocess.DEVNULL)
     found: list[float] = []

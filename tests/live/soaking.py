@@ -14,7 +14,7 @@ from tests.live.serving import Served, seated
 
 SHORT = """\
 <scenarios version="1">
-  <scenario name="one" map="town_grid" duration="0.4">
+  <scenario name="one" map="town_grid" duration="{duration}">
     <ego speed="10"><start><lane road="3" lane="-1" s="20"/></start></ego>
     <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="45"/></at></static>
     <takeover><driver><person/></driver><message modality="text speech" content="what why"/></takeover>
@@ -47,9 +47,12 @@ CONDITIONS = 10
 """Conditions that share the runs of a participant, where these are a multiple of it."""
 
 
-def written(folder: Path, participants: int, runs: int, conflicts: str = SHORT) -> Path:
-    """Write a study with so many runs for each participant, and its one conflict; return the study's file."""
-    (folder / "conflicts.xml").write_text(conflicts, encoding="utf-8")
+def written(folder: Path, participants: int, runs: int, duration: float = 0.4, conflicts: str = SHORT) -> Path:
+    """Write a study with so many runs for each participant, and its one conflict; return the study's file.
+
+    `LONG` has a duration of its own.
+    """
+    (folder / "conflicts.xml").write_text(conflicts.format(duration=duration), encoding="utf-8")
     conditions = CONDITIONS if runs % CONDITIONS == 0 else 1
     scenarios = "".join(f'<scenario name="one{k}" target="conflicts.xml#one"/>' for k in range(conditions))
     study = STUDY.format(participants=participants, repetitions=runs // conditions, scenarios=scenarios)

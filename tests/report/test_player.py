@@ -285,10 +285,11 @@ def test_runs_of_different_steps_and_lengths_have_their_own_values_and_rows(
     path = tmp_path / "both.html"
     write_comparison((short, other), ("short", "other"), found, ["They differ."], [[], []], path)
     legend = "document.querySelectorAll('.u-legend')[1].querySelectorAll('.u-value')"
+    both = "13.90 m/s|13.90 m/s"
     speeds = f"[...{legend}].slice(1).map((one) => one.innerText)"
     with opened_page(browser, f"{path.as_uri()}#t={3 + STEP}", bypass_csp=True) as page:  # between two coarse rows
         page.locator(".player.ready").wait_for()
-        page.wait_for_function(f"document.querySelector('.player').player.t > 3 && {speeds}.join() === '13.90 m/s,13.90 m/s'")
+        page.wait_for_function(f"document.querySelector('.player').player.t > 3 && {speeds}.join('|') === '{both}'")
         page.evaluate("document.querySelector('.player').player.seek(6)")
         for key, t in (("ArrowRight", 6 + STEP), ("ArrowRight", 6 + 2 * STEP), ("ArrowLeft", 6 + STEP)):
             page.keyboard.press(key)

@@ -230,6 +230,33 @@ def test_what_is_done_while_the_files_of_a_run_are_written_does_not_count(rules:
     assert next(record for record in one.journal.records if record["kind"] == "driven")["marks"] == []
 
 
+@pytest.mark.parametrize(("byhand", "marks"), [(False, ["requested"]), (True, [])])
+def test_a_request_marks_a_run_only_if_the_automation_drove(rules: Rules, byhand: bool, marks: list[str]) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.go_on(0, {"agree": "yes"})
+    one.go_on(1, {})
+    assert one.cockpit is not None
+    probed = watching(one)
+
+    def asking(picture: Picture) -> bool:
+        if picture.about.get("byHand") is byhand and "request" not in picture.about["state"]:
+            one.request()
+        return probed(picture)
+
+    session = one.begin_run(2, asking)
+    assert session is not None
+    assert session.wheel is not None
+    one.cockpit.session = session
+    if byhand:
+        session.wheel.tell(Told(seq=1, take_over=True))
+    session.start()
+    session.join()
+    one.close()
+    assert "requested" in kinds(one)
+    assert next(record for record in one.journal.records if record["kind"] == "driven")["marks"] == marks
+
+
 def test_tables_that_are_missing_are_made_when_the_program_starts_again(rules: Rules) -> None:
     one = Attendance(rules, 1)
     one.start()

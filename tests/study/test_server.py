@@ -134,3 +134,13 @@ def test_a_folder_is_written_by_one_server(own: Served, folder: Path, capsys: py
     del own
     assert call("study", folder / "study.xml", "--perception", "ideal", "-o", folder / "data", "--port", "0") == 2
     assert "is in use by another program" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("path", ["/", "/participant/1", "/participant/2"])
+def test_no_page_of_a_participant_tells_what_is_studied(own: Served, path: str) -> None:
+    """Who knows the question of a study may answer and drive accordingly."""
+    status, page = asked(own, path)
+    assert status == 200
+    assert "shorten takeovers" not in page
+    assert "<title>short" not in page
+    assert "shorten takeovers" in asked(own, "/experimenter")[1]

@@ -127,6 +127,7 @@ class Page {
       if (!this.about.watched) setTimeout(() => this.comeBack(), 1000);
     });
     this.socket.addEventListener("open", () => {
+      this.say({ kind: "reports" }); // from now on, each picture that has been shown
       this.telling = setInterval(() => this.tell(), TELL_EVERY);
       this.reporting = setInterval(() => this.report(), REPORT_EVERY);
     });

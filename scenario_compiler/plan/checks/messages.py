@@ -14,8 +14,8 @@ UNCLEAR_MESSAGE = Code(
     "SC515",
     "unclear-message",
     "A message lists a modality or a content twice, which would be given twice, or `none` beside other modalities, "
-    "although `none` means that the driver is not informed. Or it has two texts for one event, of which the second would "
-    "never be given, or a text of its own although no channel of it has words.\n\n"
+    "although `none` means that the driver is not informed. Or it has two texts for one event, of which the second "
+    "would never be given, or a text of its own although no channel of it has words.\n\n"
     '    <message modality="none text"/>     "none", or "text"',
 )
 

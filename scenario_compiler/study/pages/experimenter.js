@@ -59,7 +59,8 @@ function show(one) {
   cells.run.classList.toggle("fault", !run && Boolean(one.fault));
   buttons.start.disabled = one.presence === "started" || one.presence === "declined";
   buttons.pause.disabled = one.presence !== "started";
-  buttons.abort.disabled = buttons.request.disabled = !one.run;
+  buttons.abort.disabled = !one.run;
+  buttons.request.disabled = !["automated", "warning"].includes(one.run?.state); // later it has been requested, or a person drives
   count.textContent = one.notes ? `${one.notes} kept` : "";
 }
 
