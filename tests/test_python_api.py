@@ -35,6 +35,7 @@ def test_code_of_the_page_runs(
     printed = capsys.readouterr().out.splitlines()
     assert printed[0] == "['ego', 'car']"
     assert printed[1].startswith("SC204 there is no map 'town_gird' did you mean 'town_grid'?")
+    assert "ice fail" in printed
     assert "['gap']" in printed
     assert "True True" in printed
     assert "ideal 5.0 0.1" in printed
