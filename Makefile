@@ -17,7 +17,18 @@ FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
 	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done
 PYTHON ?= $(shell $(FIND_PYTHON))
 
-.PHONY: setup demo test test-all test-carla test-vscode fuzz check format generate library-table studies site wheel-test clean
+.PHONY: setup demo test test-all test-carla test-vscode fuzz check format generate library-table studies site wheel-test clean moved
+
+# The installation in .venv names the folder of the checkout; in one that was moved or copied, it is made again.
+INSTALLED_FROM := $(shell cat .venv/lib/python*/site-packages/_scenario_compiler.pth 2>/dev/null)
+ifneq ($(INSTALLED_FROM),)
+ifneq ($(INSTALLED_FROM),$(CURDIR))
+.venv/.stamp: moved
+endif
+endif
+
+moved:
+	rm -rf .venv
 
 setup: .venv/.stamp
 	@$(BIN)/python -m scenario_compiler.forms.making

@@ -133,6 +133,16 @@ def test_a_number_outside_its_limits_is_wrong_use(words: str, capsys: pytest.Cap
     assert f"argument {option}: {value} is not a whole number from " in capsys.readouterr().err
 
 
+def test_an_empty_argument_is_not_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for words in (("validate", ""), ("run", "obstacle_ahead", "-o", "", "--force"), ("report", "")):
+        assert call(*words) == 2
+        assert "an argument is empty" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_faulty_input_exits_with_1_and_writes_nothing(
     conflict: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -57,10 +57,13 @@ def test_the_plan_of_another_run_is_a_finding(
 ) -> None:
     mixed = tmp_path / "mixed"
     shutil.copytree(run_folder, mixed)
-    assert call("compile", "markings_missing", "-o", mixed / "plan.json") == 0
+    assert (
+        call("compile", f"{LIBRARY / 'conflicts' / 'obstacle_variants.xml'}#crossing_car", "-o", mixed / "plan.json")
+        == 0
+    )
     assert call("report", mixed) == 1
     assert "SC131" in (said := capsys.readouterr().err)
-    assert "the recording of 'obstacle_ahead' has other entities than 'markings_missing'" in said
+    assert "the recording of 'obstacle_ahead' has other entities than 'crossing_car'" in said
 
 
 def test_a_report_gets_pictures_of_a_run_without_camera(run_folder: Path, browser: Browser) -> None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from scenario_compiler import Outcome, Recording, judge, open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
@@ -17,7 +19,7 @@ from scenario_compiler.recording.events import write_events
 from scenario_compiler.runtime.log import NAMED
 from scenario_compiler.runtime.loop import Execution
 from scenario_compiler.runtime.messages import TEXTS
-from scenario_compiler.vocabulary.sensors import Perception
+from scenario_compiler.vocabulary.sensors import FailureKind, Perception
 from scenario_compiler.worlds import EgoCommand, EgoState, Snapshot
 from scenario_compiler.worlds.kinematic import KinematicWorld, degradation_of
 from tests.playing import played_until
@@ -389,3 +391,25 @@ def test_times_are_written_without_the_rounding_of_the_steps(tmp_path: Path) -> 
     assert written
     assert max(map(len, written)) <= 4
     assert max(len(repr(interval.end)) for interval in outcome.timeline) <= 4
+
+
+def last_image(compilation: Compilation) -> NDArray[np.uint8]:
+    """Return the last image that the camera delivers in a run."""
+    with open_world("kinematic", compilation.plan, compilation.network) as world:
+        execution = Execution(compilation.plan, world, 1)
+        while execution.going:
+            execution.advance()
+    assert execution.seen is not None
+    return execution.seen.image
+
+
+@pytest.fixture(scope="module")
+def clean(tmp_path_factory: pytest.TempPathFactory) -> NDArray[np.uint8]:
+    """The last image of a camera without a failure."""
+    return last_image(compiled(tmp_path_factory.mktemp("clean"), "camera", duration=0.3))
+
+
+@pytest.mark.parametrize("kind", get_args(FailureKind))
+def test_every_kind_of_failure_changes_the_images(tmp_path: Path, clean: NDArray[np.uint8], kind: str) -> None:
+    failure = f'<camera><failure kind="{kind}" yaw="{5 if kind == "misalignment" else 0}"/></camera>'
+    assert not np.array_equal(last_image(compiled(tmp_path, "camera", camera=failure, duration=0.3)), clean)

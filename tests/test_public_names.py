@@ -31,7 +31,7 @@ PROMISED = (
     "write_report",
 )
 REPOSITORY = Path(__file__).resolve().parent.parent
-DEEP = re.compile(r"^\s*(?:from|import) scenario_compiler\.(?!(?:perception|roads) import)", re.MULTILINE)
+DEEP = re.compile(r"^\s*(?:from|import) scenario_compiler\.(?!(?:perception|roads|worlds) import)", re.MULTILINE)
 """An import of a module of ours other than the doors for programs."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import subprocess
 import sys
@@ -10,11 +11,21 @@ from typing import Any
 
 import pytest
 
-from scenario_compiler import CompileError, Overrides, compile_built, compile_scenario
+from scenario_compiler import (
+    Camera,
+    CompileError,
+    Failure,
+    Overrides,
+    Parameter,
+    Takeover,
+    compile_built,
+    compile_scenario,
+)
 from scenario_compiler.compiler import compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import parse_expression
 from scenario_compiler.vocabulary.entities import Dynamic, Ego
+from scenario_compiler.vocabulary.grammar import limits_broken
 from scenario_compiler.vocabulary.positions import LanePositionWord, RelativeLanePosition
 from scenario_compiler.vocabulary.scenario import Scenario
 from scenario_compiler.vocabulary.weather import Weather
@@ -35,6 +46,7 @@ def test_code_of_the_page_runs(
     printed = capsys.readouterr().out.splitlines()
     assert printed[0] == "['ego', 'car']"
     assert printed[1].startswith("SC204 there is no map 'town_gird' did you mean 'town_grid'?")
+    assert "ice fail" in printed
     assert "['gap']" in printed
     assert "True True" in printed
     assert "ideal 5.0 0.1" in printed
@@ -73,6 +85,41 @@ def test_unknown_names_are_reported_at_once() -> None:
         "unknown-parameter",
         "duplicate-name",
     }
+
+
+def test_numbers_beyond_their_limits_are_reported_at_once() -> None:
+    scenario = Scenario(
+        name="wrong",
+        map="town_grid",
+        duration=-1.0,
+        step=0.0,
+        parameters=(Parameter(name="gap", type="length", default="-30"),),
+        weather=Weather(preset="ClearNoon"),
+        ego=Ego(
+            speed=-5.0,
+            start=LanePositionWord(road="9", lane=-2, s=30.0),
+            camera=Camera(width=0, fov=45.0, sensor_noise=parse_expression("$gap")),
+        ),
+        takeover=Takeover(budget=-3.0),
+    )
+    with pytest.raises(CompileError) as raised:
+        compile_built(scenario)
+    assert {(one.code.id, one.message) for one in raised.value.diagnostics} == {
+        ("SC112", "Scenario: duration is -1, but must be greater than 0"),
+        ("SC112", "Scenario: step is 0, but must be at least 0.001"),
+        ("SC112", "Ego: speed is -5, but must be at least 0"),
+        ("SC112", "Camera: width is 0, but must be at least 64"),
+        ("SC112", "Camera: sensor_noise is -30, but must be at least 0"),
+        ("SC112", "Takeover: budget is -3, but must be greater than 0"),
+    }
+
+
+def test_limits_of_angles_are_compared_in_radians() -> None:
+    """A failure's turn is at most 30 degrees, to the bit as a file writes it."""
+    most = 30.0 * math.radians(1.0)
+    assert not list(limits_broken(Failure(kind="misalignment", yaw=most), {}))
+    (broken,) = limits_broken(Failure(kind="misalignment", yaw=0.6), {})
+    assert broken.startswith("yaw is 0.6, but must be at most 0.52")
 
 
 CONFLICT = """<scenarios version="1">

@@ -133,3 +133,19 @@ def test_the_site_is_built_and_a_broken_link_stops_it(tmp_path: Path) -> None:
     done = build()
     assert done.returncode != 0
     assert "no-such-anchor" in done.stderr
+
+
+@pytest.mark.parametrize(("installed_from", "again"), [(None, False), ("", False), ("elsewhere", True)])
+def test_a_moved_checkout_is_installed_again(tmp_path: Path, installed_from: str | None, again: bool) -> None:
+    """What `make setup` would do; None is a fresh checkout, and an empty folder that of the checkout itself."""
+    checkout = tmp_path / "a checkout"
+    packages = checkout / ".venv" / "lib" / "python3.12" / "site-packages"
+    packages.mkdir(parents=True)
+    for name in ("Makefile", "pyproject.toml", "constraints.txt"):
+        shutil.copy(ROOT / name, checkout / name)
+    (checkout / ".venv" / ".stamp").touch()
+    if installed_from is not None:
+        (packages / "_scenario_compiler.pth").write_text(str(checkout / installed_from), encoding="utf-8")
+    done = subprocess.run(["make", "-n", "setup"], cwd=checkout, capture_output=True, text=True, check=True)
+    assert ("rm -rf .venv" in done.stdout) == again
+    assert ("-m venv .venv" in done.stdout) == again

@@ -495,8 +495,8 @@ def test_an_answer_of_an_object_without_lines_is_reported_without_a_line(
 
 def test_texts_of_a_controller_that_cannot_be_drawn_are_drawn_as_escapes(tmp_path: Path) -> None:
     file = written(tmp_path, "stranger.py:Talkative")
-    command = [sys.executable, "-m", "scenario_compiler", "run", file, "--trust", file, "--duration", "2"]
-    command += ["-o", tmp_path / "out"]
+    command = [sys.executable, "-m", "scenario_compiler", "run", str(file), "--trust", str(file), "--duration", "2"]
+    command += ["-o", str(tmp_path / "out")]
     assert subprocess.run(command, capture_output=True, check=False).returncode == 0
     assert [one.label for one in read_recording(tmp_path / "out" / "recording.parquet").frames][:1] == ["warning"]
 

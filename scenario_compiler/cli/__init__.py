@@ -55,6 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     prepare_streams()
     words = sys.argv[1:] if arguments is None else list(arguments)
+    if "" in words:  # as a path it would be the current folder
+        complain("an argument is empty, as of a variable of the shell that is not set")
+        return WRONG_USE
     options = make_parser(words[0] if words else "").parse_args(words)
     try:
         with templates_from([one for one in getattr(options, "templates", ()) if one is not None]):

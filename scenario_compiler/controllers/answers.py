@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from numbers import Complex, Real
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from scenario_compiler.controllers.model import Control
 
@@ -108,13 +108,13 @@ def image_of(given: object, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return given
 
 
-def _finite(name: str, value: object) -> float:
+def _finite(name: str, value: Any) -> float:
     """Return a number as a float; scalars of numpy and of other libraries for arrays are numbers too."""
     is_text = isinstance(value, str | bytes | bytearray)
     if is_text or (isinstance(value, Complex) and not isinstance(value, Real)):
         raise BadAnswerError(f"{name} is {_shown(value)}, which is not a number")
     try:
-        number = float(value)  # type: ignore[arg-type]  # whatever has __float__
+        number = float(value)
     except (TypeError, ValueError, OverflowError):
         raise BadAnswerError(f"{name} is {_shown(value)}, which is not a number") from None
     if not math.isfinite(number):
@@ -129,17 +129,17 @@ def _share(name: str, value: object) -> float:
     return share
 
 
-def _point(name: str, value: object) -> tuple[float, float]:
+def _point(name: str, value: Any) -> tuple[float, float]:
     try:
-        x, y = value  # type: ignore[misc]  # whatever has two elements
+        x, y = value
     except (TypeError, ValueError):
         raise BadAnswerError(f"{name} is {_shown(value)}, which is not a pair of numbers") from None
     return _finite(name, x), _finite(name, y)
 
 
-def _path_of(given: object) -> tuple[tuple[float, float], ...]:
+def _path_of(given: Any) -> tuple[tuple[float, float], ...]:
     try:
-        points = tuple(given)  # type: ignore[arg-type]  # whatever can be iterated
+        points: tuple[Any, ...] = tuple(given)
     except TypeError:
         raise BadAnswerError(f"trajectory is {_shown(given)}, which is not a list of points") from None
     return tuple(_point(f"point {k} of trajectory", point) for k, point in enumerate(points))

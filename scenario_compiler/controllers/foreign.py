@@ -80,7 +80,8 @@ class Kind:
 def _controller_fault(found: Any) -> str:
     if not (isinstance(found, type) and issubclass(found, ControllerModel)):
         return "does not derive from ControllerModel"
-    if not (isinstance(found.Params, type) and issubclass(found.Params, ControllerParams)):
+    params: Any = found.Params
+    if not (isinstance(params, type) and issubclass(params, ControllerParams)):
         return "has a class Params that does not derive from ControllerParams"
     return ""
 
@@ -198,9 +199,11 @@ def blamed(name: str, kind: Kind = CONTROLLER, let_pass: tuple[type[BaseExceptio
     """Turn exceptions of user code into a ControllerError; KeyboardInterrupt and those of `let_pass` pass."""
     try:
         yield
-    except (ControllerError, KeyboardInterrupt, *let_pass):
+    except (ControllerError, KeyboardInterrupt):
         raise
     except BaseException as fault:
+        if isinstance(fault, let_pass):
+            raise
         raise ControllerError.of(name, fault, kind) from None
 
 
@@ -252,7 +255,8 @@ class ForeignCode:
 
     def _place_of(self, method: str) -> FilePlace:
         """Return the first line of a method; no place if the user's code does not define it as a function."""
-        code = getattr(inspect.unwrap(getattr(type(self.inner), method, None)), "__code__", None)
+        function: Any = getattr(type(self.inner), method, None)
+        code = getattr(inspect.unwrap(function), "__code__", None)
         if code is None or code.co_filename.startswith((_PACKAGE, *sysconfig.get_paths().values())):
             return FilePlace("")
         return FilePlace(code.co_filename, code.co_firstlineno)

@@ -98,9 +98,9 @@ class Plan(PlanPart):
     name: str = Field(description="Name of the scenario.")
     summary: str = Field(default="", description="What happens.")
     map: MapReference = Field(description="The map.")
-    step: float = Field(description="Length of a time step, s.")
-    control_every: int = Field(description="Number of time steps between two control steps.")
-    duration: float = Field(description="When the run ends at the latest, s.")
+    step: float = Field(ge=0.001, le=1.0, description="Length of a time step, s.")
+    control_every: int = Field(ge=1, description="Number of time steps between two control steps.")
+    duration: float = Field(gt=0.0, description="When the run ends at the latest, s.")
     parameters: tuple[Parameter, ...] = Field(default=(), description="Parameters that numbers still depend on.")
     limits: tuple[NumberLimit, ...] = Field(
         default=(), description="What numbers that depend on parameters must keep; outside the digest."

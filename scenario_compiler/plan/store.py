@@ -15,6 +15,7 @@ from scenario_compiler.expressions import Expression
 from scenario_compiler.files import read_file
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.vocabulary.grammar import limits_broken
 
 UNDECLARED = Code(
     "SC132",
@@ -73,6 +74,7 @@ def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:
     plan = _parsed(raw, FilePlace(str(path)), sink)
     if plan is not None:
         _check_parameters(plan, FilePlace(str(path)), sink)
+        _check_ego(plan, FilePlace(str(path)), sink)
     return None if plan is None or sink.has_errors else plan
 
 
@@ -104,6 +106,14 @@ def _check_parameters(plan: Plan, place: FilePlace, sink: Diagnostics) -> None:
     for name in sorted(_names_in(plan) - declared):
         message = f"the plan uses a parameter '{name}' that it does not declare"
         sink.add(UNDECLARED, message, place, hint=did_you_mean(name, declared))
+
+
+def _check_ego(plan: Plan, place: FilePlace, sink: Diagnostics) -> None:
+    """Report a controller without a vehicle, and a camera whose images cannot be made."""
+    if plan.controller is not None and not plan.entities:
+        sink.add(BAD_PLAN, "entities: a plan with a controller needs a vehicle that it drives", place)
+    for broken in limits_broken(plan.camera, {}):
+        sink.add(BAD_PLAN, f"camera: {broken}", place)
 
 
 def _names_in(value: object) -> set[str]:

@@ -99,8 +99,12 @@ class OtherPlanError(ValueError):
     """A recording is not one of the plan by which it should be judged."""
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def judge(plan: Plan, recording: Recording) -> Outcome:
     """Judge a run by its plan's criteria and measure it.
+
+    Numbers that are too large to be measured, of a run that broke off or of a vehicle of any size, leave measures
+    without a value; numpy's warnings about them are not printed.
 
     Raises:
         OtherPlanError: The recording has other entities than the plan.

@@ -5,15 +5,16 @@ kinds of words, or any number of them, these may be mixed.
 """
 
 import types
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from scenario_compiler.expressions import Expression, format_value
+from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
 from scenario_compiler.vocabulary.word import (
+    QUANTITIES,
     AttributeSpelling,
     ChildSpelling,
     OtherAttributesSpelling,
@@ -186,3 +187,39 @@ def out_of_limits(name: str, number: float, limits: AttributeSpelling) -> str:
     """Return a sentence on the limit that a number violates, in the XML unit; empty if it violates none."""
     broken = outside(number, limits)
     return f"{name} is {format_value(float(number))}, but must be {broken}" if broken else ""
+
+
+def limits_broken(word: Word, values: Mapping[str, Value]) -> Iterator[str]:
+    """Yield a sentence for each number of a word that violates its limits; numbers and limits are in SI units.
+
+    A word that is read from XML is checked while it is read; this is for one that a program or a JSON file made.
+    Default values and expressions without a value are not checked.
+
+    Args:
+        word: The word.
+        values: The values of the parameters in expressions.
+    """
+    for rule in grammar_of(type(word)).attributes.values():
+        number = _number_of(getattr(word, rule.field), values)
+        if number is not None and number != rule.default:
+            broken = out_of_limits(rule.field, number, _in_si(rule.spelling))
+            if broken:
+                yield broken
+
+
+def _number_of(value: object, values: Mapping[str, Value]) -> float | None:
+    if isinstance(value, Expression):
+        try:
+            return value.number(values)
+        except ExpressionError:
+            return None
+    return value if isinstance(value, int | float) and not isinstance(value, bool) else None
+
+
+def _in_si(limits: AttributeSpelling) -> AttributeSpelling:
+    """Return the limits of a number in the unit of a word's field."""
+    factor = QUANTITIES[limits.quantity].factor if limits.quantity in QUANTITIES else 1.0
+    low, high = limits.minimum, limits.maximum
+    return replace(
+        limits, minimum=None if low is None else low * factor, maximum=None if high is None else high * factor
+    )

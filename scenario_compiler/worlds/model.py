@@ -219,7 +219,11 @@ class WorldEvent:
 
 
 class World(Protocol):
-    """A world in which a plan is executed; a context manager that closes the world."""
+    """A world in which a plan is executed; a context manager that closes the world.
+
+    A method that raises a `WorldError` ends the run, whose recording up to that step is kept; other exceptions pass
+    through `run`.
+    """
 
     name: ClassVar[str]
     Options: ClassVar[type[WorldOptions]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -153,14 +154,15 @@ def test_what_is_read_cannot_be_written(simulation: Simulation) -> None:
 def test_an_entity_that_the_program_does_not_have_is_refused(simulation: Simulation, entity: int) -> None:
     before = columns(simulation)
     here = Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    for use in (
+    uses: tuple[Callable[[], object], ...] = (
         lambda: simulation.spawn(entity, CAR, here),
         lambda: simulation.let_pose(entity, posed=True),
         lambda: simulation.remove(entity),
         lambda: simulation.command(entity, 1.0, 0.0, 0.0),
         lambda: simulation.pose(entity, here, 1.0),
         lambda: simulation.touched(entity),
-    ):
+    )
+    for use in uses:
         with pytest.raises(IndexError, match=f"there is no entity {entity}: the program has 4"):
             use()
     assert columns(simulation) == before

@@ -31,3 +31,28 @@ def test_an_open_number_is_written_as_its_expression(repository: Path, tmp_path:
     write_plan(plan, tmp_path / "plan.json")
     written = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
     assert [one["speed"] for one in written["entities"]] == [20.0, {"expr": "$speed"}, 20.0]
+
+
+@pytest.mark.parametrize(
+    ("part", "value", "said"),
+    [
+        ("step", 0.0, "step: Input should be greater than or equal to 0.001"),
+        ("step", -0.05, "step: Input should be greater than or equal to 0.001"),
+        ("control_every", 0, "control_every: Input should be greater than or equal to 1"),
+        ("duration", -1.0, "duration: Input should be greater than 0"),
+        ("entities", [], "entities: a plan with a controller needs a vehicle that it drives"),
+        ("camera/width", 0, "camera: width is 0, but must be at least 64"),
+        ("camera/height", 10**9, "camera: height is 1000000000, but must be at most 4096"),
+    ],
+)
+def test_a_plan_that_no_run_can_use_is_reported(
+    repository: Path, tmp_path: Path, part: str, value: object, said: str
+) -> None:
+    write_plan(compile_scenario(repository / SCENARIOS[0]), tmp_path / "plan.json")
+    content = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
+    *above, name = part.split("/")
+    (content[above[0]] if above else content)[name] = value
+    (tmp_path / "plan.json").write_text(json.dumps(content), encoding="utf-8")
+    sink = Diagnostics()
+    assert read_plan(tmp_path / "plan.json", sink) is None
+    assert [(one.code.id, one.message) for one in sink] == [("SC130", said)]

@@ -11,6 +11,7 @@ import pytest
 
 from scenario_compiler import Plan, Recording, compile_scenario, judge, load_network, open_world, run
 from scenario_compiler.compiler import Overrides
+from scenario_compiler.recording.outcome import OtherPlanError
 from scenario_compiler.recording.store import read_recording, write_recording
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.worlds import EgoCommand, EgoState, Snapshot, WorldError, WorldEvent
@@ -137,3 +138,48 @@ def test_events_of_a_world_are_recorded(plan: Plan) -> None:
     collision = next(event for event in events if event.kind == "world_collision")
     assert (invasion.t, invasion.message) == (1.0, "solid")
     assert (collision.t, collision.entity) == (1.5, "blocker")
+
+
+class BrokenPhysics(OwnPhysics):
+    """A world whose numbers are lost after half a second."""
+
+    lost: EgoState
+
+    def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
+        """Move the ego, then return what cannot be."""
+        moved = super().step(snapshot, command)
+        return moved if snapshot.t < 0.5 else self.lost
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("lost", "said"),
+    [
+        (EgoState(Pose(math.nan, 0.0, 0.0, 0.0, 0.0, 0.0), 10.0, 0.0, 0.0, 0.0), "'ego' has the x nan m at 0.5 s"),
+        (EgoState(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), math.inf, 0.0, 0.0, 0.0), "'ego' has the speed inf m/s at 0.5 s"),
+        (EgoState(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 1e308, 0.0, 0.0, 0.0), "the speed 1e+308 m/s at 0.5 s"),
+        (EgoState(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), 10.0, math.nan, 0.0, 0.0), "the steering angle nan rad at 0.5 s"),
+    ],
+)
+def test_a_state_without_a_number_ends_the_run_with_its_name(plan: Plan, lost: EgoState, said: str) -> None:
+    world = type("Lost", (BrokenPhysics,), {"lost": lost})
+    recording = recorded(plan, world)
+    assert recording.stop_reason == "error"
+    assert said in next(event.message for event in recording.events if event.kind == "broken_off")
+    assert judge(plan, recording).result == "error"
+
+
+def test_a_world_on_another_map_is_refused(plan: Plan) -> None:
+    other = Path(__file__).parents[2] / "maps" / "motorway" / "motorway.xodr"
+    with (
+        open_world("kinematic", plan, load_network(other)) as world,
+        pytest.raises(ValueError, match="is not the plan's"),
+    ):
+        run(plan, world)
+
+
+def test_a_recording_of_other_entities_is_not_judged(plan: Plan) -> None:
+    fewer = plan.model_copy(update={"entities": plan.entities[:1]})
+    recording = recorded(plan.model_copy(update={"duration": 0.2}), OwnPhysics)
+    with pytest.raises(OtherPlanError, match="has other entities than 'obstacle_ahead'"):
+        judge(fewer, recording)
