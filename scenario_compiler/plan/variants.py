@@ -31,6 +31,7 @@ class VariantChecks:
         """Find what depends on parameters."""
         self._plan, self._network = plan, network
         self._usual = parameter_values(plan.parameters)
+        self._limits = tuple((one.name, one.limits) for one in plan.parameters)
         self._forgiving = plan.controller is None
         self._positions = tuple(_open_positions(plan))
         self._starts = {one.id: one.start for one in plan.entities if one.start is not None}
@@ -57,9 +58,9 @@ class VariantChecks:
         return next((one.message for one in sink if one.severity is Severity.ERROR), "")
 
     def _beyond_limits(self, values: Mapping[str, Value]) -> str:
-        for one in self._plan.parameters:
-            value = values[one.name]
-            fault = "" if isinstance(value, str) else out_of_limits(one.name, value, one.limits)
+        for name, limits in self._limits:
+            value = values[name]
+            fault = "" if isinstance(value, str) else out_of_limits(name, value, limits)
             if fault:
                 return fault
         return next((fault for limit in self._plan.limits if (fault := limit.fault(values))), "")
