@@ -48,6 +48,8 @@ class Totals(Columns):
     flag_h: list[float] = column(RUN)
     flag_v: list[float] = column(RUN)
     flag_steer: list[float] = column(RUN)
+    start_tight: list[int] = column(RUN)
+    """As in `State`. If it is 0 and there is no fault, the start is sound, without the slower checks of the plan."""
     time_warning: list[float] = column(RUN, -1.0)
     time_request: list[float] = column(RUN, -1.0)
     time_escalation: list[float] = column(RUN, -1.0)

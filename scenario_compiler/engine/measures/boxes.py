@@ -15,16 +15,13 @@ from scenario_compiler.engine.columns.numbers import length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
-from scenario_compiler.engine.motion.collision import is_above, overlap
+from scenario_compiler.engine.motion.collision import SLACK, is_above, overlap
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import wrap_heading
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 STRAIGHT = 1e-6
 """Curvature below which a path counts as straight, 1/m."""
-
-SLACK = 1e-3
-"""Tolerance of the bounds, m."""
 
 OTHER = 4
 """Index of the other entity's corners, after those of the ego."""
@@ -213,7 +210,7 @@ def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
     front = front_of(p, ego)
     laid = 0
     for j in range(p.entity_count[0]):
-        if j == ego or st.present[j] == 0 or is_above(p, st, ego, j) == 1:
+        if j == ego or st.present[j] == 0:
             continue
         dx = st.middle_x[j] - st.middle_x[ego]
         dy = st.middle_y[j] - st.middle_y[ego]
@@ -228,9 +225,10 @@ def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
             return
         nearer = near <= (reach + m.least_distance[0]) * (reach + m.least_distance[0])
         ahead = m.rows[0] > 1 and may_be_ahead(p, st, m, ego, j, front) == 1
-        if nearer or ahead:
-            see_heading(st, m, j)
-            lay_corners(p, st, m, j, OTHER)
+        if (not nearer and not ahead) or is_above(p, st, ego, j) == 1:
+            continue
+        see_heading(st, m, j)
+        lay_corners(p, st, m, j, OTHER)
         if nearer and laid == 0:
             laid = 1
             lay_corners(p, st, m, ego, 0)

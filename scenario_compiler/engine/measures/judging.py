@@ -85,6 +85,7 @@ def finish_totals(p: Program, st: State, m: Totals) -> None:
     add_keeping(p, m, 0)
     finish_keeping(m)
     m.stop[0] = st.stop[0]
+    m.start_tight[0] = st.start_tight[0]
     note_fault(st, m)
     asked = first_logged(st, op.EVENT_REQUEST)
     if asked >= 0:

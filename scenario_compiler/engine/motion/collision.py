@@ -12,6 +12,9 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import compiled
 
+SLACK = 1.0e-3
+"""Distance between two circles above which they surely do not meet, m."""
+
 
 @compiled
 def reported_entity(p: Program) -> int:
@@ -101,6 +104,26 @@ def overlap(p: Program, st: State, i: int, j: int) -> int:
     if separated(p, st, i, j, dx, dy, c, s) == 1 or separated(p, st, j, i, dx, dy, c, s) == 1:
         return 0
     return 1
+
+
+@compiled
+def may_overlap(p: Program, st: State) -> int:
+    """Return 1 if the circles around two boxes meet, also of absent entities; if they do not, no boxes overlap."""
+    count = p.entity_count[0]
+    for a in range(count):
+        i = st.order[a]
+        b = a + 1
+        while b < count:
+            j = st.order[b]
+            reach = st.reach[i] + st.reach[j] + SLACK
+            dx = st.middle_x[j] - st.middle_x[i]
+            dy = st.middle_y[j] - st.middle_y[i]
+            if dx > reach:
+                break
+            if dx * dx + dy * dy <= reach * reach:
+                return 1
+            b = b + 1
+    return 0
 
 
 @compiled
