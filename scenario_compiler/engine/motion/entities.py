@@ -338,13 +338,13 @@ def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
                 locate_free(n, st, i)
             if kind == op.MOTION_BICYCLE:
                 settle(n, st, i)
-        dx = x - st.last_x[i]
-        dy = y - st.last_y[i]
-        gained = v - st.last_v[i]
-        st.a[i] = 0.0
-        if dt > 0.0 and (dx != 0.0 or dy != 0.0 or gained != 0.0):
+        if dt > 0.0:
+            dx = x - st.last_x[i]
+            dy = y - st.last_y[i]
             st.odometer[i] += sqrt(dx * dx + dy * dy)
-            st.a[i] = gained / dt
+            st.a[i] = (v - st.last_v[i]) / dt
+        else:
+            st.a[i] = 0.0
         if kind == op.MOTION_BICYCLE and st.present[i] == 1:
             pitch_body(p, st, i, dt)
         st.last_x[i] = x
