@@ -54,7 +54,7 @@ def row_next(n: RoadTables, row: int, end: int, forward: int, preferred_road: in
     for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
         other = n.link_lane[link]
         road = n.section_road[n.lane_section[other]]
-        sense = lane_direction(n, road, n.lane_id[other]) * forward
+        sense = n.lane_sense[other] * forward
         if (sense == 1 and n.link_contact[link] == AT_START) or (sense == -1 and n.link_contact[link] == AT_END):
             turn = n.link_turn[link]
             if road == preferred_road:
@@ -114,7 +114,7 @@ def advance_row(n: RoadTables, row: int, s: float, ds: float, next_road: int) ->
     if ds < 0.0:
         forward = -1
         left = -ds
-    sense = lane_direction(n, n.section_road[section], n.lane_id[row]) * forward
+    sense = n.lane_sense[row] * forward
     for _ in range(HOP_LIMIT):
         end = AT_END
         if sense == 1:

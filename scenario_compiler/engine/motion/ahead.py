@@ -85,7 +85,7 @@ def walk_route(n: RoadTables, p: Program, st: State, horizon: float) -> None:
         lane = n.lane_id[row]
         if section_holds(n, row, s) == 0:
             row = lane_row(n, road, lane, s)
-        sign = lane_direction(n, road, lane)
+        sign = n.lane_sense[row] if row >= 0 else lane_direction(n, road, lane)
     st.way_count[0] = count
 
 

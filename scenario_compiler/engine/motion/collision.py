@@ -33,10 +33,11 @@ def face(st: State, i: int) -> None:
 
 
 @compiled
-def update_boxes(p: Program, st: State) -> None:
+def update_boxes(p: Program, st: State) -> int:
     """Update the centre of every entity's box, and sort the entities by the left end of their boxes' x range.
 
     Insertion sort is used because they are nearly sorted. Cosine and sine are kept while a heading does not change.
+    The result is 0 if no two x ranges overlap, so that there is no collision.
     """
     for i in range(p.entity_count[0]):
         face(st, i)
@@ -44,9 +45,14 @@ def update_boxes(p: Program, st: State) -> None:
         st.middle_x[i] = st.x[i] + center * st.box_cos[i]
         st.middle_y[i] = st.y[i] + center * st.box_sin[i]
     before = -op.FAR
+    right = -op.FAR
+    overlaps = 0
     for k in range(p.entity_count[0]):
         i = st.order[k]
         left = st.middle_x[i] - st.reach[i]
+        if left <= right:
+            overlaps = 1
+        right = max(right, st.middle_x[i] + st.reach[i])
         if left >= before:
             before = left
             continue
@@ -55,6 +61,7 @@ def update_boxes(p: Program, st: State) -> None:
             st.order[at] = st.order[at - 1]
             at = at - 1
         st.order[at] = i
+    return overlaps
 
 
 @compiled

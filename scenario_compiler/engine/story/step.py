@@ -70,8 +70,8 @@ def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
         update_signals(p, st)
     if st.flag[0] != op.FAULT_NONE:
         return
-    update_boxes(p, st)
-    check_collisions(p, st)
+    if update_boxes(p, st) == 1 or st.crashed[0] == 1:
+        check_collisions(p, st)
 
 
 @compiled
