@@ -23,9 +23,9 @@ FLAGS = (
 )
 """Flags for which C gives Python's results: no contraction, no fast arithmetic, and wrapping integers, because those in
 Python are masked. A missing result is detected from its value, so mathematical functions need not set `errno`. They are
-called without a procedure linkage table, which saves a jump for each call. gcc inlines functions of up to 200 of its
-units, because the engine's are small, and each call of one outside of the code around it costs more than its work: a step
-takes 0.86 of the time. clang ignores this limit and has one of its own.
+called without a procedure linkage table, which saves a jump for each call. The engine's functions are small, so that a
+call often costs more than its work: gcc inlines larger ones than by default, and a step takes 0.86 of the time. clang
+ignores this limit and has its own.
 """
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")

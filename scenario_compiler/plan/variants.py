@@ -46,8 +46,8 @@ class VariantChecks:
 
         Args:
             sample: The values; missing ones have their defaults.
-            starts: Whether to check where entities start. A run shows most starts to be sound (see `Totals.start_tight`),
-                so that a sweep checks only the others.
+            starts: Whether to check where entities start. A sweep leaves this out for starts that their runs show to be
+                sound (see `Totals.start_tight`).
         """
         values = {**self._usual, **sample}
         fault = self._beyond_limits(values)

@@ -1,4 +1,4 @@
-"""What is constant in a lane section and computed once: directions of travel, and the centres and widths of many lanes."""
+"""What is constant in a lane section and computed once: directions of travel, centres and widths of many lanes."""
 
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction, row_centre, row_width
