@@ -239,7 +239,7 @@ def part_size_of(form: Form, total: int) -> int:
         return 1
     if form == "interpreted":
         return 16
-    return min(max(total // 64, 500), 2000)
+    return min(max(total // 64, 1000), 2000)
 
 
 def workers_for(sweep: Sweep, wanted: int | None) -> int:

@@ -5,7 +5,6 @@ The measures and criteria are those of `recording`, so that a row says what `out
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -22,7 +21,7 @@ from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import resolutions
 from scenario_compiler.recording.takeovers import takeovers_of_totals
-from scenario_compiler.recording.totals import RunTotals
+from scenario_compiler.recording.totals import RunTotals, finite_or_none
 from scenario_compiler.vocabulary.driver import ReferenceName
 
 Columns = dict[str, list[Any]]
@@ -73,7 +72,7 @@ def rows_of_totals(
     measured = measures_of(plan)
     for measure in MEASURES:
         values = np.where(sound, measure.total(totals), np.nan) if measure in measured else np.full(len(stops), np.nan)
-        columns[measure.name] = [value if math.isfinite(value) else None for value in values.tolist()]
+        columns[measure.name] = finite_or_none(values)
     return columns
 
 

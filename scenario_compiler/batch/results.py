@@ -176,7 +176,7 @@ class ResultStore:
         """Write the rows of a part; OSError if there is no room, and then no file is left."""
         table = table_of(columns, self._part_schema)
         sink = pa.BufferOutputStream()
-        with _writer(sink, self._part_schema) as file:
+        with _writer(sink, self._part_schema, compression="none") as file:  # it is read once more and then deleted
             file.write_table(table)
         write_whole(self._part(number), sink.getvalue().to_pybytes())
 
@@ -255,11 +255,11 @@ def arrow_array(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
         found = [arrow_array([one[field.name] for one in rows], field.type) for field in fields]
         ends = arrow_numbers(np.cumsum([0, *map(len, values)], dtype=np.int32))
         return pa.ListArray.from_arrays(ends, pa.StructArray.from_arrays(found, fields=fields))
-    absent = np.array([value is None for value in values], dtype=bool)
+    absent = np.array([value is None for value in values], dtype=bool) if None in values else None
     if pa.types.is_string(kind):
-        return arrow_texts(["" if value is None else value for value in values], absent)
-    dtype = np.dtype(kind.to_pandas_dtype())
-    return arrow_numbers(np.array([0 if value is None else value for value in values], dtype=dtype), absent)
+        return arrow_texts(values if absent is None else ["" if value is None else value for value in values], absent)
+    present = values if absent is None else [0 if value is None else value for value in values]
+    return arrow_numbers(np.array(present, dtype=np.dtype(kind.to_pandas_dtype())), absent)
 
 
 def read_results(path: Path) -> tuple[Columns, dict[str, Any]]:
@@ -283,17 +283,17 @@ def read_results(path: Path) -> tuple[Columns, dict[str, Any]]:
 
 def _read(path: Path, columns: list[str] | None = None) -> pa.Table:
     with pq.ParquetFile(path) as file:
-        return file.read(columns=columns)
+        return file.read(columns=columns, use_threads=False)
 
 
-def _writer(sink: Any, schema: pa.Schema) -> pq.ParquetWriter:
+def _writer(sink: Any, schema: pa.Schema, compression: str = "zstd") -> pq.ParquetWriter:
     return pq.ParquetWriter(
         sink,
         schema,
         version="2.6",
         data_page_version="1.0",
-        compression="zstd",
-        compression_level=3,
+        compression=compression,
+        compression_level=3 if compression == "zstd" else None,
         use_dictionary=True,
         write_statistics=True,
         store_schema=False,

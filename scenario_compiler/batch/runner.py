@@ -13,11 +13,15 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import Columns, error_columns, row_of_recording, rows_of_totals
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.variants import with_values
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.program import Numbers, build_program
 from scenario_compiler.engine.reference_runs import avoided_by
@@ -173,31 +177,44 @@ class _Family:
             self.engine = Simulation(network.tables, self.program, interpreted=form == "interpreted")
 
     def rows(self, batch: Sequence[Variant]) -> Columns:
-        """Run variants and return their rows; one whose values the scenario does not allow is not run."""
-        faults = [self.checks.fault(one.values) for one in batch]
-        if not any(faults):
-            return self._run(batch)
-        sound = [one for one, fault in zip(batch, faults, strict=True) if not fault]
-        ran = self._run(sound) if sound else error_columns(0, "")
-        rows = {name: iter(values) for name, values in ran.items()}
-        return joined([error_columns(1, fault) if fault else _following(rows) for fault in faults])
+        """Run variants and return their rows; one whose values the scenario does not allow has its error as its row.
 
-    def _run(self, batch: Sequence[Variant]) -> Columns:
+        Of several variants, only those starts are checked that their runs do not show to be sound.
+        """
+        together = self.engine is not None and len(batch) > 1
+        faults = [self.checks.fault(one.values, starts=not together) for one in batch]
+        sound = [k for k, fault in enumerate(faults) if not fault]
+        ran, doubtful = self._run([batch[k] for k in sound]) if sound else (error_columns(0, ""), [])
+        wrong = {sound[k]: self.checks.fault(batch[sound[k]].values) for k in doubtful} if together else {}
+        if not any(faults) and not any(wrong.values()):
+            return ran
+        rows = {name: iter(values) for name, values in ran.items()}
+        found = []
+        for k, fault in enumerate(faults):
+            row = error_columns(1, fault) if fault else _following(rows)
+            found.append(error_columns(1, wrong[k]) if wrong.get(k) else row)
+        return joined(found)
+
+    def _run(self, batch: Sequence[Variant]) -> tuple[Columns, list[int]]:
+        """Return the rows of variants, and the places of those whose starts may be at fault."""
         if self.engine is None:
-            return row_of_recording(self.plan, record(self.plan, self.network, batch[0], self.trust))
+            return row_of_recording(self.plan, record(self.plan, self.network, batch[0], self.trust)), []
         try:
-            numbers = [self.numbers.row(one.values) for one in batch]
+            numbers = self.numbers.rows([one.values for one in batch])
         except ExpressionError as fault:
             raise SweepError(str(fault)) from None
         draws = [make_draws(one.seed, one.index) for one in batch]
         summaries, _ = self.engine.sweep(numbers, draws, self.plan.step_limit)
         parameters = [{**self.usual, **one.values} for one in batch]
-        return rows_of_totals(
-            self.plan, RunTotals(summaries, self.plan.step), parameters, self._avoided(numbers, draws)
+        totals = RunTotals(summaries, self.plan.step)
+        doubtful = (totals.raw("start_tight") == 1) | (totals.raw("flag") != op.FAULT_NONE)
+        return (
+            rows_of_totals(self.plan, totals, parameters, self._avoided(numbers, draws)),
+            doubtful.nonzero()[0].tolist(),
         )
 
     def _avoided(
-        self, numbers: Sequence[Sequence[float]], draws: Sequence[Sequence[float]]
+        self, numbers: NDArray[np.float64], draws: Sequence[Sequence[float]]
     ) -> list[dict[ReferenceName, bool]]:
         """Return for each variant whether the reference drivers that criteria name have no collision."""
         interpreted = self.form == "interpreted"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.totals import SUMMARY
@@ -12,12 +13,16 @@ from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.vocabulary.driver import ReferenceName
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
 
 def avoided_by(
     name: ReferenceName,
     tables: RoadTables,
     program: Program,
-    rows: Sequence[Sequence[float]],
+    rows: Sequence[Sequence[float]] | NDArray[np.float64],
     draws: Sequence[Sequence[float]],
     limit: int,
     *,

@@ -446,8 +446,8 @@ class Binder:
         base = starts.get(position.entity)
         if base is None:
             return None
-        facing = travel_direction(self.network, base.road, base.lane)
         centred, same = FoundLane(base.road, base.lane, base.s, 0.0), 1
+        facing = travel_direction(self.network, base.road, base.lane) if position.lanes else same
         for _ in range(abs(position.lanes)):
             towards_left = position.lanes * same > 0
             beside = self.network.left(centred) if towards_left else self.network.right(centred)

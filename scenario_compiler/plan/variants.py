@@ -31,6 +31,7 @@ class VariantChecks:
         """Find what depends on parameters."""
         self._plan, self._network = plan, network
         self._usual = parameter_values(plan.parameters)
+        self._limits = tuple((one.name, one.limits) for one in plan.parameters)
         self._forgiving = plan.controller is None
         self._positions = tuple(_open_positions(plan))
         self._starts = {one.id: one.start for one in plan.entities if one.start is not None}
@@ -40,26 +41,33 @@ class VariantChecks:
         self._fixed, _ = standings_of(self._binder(self._usual, Diagnostics()), fixed)
         self._timed_paths = any(limit.holder == "time" for limit in plan.limits)
 
-    def fault(self, sample: Mapping[str, Value]) -> str:
-        """Return the first error of compiling with these values of the parameters; empty if there is none."""
+    def fault(self, sample: Mapping[str, Value], *, starts: bool = True) -> str:
+        """Return the first error of compiling with these values of the parameters; empty if there is none.
+
+        Args:
+            sample: The values; missing ones have their defaults.
+            starts: Whether to check where entities start. A sweep leaves this out for starts that their runs show to be
+                sound (see `Totals.start_tight`).
+        """
         values = {**self._usual, **sample}
         fault = self._beyond_limits(values)
-        if fault or self._forgiving:
+        starts = bool(self._moved) and (starts or self._timed_paths)
+        if fault or self._forgiving or not (starts or self._positions or self._timed_paths):
             return fault
         sink = Diagnostics()
         binder = self._binder(values, sink)
         for position in self._positions:
             binder.bind(position, 0.0)
-        if not sink.has_errors and self._moved:
+        if not sink.has_errors and starts:
             self._check_starts(binder)
         if self._timed_paths:
             check_paths(at_values(self._plan, values), self._network, sink)
         return next((one.message for one in sink if one.severity is Severity.ERROR), "")
 
     def _beyond_limits(self, values: Mapping[str, Value]) -> str:
-        for one in self._plan.parameters:
-            value = values[one.name]
-            fault = "" if isinstance(value, str) else out_of_limits(one.name, value, one.limits)
+        for name, limits in self._limits:
+            value = values[name]
+            fault = "" if isinstance(value, str) else out_of_limits(name, value, limits)
             if fault:
                 return fault
         return next((fault for limit in self._plan.limits if (fault := limit.fault(values))), "")

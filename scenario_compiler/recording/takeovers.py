@@ -18,7 +18,7 @@ from scenario_compiler.recording.measures import distance_to_limit, time_to_limi
 from scenario_compiler.recording.names import BY_HAND, CAUSES, EventKind
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.resolution import Resolution, resolutions
-from scenario_compiler.recording.totals import RunTotals
+from scenario_compiler.recording.totals import RunTotals, finite_or_none
 from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.horizon import HORIZON
 
@@ -196,6 +196,6 @@ def _fields(
         "number": (order + 1).tolist(),
         "cause": causes,
         "resolution": how,
-        **{name: [one if math.isfinite(one) else None for one in values.tolist()] for name, values in numbers.items()},
+        **{name: finite_or_none(values) for name, values in numbers.items()},
     }
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]

@@ -15,6 +15,14 @@ from scenario_compiler.recording.recording import Floats
 from scenario_compiler.recording.traces import TIMED_EVENTS
 
 
+def finite_or_none(values: Floats) -> list[float | None]:
+    """Return numbers (n) as a list, with None for those that are NaN or infinite."""
+    finite = np.isfinite(values)
+    listed = values if finite.all() else np.where(finite, values.astype(object), None)
+    found: list[float | None] = listed.tolist()
+    return found
+
+
 @dataclass(frozen=True)
 class RunTotals:
     """The totals of runs.

@@ -1,4 +1,4 @@
-"""Columns that are computed from the contents of a road file: steady lanes, and the spatial index."""
+"""Columns that are computed from the contents of a road file: constants of lanes, and the spatial index."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def with_derived_columns(tables: RoadTables) -> RoadTables:
     n: RoadTables = _form(tables).containers["n"]
     _resize(n, LANE, len(n.lane_id))
     _resize(n, CHUNK, CHUNKS_A_PART * (len(n.piece_s) + len(n.section_s)))
-    _form(n).enter("note_steady_lanes")
+    _form(n).enter("note_lanes")
     while (count := _form(n).enter("lay_chunks")) > len(n.chunk_s):
         _resize(n, CHUNK, count)
     _resize(n, CHUNK, count)

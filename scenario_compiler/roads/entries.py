@@ -5,10 +5,10 @@ from __future__ import annotations
 from scenario_compiler.forms.language import Marked
 from scenario_compiler.roads.locate_build import lay_chunks, list_cells, store_cells
 from scenario_compiler.roads.locate_points import locate_point, locate_points
-from scenario_compiler.roads.steady import note_steady_lanes
+from scenario_compiler.roads.steady import note_lanes
 
 ENTRIES: tuple[Marked, ...] = (
-    *(note_steady_lanes, lay_chunks, list_cells, store_cells),
+    *(note_lanes, lay_chunks, list_cells, store_cells),
     *(locate_point, locate_points),
 )
 """The entries of both forms."""

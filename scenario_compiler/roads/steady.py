@@ -1,7 +1,7 @@
-"""Lanes whose centre has a constant distance from the reference line in their section; it is computed once."""
+"""What is constant in a lane section and computed once: directions of travel, centres and widths of many lanes."""
 
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import row_centre, row_width
+from scenario_compiler.roads.lanes import lane_direction, row_centre, row_width
 from scenario_compiler.roads.tables import RoadTables
 
 
@@ -29,10 +29,12 @@ def note_steady_side(n: RoadTables, section: int, row: int, outwards: int, stop:
 
 
 @compiled
-def note_steady_lanes(n: RoadTables) -> None:
-    """Fill `lane_steady`, `lane_middle` and `lane_wide`, after sections, lanes and widths have been read."""
+def note_lanes(n: RoadTables) -> None:
+    """Fill `lane_sense`, `lane_steady`, `lane_middle` and `lane_wide`; sections, lanes and widths have been read."""
     for section in range(len(n.section_s)):
         road = n.section_road[section]
+        for row in range(n.section_lane[section], n.section_lane[section + 1]):
+            n.lane_sense[row] = lane_direction(n, road, n.lane_id[row])
         if is_constant(n, n.road_offset_first[road], n.road_offset_last[road]) == 1:
             first = n.section_lane[section]
             centre = first + n.section_left[section]

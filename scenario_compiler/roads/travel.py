@@ -54,7 +54,7 @@ def row_next(n: RoadTables, row: int, end: int, forward: int, preferred_road: in
     for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
         other = n.link_lane[link]
         road = n.section_road[n.lane_section[other]]
-        sense = lane_direction(n, road, n.lane_id[other]) * forward
+        sense = n.lane_sense[other] * forward
         if (sense == 1 and n.link_contact[link] == AT_START) or (sense == -1 and n.link_contact[link] == AT_END):
             turn = n.link_turn[link]
             if road == preferred_road:
@@ -95,44 +95,52 @@ def advance(n: RoadTables, road: int, lane: int, s: float, ds: float, next_road:
 
     The rest, m, is above 0 if the lane ends before.
     """
-    section = section_at(n, road, s)
-    row = lane_row_in(n, section, lane)
+    row = lane_row_in(n, section_at(n, road, s), lane)
+    if row < 0:
+        return road, lane, s, abs(ds)
+    row, s, rest = advance_row(n, row, s, ds, next_road)
+    return n.section_road[n.lane_section[row]], n.lane_id[row], s, rest
+
+
+@compiled
+def advance_row(n: RoadTables, row: int, s: float, ds: float, next_road: int) -> tuple[int, float, float]:
+    """Return (row, s, rest) as `advance` does, from a known row of a lane.
+
+    At the end of its section, s belongs to the next one, whose row is another one.
+    """
+    section = n.lane_section[row]
     forward = 1
     left = ds
     if ds < 0.0:
         forward = -1
         left = -ds
-    if row < 0:
-        return road, lane, s, left
-    sense = lane_direction(n, road, lane) * forward
+    sense = n.lane_sense[row] * forward
     for _ in range(HOP_LIMIT):
         end = AT_END
         if sense == 1:
             room = n.section_end[section] - s
             if left <= room:
-                return road, lane, s + left, 0.0
+                return row, s + left, 0.0
             s = n.section_end[section]
         else:
             end = AT_START
             room = s - n.section_s[section]
             if left <= room:
-                return road, lane, s - left, 0.0
+                return row, s - left, 0.0
             s = n.section_s[section]
         if room > 0.0:
             left = left - room
         other, contact = row_next(n, row, end, forward, next_road)
         if other < 0:
-            return road, lane, s, left
+            return row, s, left
         row = other
         section = n.lane_section[row]
-        road = n.section_road[section]
-        lane = n.lane_id[row]
         sense = 1
         s = n.section_s[section]
         if contact == AT_END:
             sense = -1
             s = n.section_end[section]
-    return road, lane, s, left
+    return row, s, left
 
 
 @compiled

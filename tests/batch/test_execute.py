@@ -24,7 +24,7 @@ from scenario_compiler.batch.tally import Progress
 from scenario_compiler.batch.variants import with_values
 from scenario_compiler.batch.worst import repeat_command
 from scenario_compiler.compiler import Overrides, compile_target
-from scenario_compiler.diagnostics import CompileError, Diagnostics
+from scenario_compiler.diagnostics import CompileError, Diagnostics, Severity
 from scenario_compiler.plan.store import read_plan, write_plan
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.store import read_recording
@@ -266,6 +266,29 @@ def test_the_memory_of_a_sweep_does_not_depend_on_how_long_its_runs_are(conflict
         tracemalloc.stop()
         assert max(batch.columns["duration"]) > 0.9 * duration
     assert peaks[1] < 1.1 * peaks[0]
+
+
+@pytest.mark.parametrize("interpreted", [True, False])
+def test_faults_of_starts_are_rows_with_the_error_of_a_run(tmp_path: Path, interpreted: bool) -> None:
+    """Entities that overlap, and a start beyond the lane's end, among variants that run together."""
+    path = tmp_path / "start.xml"
+    path.write_text(
+        '<scenarios version="1"><scenario name="start" map="highway_loop" duration="3" step="0.05">'
+        '<parameter name="far" type="length" default="30"/>'
+        '<ego speed="10"><start><lane road="1" lane="-1" s="20"/></start></ego>'
+        '<static id="cone"><at><lane road="1" lane="-3" s="20"/></at></static>'
+        '<static id="parked"><at><ahead_of entity="cone" distance="$far"/></at></static>'
+        "</scenario></scenarios>",
+        encoding="utf-8",
+    )
+    spec = SweepSpec(vary=("far=values(1, 100, 3, 40, 9000)",), perception="ideal", interpreted=interpreted)
+    run_sweep(path, spec, tmp_path / "sweep", workers=1, report=False)
+    rows, _ = read_results(tmp_path / "sweep")
+    for far, error in zip(rows[PARAMETER + "far"], rows["error"], strict=True):
+        sink = Diagnostics()
+        compile_target(path, {"far": str(far)}, sink, overrides=Overrides(perception="ideal"))
+        assert error == next((one.message for one in sink if one.severity is Severity.ERROR), ""), far
+    assert [bool(error) for error in rows["error"]] == [True, False, True, False, True]
 
 
 def test_variants_beyond_limits_are_rows_with_the_error_of_a_run(conflict: Path, tmp_path: Path) -> None:

@@ -6,8 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.compiler import Overrides, compile_target
+from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.columns.totals import SUMMARY
+from scenario_compiler.engine.program import build_program, rows
+from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.expressions import Value, format_value
 from scenario_compiler.languages import ScenarioNameNeededError
 from scenario_compiler.plan.model import Plan
@@ -109,11 +113,21 @@ def _targets(library: Path) -> list[str]:
     return found
 
 
+def doubts_start(done: Compilation, values: dict[str, Value]) -> bool:
+    """Return whether a run leaves open if its start is sound: entities may overlap, or it has a fault."""
+    program = build_program(done.plan, done.network)
+    numbers = rows(done.plan, done.network, [values])
+    summaries, _ = Simulation(done.network.tables, program).sweep(numbers, [make_draws(1)], 0)
+    return bool(summaries[0, SUMMARY.index("start_tight")] or summaries[0, SUMMARY.index("flag")])
+
+
 def test_variants_of_the_library_are_refused_as_runs_are(repository: Path) -> None:
     """Values from far below to far above what each parameter may have, of at most two parameters at a time."""
     outcomes = set()
     for target in _targets(repository / "library" / "conflicts")[::3]:
-        plan, checks = checks_of(target)
+        done = compile_target(target, {}, Diagnostics(), overrides=IDEAL)
+        assert done is not None
+        plan, checks = done.plan, VariantChecks(done.plan, done.network)
         for k in range(4 if plan.parameters else 0):
             values: dict[str, Value] = {}
             for one in (plan.parameters[k % len(plan.parameters)], plan.parameters[-1]):
@@ -125,4 +139,26 @@ def test_variants_of_the_library_are_refused_as_runs_are(repository: Path) -> No
             fault, errors = checks.fault(values), refused(target, values)
             assert fault in errors if fault else not errors, (target, values)
             outcomes.add(bool(fault))
+            if fault and not checks.fault(values, starts=False):
+                assert doubts_start(done, values), (target, values)
     assert outcomes == {True, False}
+
+
+@pytest.mark.parametrize(("distance", "sound"), [(0.5, False), (30.0, True), (9000.0, False)])
+def test_a_run_does_not_hide_a_fault_of_its_start(tmp_path: Path, distance: float, sound: bool) -> None:
+    path = tmp_path / "start.xml"
+    path.write_text(
+        '<scenarios version="1"><scenario name="start" map="highway_loop" duration="3" step="0.05">'
+        '<parameter name="far" type="length" default="30"/>'
+        '<ego speed="10"><start><lane road="1" lane="-1" s="20"/></start></ego>'
+        '<static id="cone"><at><lane road="1" lane="-3" s="20"/></at></static>'
+        '<static id="parked"><at><ahead_of entity="cone" distance="$far"/></at></static>'
+        "</scenario></scenarios>",
+        encoding="utf-8",
+    )
+    done = compile_target(str(path), {}, Diagnostics(), overrides=IDEAL)
+    assert done is not None
+    checks = VariantChecks(done.plan, done.network)
+    assert checks.fault({"far": distance}, starts=False) == ""
+    assert (checks.fault({"far": distance}) == "") == sound
+    assert doubts_start(done, {"far": distance}) != sound

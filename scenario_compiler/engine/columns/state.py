@@ -66,6 +66,8 @@ class State(Columns):
     """FAULT_... code; a fault stops the run."""
     flag_at: list[int] = column(RUN, op.NONE)
     """Entity, condition or action of the fault."""
+    start_tight: list[int] = column(RUN)
+    """1 if entities stand so close together after the init actions that their boxes may overlap."""
     draw: list[float] = column(DRAW, kept=True)
     """Draws made before the run: DRAW_PERSON and DRAW_SEED."""
 
@@ -679,6 +681,12 @@ class State(Columns):
     """Time at which the eyes were first on the road after a request, s; -1 before."""
     time_hands_on: list[float] = column(RUN, -1.0)
     """Time at which the hands were first on the wheel after a request, s; -1 before."""
+    wander_at: list[int] = column(RUN, op.NONE)
+    """Number of the drawn lateral position from which the driver steers for the next one, and of the request."""
+    wander_request: list[int] = column(RUN)
+    wander_from: list[float] = column(RUN)
+    """The two drawn positions."""
+    wander_to: list[float] = column(RUN)
     manual_since: list[float] = column(RUN, -1.0)
     """Time since which the driver has driven, s; -1 before the first response."""
     still_since: list[float] = column(RUN, -1.0)

@@ -11,6 +11,10 @@ from scenario_compiler.engine.columns.program import ENTITY
 from scenario_compiler.forms.declaration import RUN, Columns, Of, column, columns_of, container, fixed
 from scenario_compiler.vocabulary.horizon import HORIZON
 
+WAITING = 32
+"""Number of pairs of the ego and another entity that wait until they are measured together; chosen."""
+PAIR = fixed("waiting pair", WAITING)
+
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
 
@@ -48,6 +52,8 @@ class Totals(Columns):
     flag_h: list[float] = column(RUN)
     flag_v: list[float] = column(RUN)
     flag_steer: list[float] = column(RUN)
+    start_tight: list[int] = column(RUN)
+    """As in `State`. If it is 0 and there is no fault, the start is sound, without the slower checks of the plan."""
     time_warning: list[float] = column(RUN, -1.0)
     time_request: list[float] = column(RUN, -1.0)
     time_escalation: list[float] = column(RUN, -1.0)
@@ -311,6 +317,28 @@ class Totals(Columns):
     """Heading as recorded, rad, in [0, 2 pi), with its cosine and sine."""
     seen_cos: list[float] = column(ENTITY, 1.0)
     seen_sin: list[float] = column(ENTITY)
+    waiting: list[int] = column(RUN)
+    """Number of pairs of the ego and another entity whose boxes wait to be measured."""
+    pair_other: list[int] = column(PAIR, kept=True)
+    """The other entity, lower bounds of the distance and of the gap, whether it may be ahead, and the curvature."""
+    pair_apart: list[float] = column(PAIR, kept=True)
+    pair_gap: list[float] = column(PAIR, kept=True)
+    pair_ahead: list[int] = column(PAIR, kept=True)
+    pair_bend: list[float] = column(PAIR, kept=True)
+    own_x: list[float] = column(PAIR, kept=True)
+    """Pose and speed of the ego, with cosine and sine of the heading."""
+    own_y: list[float] = column(PAIR, kept=True)
+    own_h: list[float] = column(PAIR, kept=True)
+    own_cos: list[float] = column(PAIR, kept=True)
+    own_sin: list[float] = column(PAIR, kept=True)
+    own_v: list[float] = column(PAIR, kept=True)
+    other_x: list[float] = column(PAIR, kept=True)
+    """The same of the other entity."""
+    other_y: list[float] = column(PAIR, kept=True)
+    other_h: list[float] = column(PAIR, kept=True)
+    other_cos: list[float] = column(PAIR, kept=True)
+    other_sin: list[float] = column(PAIR, kept=True)
+    other_v: list[float] = column(PAIR, kept=True)
     corner_x: list[float] = column(CORNERS)
     """Corners of the ego's box, then of another one, m."""
     corner_y: list[float] = column(CORNERS)

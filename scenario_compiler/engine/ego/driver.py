@@ -146,19 +146,31 @@ def drawn_place(st: State, k: int) -> float:
 
 
 @compiled
+def draw_places(st: State, k: int) -> None:
+    """Keep the k-th drawn lateral position and the next one, between which the driver steers for a while."""
+    if st.wander_at[0] == k and st.wander_request[0] == st.requests[0]:
+        return
+    st.wander_at[0] = k
+    st.wander_request[0] = st.requests[0]
+    st.wander_from[0] = drawn_place(st, k)
+    st.wander_to[0] = drawn_place(st, k + 1)
+
+
+@compiled
 def wandering(p: Program, st: State) -> float:
     """Return how far to the left of the intended position the driver steers now, m."""
     driven = max(st.clock[0] - st.manual_since[0], 0.0)
     place = min(driven / WANDER_INTERVAL, 1.0e6)
     k = int(place)
     share = 0.5 * (1.0 - cos(pi * (place - k)))
-    before = drawn_place(st, k)
+    draw_places(st, k)
+    before = st.wander_from[0]
     unsettled = clip(1.0 - ratio(driven, p.const[slot.K_SETTLED_AFTER], 1.0), 0.0, 1.0)
     settled = p.const[slot.K_SDLP]
     spread = settled + unsettled * (p.const[slot.K_SDLP_AT_FIRST] - settled)
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
         spread = spread * CONCENTRATION
-    return WANDER_GAIN * spread * (before + share * (drawn_place(st, k + 1) - before))
+    return WANDER_GAIN * spread * (before + share * (st.wander_to[0] - before))
 
 
 @compiled

@@ -106,6 +106,18 @@ def any_oncoming(p: Program, st: State, i: int) -> int:
 
 
 @compiled
+def earliest_near(p: Program, st: State, i: int, fastest: float, spare: float) -> float:
+    """Return a time, s, before which no oncoming vehicle `comes_near` if i drives no faster than `fastest`, m/s."""
+    front = front_of(p, i)
+    earliest = op.FAR
+    for j in range(p.entity_count[0]):
+        if j != i and st.on_way[j] == 1 and st.along[j] <= ONCOMING:
+            meeting = (st.near[j] - front) / max(fastest - st.along[j], -ONCOMING)
+            earliest = min(earliest, meeting - spare)
+    return earliest - op.TOLERANCE
+
+
+@compiled
 def comes_near(
     p: Program, st: State, i: int, j: int, time: float, gone: float, v: float, spare: float, known: int
 ) -> int:
@@ -171,6 +183,8 @@ def meets_oncoming(
     back_from = op.FAR
     back_over = 1.0
     share = 0.0
+    fastest = max(v, usual) + p.const[p.entity_const[i] + slot.E_ACCELERATION] * HORIZON_STEP
+    earliest = earliest_near(p, st, i, fastest, spare)
     for k in range(PASSING_STEPS):
         time = (k + 1) * HORIZON_STEP
         a = idm_acceleration(p, i, v, usual, op.FAR, 0.0)
@@ -194,7 +208,7 @@ def meets_oncoming(
         presumed = PASSING_SIGHT - usual * time - gone
         entered = high > low and presumed < spare * (v + usual)
         placed = 0  # the lateral position is worked out only where something is near enough to be met
-        for j in range(-1, p.entity_count[0]):
+        for j in range(-1, p.entity_count[0] if time >= earliest else 0):
             near = entered
             if j >= 0:
                 near = comes_near(p, st, i, j, time, gone, v, spare, known) == 1

@@ -1,7 +1,9 @@
 """The least distance of the ego's box from others, and the least time to collision on the circle that it drives.
 
 The same formulas, in the same order of operations, are in `recording.boxes` and `recording.on_path`, over arrays. The
-exact computation is slow, so it is done only if a bound does not rule out a new least value.
+exact computation is slow, so it is done only if a bound does not rule out a new least value. While the ego approaches
+something, every row may have a new least value. So what no bound rules out waits, and the last row is measured first:
+its values rule out most of those before it. The order of the rows does not change a least value.
 """
 
 from __future__ import annotations
@@ -14,17 +16,14 @@ from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.columns.totals import Totals
-from scenario_compiler.engine.motion.collision import is_above, overlap
+from scenario_compiler.engine.columns.totals import WAITING, Totals
+from scenario_compiler.engine.motion.collision import SLACK, is_above, overlap
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import wrap_heading
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 STRAIGHT = 1e-6
 """Curvature below which a path counts as straight, 1/m."""
-
-SLACK = 1e-3
-"""Tolerance of the bounds, m."""
 
 OTHER = 4
 """Index of the other entity's corners, after those of the ego."""
@@ -51,37 +50,35 @@ def see_heading(st: State, m: Totals, i: int) -> None:
 
 
 @compiled
-def lay_corners(p: Program, st: State, m: Totals, i: int, base: int) -> None:
-    """Write the corners of a box to `corner_x` and `corner_y` from index `base`.
+def lay_corners(p: Program, m: Totals, i: int, x: float, y: float, c: float, s: float, base: int) -> None:
+    """Write the corners of the box of i at a pose to `corner_x` and `corner_y` from index `base`.
 
-    Their order is front left, rear left, rear right, front right.
+    `c` and `s` are cosine and sine of the heading. The order is front left, rear left, rear right, front right.
     """
     at = p.entity_const[i]
     long = 0.5 * p.const[at + slot.E_LENGTH]
     wide = 0.5 * p.const[at + slot.E_WIDTH]
     center = p.const[at + slot.E_CENTER]
-    c = m.seen_cos[i]
-    s = m.seen_sin[i]
     for corner in range(4):
         along = center + (long if corner in (0, 3) else -long)
         across = wide if corner < 2 else -wide
-        m.corner_x[base + corner] = st.x[i] + along * c - across * s
-        m.corner_y[base + corner] = st.y[i] + along * s + across * c
+        m.corner_x[base + corner] = x + along * c - across * s
+        m.corner_y[base + corner] = y + along * s + across * c
 
 
 @compiled
-def squared_distance_to_corners(p: Program, st: State, m: Totals, i: int, base: int) -> float:
-    """Return the least squared distance from the box of i to four corners, m2."""
+def squared_distance_to_corners(
+    p: Program, m: Totals, i: int, x: float, y: float, c: float, s: float, base: int
+) -> float:
+    """Return the least squared distance from the box of i at a pose to four corners, m2."""
     at = p.entity_const[i]
     center = p.const[at + slot.E_CENTER]
     long = 0.5 * p.const[at + slot.E_LENGTH]
     wide = 0.5 * p.const[at + slot.E_WIDTH]
-    c = m.seen_cos[i]
-    s = m.seen_sin[i]
     least = op.FAR * op.FAR
     for corner in range(base, base + 4):
-        dx = m.corner_x[corner] - st.x[i]
-        dy = m.corner_y[corner] - st.y[i]
+        dx = m.corner_x[corner] - x
+        dy = m.corner_y[corner] - y
         along = max(abs(dx * c + dy * s - center) - long, 0.0)
         across = max(abs(dy * c - dx * s) - wide, 0.0)
         least = min(least, along * along + across * across)
@@ -89,20 +86,20 @@ def squared_distance_to_corners(p: Program, st: State, m: Totals, i: int, base: 
 
 
 @compiled
-def lay_along_circle(st: State, m: Totals, ego: int) -> None:
+def lay_along_circle(m: Totals, k: int) -> None:
     """Write the other box's corners, relative to the circle that the ego drives, to `corner_along` and `corner_across`.
 
-    Both are in m; across is positive to the left.
+    `k` is the waiting pair. Both are in m; across is positive to the left.
     """
-    bend = m.curvature[0]
+    bend = m.pair_bend[k]
     side = -1.0 if bend < 0.0 else 1.0
     bent = 1 if abs(bend) > STRAIGHT else 0
     radius = 1.0 / max(abs(bend), STRAIGHT)
-    c = m.seen_cos[ego]
-    s = m.seen_sin[ego]
+    c = m.own_cos[k]
+    s = m.own_sin[k]
     for corner in range(4):
-        dx = m.corner_x[OTHER + corner] - st.x[ego]
-        dy = m.corner_y[OTHER + corner] - st.y[ego]
+        dx = m.corner_x[OTHER + corner] - m.own_x[k]
+        dy = m.corner_y[OTHER + corner] - m.own_y[k]
         along = c * dx + s * dy
         across = c * dy - s * dx
         if bent == 1:
@@ -141,25 +138,26 @@ def least_along(m: Totals, half: float) -> float:
 
 
 @compiled
-def add_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: float) -> None:
+def add_ahead(p: Program, m: Totals, ego: int, k: int) -> None:
     """Add an entity that is in the path ahead; its corners must have been written.
 
     A box on the far side of the circle, where ahead and behind meet, and one around its centre do not count as ahead.
     """
-    lay_along_circle(st, m, ego)
+    lay_along_circle(m, k)
     along = least_along(m, 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH])
-    gap = along - front
+    gap = along - front_of(p, ego)
     if along >= op.FAR or gap < 0.0:
         return
     a = m.corner_along[0]
     b = m.corner_along[1]
     c = m.corner_along[2]
     d = m.corner_along[3]
-    if (max(a, b, c, d) - min(a, b, c, d)) * abs(m.curvature[0]) >= pi:
+    if (max(a, b, c, d) - min(a, b, c, d)) * abs(m.pair_bend[k]) >= pi:
         return
-    m.least_headway[0] = min(m.least_headway[0], gap / st.v[ego] if st.v[ego] > 0.0 else op.FAR)
-    tangent = m.seen_h[ego] + m.curvature[0] * ((a + b + c + d) / 4.0)
-    closing = st.v[ego] - st.v[j] * cos(m.seen_h[j] - tangent)
+    v = m.own_v[k]
+    m.least_headway[0] = min(m.least_headway[0], gap / v if v > 0.0 else op.FAR)
+    tangent = m.own_h[k] + m.pair_bend[k] * ((a + b + c + d) / 4.0)
+    closing = v - m.other_v[k] * cos(m.other_h[k] - tangent)
     time = gap / closing if closing > 0.0 else op.FAR
     m.least_time_to_collision[0] = min(m.least_time_to_collision[0], time)
     square = closing * closing
@@ -168,8 +166,76 @@ def add_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: float) 
 
 
 @compiled
-def may_be_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: float) -> int:
-    """Return 0 if an entity cannot give a new least time to collision, headway or room to brake.
+def add_distance(p: Program, m: Totals, ego: int, k: int) -> None:
+    """Add the distance to the other box; its corners must have been written."""
+    j = m.pair_other[k]
+    lay_corners(p, m, ego, m.own_x[k], m.own_y[k], m.own_cos[k], m.own_sin[k], 0)
+    of_ego = squared_distance_to_corners(p, m, ego, m.own_x[k], m.own_y[k], m.own_cos[k], m.own_sin[k], OTHER)
+    of_other = squared_distance_to_corners(p, m, j, m.other_x[k], m.other_y[k], m.other_cos[k], m.other_sin[k], 0)
+    m.least_distance[0] = min(m.least_distance[0], sqrt(min(of_ego, of_other)))
+
+
+@compiled
+def widest_gap(m: Totals, v: float, other: float) -> float:
+    """Return the gap, m, above which the ego gets no new least time to collision, headway or room to brake.
+
+    `v` is its speed and `other` that of the entity ahead, m/s.
+    """
+    fastest = v + abs(other)
+    braking = min(0.5 * m.least_room[0] * fastest, HORIZON) * fastest
+    return max(m.least_time_to_collision[0] * fastest, m.least_headway[0] * v, braking)
+
+
+@compiled
+def measure_waiting(p: Program, m: Totals, ego: int) -> None:
+    """Add the waiting pairs, the last one first."""
+    for later in range(m.waiting[0]):
+        k = m.waiting[0] - 1 - later
+        nearer = m.pair_apart[k] <= m.least_distance[0]
+        ahead = m.pair_ahead[k] == 1 and m.pair_gap[k] <= widest_gap(m, m.own_v[k], m.other_v[k])
+        if nearer or ahead:
+            lay_corners(p, m, m.pair_other[k], m.other_x[k], m.other_y[k], m.other_cos[k], m.other_sin[k], OTHER)
+        if nearer:
+            add_distance(p, m, ego, k)
+        if ahead:
+            add_ahead(p, m, ego, k)
+    m.waiting[0] = 0
+
+
+@compiled
+def let_wait(p: Program, st: State, m: Totals, ego: int, j: int, apart: float, ahead: int, gap: float) -> None:
+    """Keep the poses of the ego and of j in this row until they are measured.
+
+    `apart` is a lower bound of their distance. `ahead` is 1 if j may be in the path ahead, and `gap` then a lower bound
+    of the gap to it, m.
+    """
+    see_heading(st, m, j)
+    k = m.waiting[0]
+    m.pair_other[k] = j
+    m.pair_apart[k] = apart
+    m.pair_ahead[k] = ahead
+    m.pair_gap[k] = gap
+    m.pair_bend[k] = m.curvature[0]
+    m.own_x[k] = st.x[ego]
+    m.own_y[k] = st.y[ego]
+    m.own_h[k] = m.seen_h[ego]
+    m.own_cos[k] = m.seen_cos[ego]
+    m.own_sin[k] = m.seen_sin[ego]
+    m.own_v[k] = st.v[ego]
+    m.other_x[k] = st.x[j]
+    m.other_y[k] = st.y[j]
+    m.other_h[k] = m.seen_h[j]
+    m.other_cos[k] = m.seen_cos[j]
+    m.other_sin[k] = m.seen_sin[j]
+    m.other_v[k] = st.v[j]
+    m.waiting[0] = k + 1
+    if k + 1 == WAITING:
+        measure_waiting(p, m, ego)
+
+
+@compiled
+def gap_at_least(p: Program, st: State, m: Totals, ego: int, j: int, front: float) -> float:
+    """Return a lower bound of the gap to an entity in the path ahead, m; FAR if it is not in the path.
 
     No part of a box is farther from its centre than its half diagonal. A part within w of a circle and `a` along it is
     no farther away than a + w. The distance of the box's centre from the circle is (2 left - k (ahead^2 + left^2)) / (1
@@ -180,29 +246,15 @@ def may_be_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: floa
     reach = st.reach[j] + SLACK
     ahead = dx * m.seen_cos[ego] + dy * m.seen_sin[ego]
     if ahead + reach < min(front, 0.0):
-        return 0
+        return op.FAR
     beside = reach + 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH]
     near = dx * dx + dy * dy
-    fastest = st.v[ego] + abs(st.v[j])
-    if fastest <= 0.0:
-        return 0
-    braking = min(0.5 * m.least_room[0] * fastest, HORIZON) * fastest
-    gap = max(m.least_time_to_collision[0] * fastest, m.least_headway[0] * st.v[ego], braking)
-    least = front + beside + gap
-    if near > least * least:
-        return 0
     left = dy * m.seen_cos[ego] - dx * m.seen_sin[ego]
     bend = m.curvature[0]
     q = length_of(bend * ahead, 1.0 - bend * left)
-    return 1 if abs(2.0 * left - bend * near) <= (beside + SLACK) * (1.0 + q) else 0
-
-
-@compiled
-def add_distance(p: Program, st: State, m: Totals, ego: int, j: int) -> None:
-    """Add the distance to the other box, whose corners must have been written."""
-    of_ego = squared_distance_to_corners(p, st, m, ego, OTHER)
-    of_other = squared_distance_to_corners(p, st, m, j, 0)
-    m.least_distance[0] = min(m.least_distance[0], sqrt(min(of_ego, of_other)))
+    if not abs(2.0 * left - bend * near) <= (beside + SLACK) * (1.0 + q):
+        return op.FAR
+    return sqrt(near) - front - beside if near > 0.0 else 0.0
 
 
 @compiled
@@ -211,30 +263,23 @@ def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
     if m.touched[0] == 1:
         return
     front = front_of(p, ego)
-    laid = 0
     for j in range(p.entity_count[0]):
-        if j == ego or st.present[j] == 0 or is_above(p, st, ego, j) == 1:
+        if j == ego or st.present[j] == 0:
             continue
-        dx = st.middle_x[j] - st.middle_x[ego]
-        dy = st.middle_y[j] - st.middle_y[ego]
-        near = dx * dx + dy * dy
-        reach = st.reach[ego] + st.reach[j] + SLACK
-        if near <= reach * reach and overlap(p, st, ego, j) == 1:
+        between = length_of(st.middle_x[j] - st.middle_x[ego], st.middle_y[j] - st.middle_y[ego])
+        apart = between - st.reach[ego] - st.reach[j] - SLACK
+        if apart <= 0.0 and overlap(p, st, ego, j) == 1:
             m.touched[0] = 1
+            m.waiting[0] = 0
             m.least_distance[0] = 0.0
             m.least_time_to_collision[0] = 0.0
             m.least_headway[0] = 0.0
             m.least_room[0] = 0.0
             return
-        nearer = near <= (reach + m.least_distance[0]) * (reach + m.least_distance[0])
-        ahead = m.rows[0] > 1 and may_be_ahead(p, st, m, ego, j, front) == 1
-        if nearer or ahead:
-            see_heading(st, m, j)
-            lay_corners(p, st, m, j, OTHER)
-        if nearer and laid == 0:
-            laid = 1
-            lay_corners(p, st, m, ego, 0)
-        if nearer:
-            add_distance(p, st, m, ego, j)
-        if ahead:
-            add_ahead(p, st, m, ego, j, front)
+        ahead = 0
+        gap = op.FAR
+        if m.rows[0] > 1:
+            gap = gap_at_least(p, st, m, ego, j, front)
+            ahead = 1 if gap <= widest_gap(m, st.v[ego], st.v[j]) else 0
+        if (apart <= m.least_distance[0] or ahead == 1) and is_above(p, st, ego, j) == 0:
+            let_wait(p, st, m, ego, j, apart, ahead, gap)

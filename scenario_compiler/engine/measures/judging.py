@@ -7,11 +7,13 @@ from scenario_compiler.engine.columns.log import first_logged
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
+from scenario_compiler.engine.measures.boxes import measure_waiting
 from scenario_compiler.engine.measures.inputs import add_inputs
 from scenario_compiler.engine.measures.lane_keeping import add_keeping, add_to_keeping, finish_keeping
 from scenario_compiler.engine.measures.reversals import add_steering
 from scenario_compiler.engine.measures.takeover import SAME_TIME, add_takeover, behind_collision
 from scenario_compiler.engine.measures.takeovers import add_takeovers
+from scenario_compiler.engine.motion.collision import reported_entity
 from scenario_compiler.marker import compiled
 
 
@@ -82,9 +84,11 @@ def note_fault(st: State, m: Totals) -> None:
 def finish_totals(p: Program, st: State, m: Totals) -> None:
     """Add the last row of the run, and how the run ended."""
     judge_row(p, st, m)
+    measure_waiting(p, m, reported_entity(p))
     add_keeping(p, m, 0)
     finish_keeping(m)
     m.stop[0] = st.stop[0]
+    m.start_tight[0] = st.start_tight[0]
     note_fault(st, m)
     asked = first_logged(st, op.EVENT_REQUEST)
     if asked >= 0:

@@ -18,7 +18,7 @@ from scenario_compiler.roads.geometry import road_heading
 from scenario_compiler.roads.lanes import lane_direction, lane_offset, lane_row, row_centre, row_width
 from scenario_compiler.roads.locate import project_on_road
 from scenario_compiler.roads.tables import RoadTables
-from scenario_compiler.roads.travel import advance
+from scenario_compiler.roads.travel import advance, advance_row
 
 BESIDE = 25.0
 """How far behind the start of the way, or to the side in a junction, an entity may be and still count, m."""
@@ -75,12 +75,17 @@ def walk_route(n: RoadTables, p: Program, st: State, horizon: float) -> None:
         covered = covered + rest + STEP_OVER
         if covered > horizon:
             break
+        if row < 0:
+            break
+        row, s, left = advance_row(n, row, s, rest + STEP_OVER, preferred_road(p, st, road))
         before = road
-        road, lane, s, left = advance(n, road, lane, s, rest + STEP_OVER, preferred_road(p, st, road))
+        road = n.section_road[n.lane_section[row]]
         if left > 0.0 or road == before:
             break
-        row = lane_row(n, road, lane, s)
-        sign = lane_direction(n, road, lane)
+        lane = n.lane_id[row]
+        if section_holds(n, row, s) == 0:
+            row = lane_row(n, road, lane, s)
+        sign = n.lane_sense[row] if row >= 0 else lane_direction(n, road, lane)
     st.way_count[0] = count
 
 

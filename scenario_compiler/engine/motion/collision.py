@@ -12,6 +12,9 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import compiled
 
+SLACK = 1.0e-3
+"""Distance between two circles above which they surely do not meet, m."""
+
 
 @compiled
 def reported_entity(p: Program) -> int:
@@ -30,10 +33,11 @@ def face(st: State, i: int) -> None:
 
 
 @compiled
-def update_boxes(p: Program, st: State) -> None:
+def update_boxes(p: Program, st: State) -> int:
     """Update the centre of every entity's box, and sort the entities by the left end of their boxes' x range.
 
     Insertion sort is used because they are nearly sorted. Cosine and sine are kept while a heading does not change.
+    The result is 0 if no two x ranges overlap, so that there is no collision.
     """
     for i in range(p.entity_count[0]):
         face(st, i)
@@ -41,9 +45,14 @@ def update_boxes(p: Program, st: State) -> None:
         st.middle_x[i] = st.x[i] + center * st.box_cos[i]
         st.middle_y[i] = st.y[i] + center * st.box_sin[i]
     before = -op.FAR
+    right = -op.FAR
+    overlaps = 0
     for k in range(p.entity_count[0]):
         i = st.order[k]
         left = st.middle_x[i] - st.reach[i]
+        if left <= right:
+            overlaps = 1
+        right = max(right, st.middle_x[i] + st.reach[i])
         if left >= before:
             before = left
             continue
@@ -52,6 +61,7 @@ def update_boxes(p: Program, st: State) -> None:
             st.order[at] = st.order[at - 1]
             at = at - 1
         st.order[at] = i
+    return overlaps
 
 
 @compiled
@@ -101,6 +111,26 @@ def overlap(p: Program, st: State, i: int, j: int) -> int:
     if separated(p, st, i, j, dx, dy, c, s) == 1 or separated(p, st, j, i, dx, dy, c, s) == 1:
         return 0
     return 1
+
+
+@compiled
+def may_overlap(p: Program, st: State) -> int:
+    """Return 1 if the circles around two boxes meet, also of absent entities; if they do not, no boxes overlap."""
+    count = p.entity_count[0]
+    for a in range(count):
+        i = st.order[a]
+        b = a + 1
+        while b < count:
+            j = st.order[b]
+            reach = st.reach[i] + st.reach[j] + SLACK
+            dx = st.middle_x[j] - st.middle_x[i]
+            dy = st.middle_y[j] - st.middle_y[i]
+            if dx > reach:
+                break
+            if dx * dx + dy * dy <= reach * reach:
+                return 1
+            b = b + 1
+    return 0
 
 
 @compiled

@@ -257,6 +257,10 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     speed = next_speed(p, st, i, gain, loss, dt)
     wanted = clip(st.command_steer[i], -1.0, 1.0) * p.const[base + slot.E_MAX_STEER]
     st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -st.steer_rate[i] * dt, st.steer_rate[i] * dt)
+    st.v[i] = speed
+    if speed == 0.0:
+        st.h[i] = wrap_heading(st.h[i])
+        return
     rate = speed * tan(st.steer[i]) / max(p.const[base + slot.E_WHEELBASE], 0.1)
     held = grip(st, TYRES_HOLD)
     if abs(rate * speed) > held:
@@ -266,7 +270,6 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     st.x[i] += speed * dt * cos(middle)
     st.y[i] += speed * dt * sin(middle)
     st.h[i] = wrap_heading(st.h[i] + swing)
-    st.v[i] = speed
 
 
 @compiled

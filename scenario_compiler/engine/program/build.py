@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.program.checking import check_program
@@ -18,6 +19,10 @@ from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads.network import Network
 from scenario_compiler.vocabulary.scenario import parameter_values
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 def build_program(plan: Plan, network: Network, *, posed: bool = False) -> Program:
@@ -57,8 +62,8 @@ def lowered(plan: Plan, network: Network, *, posed: bool = False) -> Lowered:
 
 def rows(plan: Plan, network: Network, samples: Sequence[Mapping[str, Value]]) -> list[list[float]]:
     """Return a row of `Program.const` for each sample of the parameters; missing ones have their default values."""
-    numbers = Numbers(plan, network)
-    return [numbers.row(sample) for sample in samples]
+    found: list[list[float]] = Numbers(plan, network).rows(samples).tolist()
+    return found
 
 
 class Numbers:
@@ -71,17 +76,19 @@ class Numbers:
         self._row = [0.0 if isinstance(number, Expression) else float(number) for number in numbers]
         self._open = [(slot, number) for slot, number in enumerate(numbers) if isinstance(number, Expression)]
 
-    def row(self, sample: Mapping[str, Value]) -> list[float]:
-        """Return the row of `Program.const` for a sample of the parameters; missing ones have their default values.
+    def rows(self, samples: Sequence[Mapping[str, Value]]) -> NDArray[np.float64]:
+        """Return `Program.const` for samples of the parameters, (samples, numbers); missing ones have their defaults.
 
         Raises:
             ExpressionError: A number has no value.
         """
-        values = {**self._usual, **sample}
-        row = self._row.copy()
+        import numpy as np
+
+        values = [{**self._usual, **sample} for sample in samples]
+        rows = np.tile(np.array(self._row, dtype=np.float64), (len(samples), 1))
         for slot, number in self._open:
-            row[slot] = number.number(values)
-        return row
+            rows[:, slot] = [number.number(of_sample) for of_sample in values]
+        return rows
 
 
 def _drafted(plan: Plan, network: Network, *, posed: bool) -> PlanBuilder:

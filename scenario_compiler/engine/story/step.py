@@ -21,7 +21,7 @@ from scenario_compiler.engine.ego.person import drive_by_person
 from scenario_compiler.engine.ego.progress import CREEPING
 from scenario_compiler.engine.ego.standing import log_standstill
 from scenario_compiler.engine.ego.weather import update_weather
-from scenario_compiler.engine.motion.collision import check_collisions, update_boxes
+from scenario_compiler.engine.motion.collision import check_collisions, may_overlap, update_boxes
 from scenario_compiler.engine.motion.entities import move_entities, take_stock
 from scenario_compiler.engine.motion.trailers import draw_trailers
 from scenario_compiler.engine.motion.watching import begin_watches
@@ -70,8 +70,8 @@ def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
         update_signals(p, st)
     if st.flag[0] != op.FAULT_NONE:
         return
-    update_boxes(p, st)
-    check_collisions(p, st)
+    if update_boxes(p, st) == 1 or st.crashed[0] == 1:
+        check_collisions(p, st)
 
 
 @compiled
@@ -84,6 +84,7 @@ def reset(n: RoadTables, p: Program, st: State) -> None:
         displace(p, st, p.init_action[c], 0)
         start_action(n, p, st, p.init_action[c], -1)
     update_boxes(p, st)
+    st.start_tight[0] = may_overlap(p, st)
     begin_watches(p, st)
     update_signals(p, st)
     play_story(n, p, st, 0.0)

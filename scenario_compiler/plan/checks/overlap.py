@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Related, Severity
 from scenario_compiler.frames import center_from_reference
@@ -51,7 +51,8 @@ class Overlaps:
         cells: dict[tuple[int, int], list[tuple[Entity, float, StartPose]]] = {}
         for other, far, there in standing:
             column, row = math.floor(there.x / size), math.floor(there.y / size)
-            for one, its_far, at in (one for c in NEAR for r in NEAR for one in cells.get((column + c, row + r), ())):
+            near = [cell for c in NEAR for r in NEAR if (cell := cells.get((column + c, row + r)))]
+            for one, its_far, at in chain.from_iterable(near):
                 # Boxes whose reference points are further apart than both reach cannot overlap.
                 if math.hypot(at.x - there.x, at.y - there.y) > far + its_far:
                     continue
