@@ -18,6 +18,8 @@ def main() -> None:
         from scenario_compiler.interruption import ignore_from_now_on, raise_when_ended
 
         raise_when_ended()
+        import datetime  # noqa: F401  # pydantic's machine code takes an interruption of this import for a missing module
+
         start_lightly()
         from scenario_compiler.cli import main as run_command_line
 

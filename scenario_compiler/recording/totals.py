@@ -17,9 +17,9 @@ from scenario_compiler.recording.traces import TIMED_EVENTS
 
 def finite_or_none(values: Floats) -> list[float | None]:
     """Return numbers (n) as a list, with None for those that are NaN or infinite."""
-    finite = np.isfinite(values)
-    listed = values if finite.all() else np.where(finite, values.astype(object), None)
-    found: list[float | None] = listed.tolist()
+    found: list[float | None] = values.tolist()
+    for place in np.flatnonzero(~np.isfinite(values)):
+        found[place] = None
     return found
 
 

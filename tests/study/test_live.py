@@ -354,7 +354,7 @@ def test_a_second_page_of_a_participant_watches(standing: tuple[Served, Path], b
 
 def test_a_second_page_of_a_participant_goes_on_with_the_first(endless: Path, browser: Browser) -> None:
     with served(*serving(endless)) as server:
-        started(browser, server, 1)
+        started(server, 1)
         address = f"{server.address}participant/1"
         with (
             opened_page(browser, address, bypass_csp=True) as page,
