@@ -22,6 +22,12 @@ from _pytest.runner import runtestprotocol
 TRIES = 2
 """How often a test is begun whose process is ended by a signal: the client has such faults of its own."""
 
+HANGS_AFTER = 600
+"""Seconds after which a test's process is ended by SIGALRM. The client's Traffic Manager can miss that a tick begins,
+and waits for it forever: `TrafficManagerLocal::SynchronousTick` (0.9.16) wakes its thread without holding the lock with
+which that thread looks whether it may sleep.
+"""
+
 SHARED = ("session", "package", "module")
 
 
@@ -85,6 +91,7 @@ def _run(item: pytest.Function) -> tuple[list[str], int]:
 
 def _run_here(item: pytest.Function, writing: int) -> None:
     """Run a test, write its reports, and end the process without the client's destructors."""
+    signal.alarm(HANGS_AFTER)
     with contextlib.suppress(BaseException), os.fdopen(writing, "w", encoding="utf-8") as pipe:
         sibling = copy.copy(item)  # one whose module goes on: only the test's own fixtures end here
         for report in runtestprotocol(item, log=False, nextitem=sibling):
