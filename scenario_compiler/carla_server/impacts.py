@@ -6,8 +6,9 @@ against the rest; a walker gives way in every direction; what no physics moves s
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
+
+from scenario_compiler.carla_server.rectangles import ahead, least_overlap
 
 RESTITUTION = 0.1
 """Share of the speed at which bodies meet with which they part again."""
@@ -40,16 +41,6 @@ class Footprint(NamedTuple):
     inertia: float
     rolls: bool
 
-    @property
-    def ahead(self) -> tuple[float, float]:
-        """The direction of its front."""
-        return math.cos(self.heading), math.sin(self.heading)
-
-    def half_along(self, x: float, y: float) -> float:
-        """Return half of its extent along a direction, m."""
-        c, s = self.ahead
-        return 0.5 * (self.length * abs(c * x + s * y) + self.width * abs(c * y - s * x))
-
 
 class Impact(NamedTuple):
     """The impulse of the second of two bodies on the first, N s, and the speeds of both after it, m/s."""
@@ -66,8 +57,8 @@ def impact(one: Footprint, other: Footprint) -> Impact:
     They meet along the direction in which they overlap least (separating axis theorem). The impulse is that of two
     bodies each of which can move as it can only: the speed at which they meet, over the sum of their mobilities.
     """
-    x, y, depth = _least_overlap(one, other)
-    along, across = (body.ahead[0] * x + body.ahead[1] * y for body in (one, other))
+    x, y, depth = least_overlap(one, other)
+    along, across = (c * x + s * y for c, s in (ahead(one), ahead(other)))
     meets = one.speed * along - other.speed * across
     moves = [(at * at if body.rolls else 1.0) / body.inertia for body, at in ((one, along), (other, across))]
     parts = max(RESTITUTION * meets, min(PARTING * depth, FASTEST_PARTING))
@@ -80,16 +71,3 @@ def impact(one: Footprint, other: Footprint) -> Impact:
         one.speed - impulse / one.inertia * along,
         other.speed + impulse / other.inertia * across,
     )
-
-
-def _least_overlap(one: Footprint, other: Footprint) -> tuple[float, float, float]:
-    """Return the direction from one box to another in which they overlap least, and by how much they do, m."""
-    dx, dy = other.x - one.x, other.y - one.y
-    least = (1.0, 0.0, math.inf)
-    for c, s in (one.ahead, other.ahead):
-        for x, y in ((c, s), (-s, c)):
-            away = dx * x + dy * y
-            depth = one.half_along(x, y) + other.half_along(x, y) - abs(away)
-            if depth < least[2]:
-                least = (x, y, depth) if away >= 0.0 else (-x, -y, depth)
-    return least

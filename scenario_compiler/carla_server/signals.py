@@ -64,15 +64,15 @@ def stands(network: Network, signal: Signal) -> CarlaTransform:
     return carla_from_pose(Pose(x, y, pose.z + signal.z_offset, (heading - 0.5 * math.pi) % math.tau, 0.0, 0.0))
 
 
-def places_of(network: Network, signal: Signal) -> list[Signal]:
-    """Return a signal and all references to it."""
-    return [one for one in signals_of(network) if one.id == signal.id]
+def places_of(network: Network, number: str) -> list[Signal]:
+    """Return the signal with an id and all references to it."""
+    return [one for one in signals_of(network) if one.id == number]
 
 
 def stop_lines(network: Network, signal: Signal) -> Iterator[LanePosition]:
     """Yield where lanes that a signal is for meet its stop line: outside the junction."""
     seen: set[tuple[str, int]] = set()
-    for place in places_of(network, signal):
+    for place in places_of(network, signal.id):
         for lane in lanes_of(network, place):
             stop = _outside(network, lane)
             if stop is not None and (stop.road, stop.lane) not in seen:

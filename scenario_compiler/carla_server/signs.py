@@ -18,7 +18,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from scenario_compiler.carla_server.areas import LEAST_WIDTH, Area, AreaIndex, Box, area_before
+from scenario_compiler.carla_server.areas import LEAST_WIDTH, AreaIndex, Box, area_before, box_at
 from scenario_compiler.carla_server.signals import (
     LIMIT,
     STOP,
@@ -45,8 +45,8 @@ CLEARED = 0.5
 way; and how long after one has left, s.
 """
 
-CHECK_SHARE, LIMIT_SHARE = 0.45, 0.35
-"""Half widths of the areas as shares of their lane's width: on a conflicting way, at a speed limit."""
+CHECK_SHARE, LIMIT_SHARE = 0.9, 0.7
+"""Widths of the areas as shares of their lane's width: on a conflicting way, at a speed limit."""
 
 CLOSE = 2.0
 """Ways through a junction conflict where their middles come so close, m."""
@@ -66,17 +66,15 @@ class Sign:
     kind: str
     signal: str
     transform: CarlaTransform
-    areas: tuple[Area, ...] = ()
+    areas: tuple[Box, ...] = ()
 
     def trigger(self) -> tuple[list[float], list[float], list[float]]:
         """Return the box about its areas on the wire: middle in its own axes, half extents along the world's, turn."""
         turn = [0.0, -self.transform.yaw, 0.0]
         if not self.areas:
             return [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], turn
-        sides = []
-        for k in range(3):
-            spans = [((one.x, one.y, one.z)[k], one.half_extents()[k]) for one in self.areas]
-            sides.append((min(at - half for at, half in spans), max(at + half for at, half in spans)))
+        spans = zip(*(one.sides() for one in self.areas), strict=True)
+        sides = [(min(low for low, _ in one), max(high for _, high in one)) for one in spans]
         x, y, z = vector_from_carla(*(0.5 * (low + high) for low, high in sides))
         dx, dy, dz = (at - own for at, own in zip((x, y, z), self.transform[:3], strict=True))
         yaw = math.radians(self.transform.yaw)
@@ -97,7 +95,7 @@ class RightOfWay:
     """
 
     sign: Sign
-    crossed: tuple[Area, ...]
+    crossed: tuple[Box, ...]
     waiting: set[int] = field(default_factory=set)
     crossing: set[tuple[int, int]] = field(default_factory=set)
     due: list[float] = field(default_factory=list)
@@ -191,22 +189,21 @@ def signs_of(network: Network) -> list[Sign]:
     return found
 
 
-def _cube(network: Network, at: LanePosition, half: float) -> Area:
-    pose = network.lane_pose(at.road, at.lane, at.s)
-    return Area(pose.x, pose.y, pose.z, pose.heading, half, half, half)
+def _cube(network: Network, at: LanePosition, edge: float) -> Box:
+    return box_at(network.lane_pose(at.road, at.lane, at.s), edge, edge, edge)
 
 
-def _limit_areas(network: Network, signal: Signal) -> Iterator[Area]:
-    for place in places_of(network, signal):
+def _limit_areas(network: Network, signal: Signal) -> Iterator[Box]:
+    for place in places_of(network, signal.id):
         for at in lanes_of(network, place):
-            half = max(LIMIT_SHARE * network.lane_width(at.road, at.lane, at.s), LEAST_WIDTH)
-            yield _cube(network, network.previous(at, half) or at, half)
+            edge = max(LIMIT_SHARE * network.lane_width(at.road, at.lane, at.s), LEAST_WIDTH)
+            yield _cube(network, network.previous(at, 0.5 * edge) or at, edge)
 
 
-def _crossed(network: Network, sign: Sign) -> Iterator[Area]:
+def _crossed(network: Network, sign: Sign) -> Iterator[Box]:
     """Yield the areas on ways through the junction that conflict with the way that a sign is on."""
     seen: set[tuple[str, int]] = set()
-    for place in (one for one in network.model().signals if one.id == sign.signal):
+    for place in places_of(network, sign.signal):
         own = [(at.road, at.lane) for at in lanes_of(network, place)]
         junction = network.road(place.road).junction
         if junction is None or not own:
@@ -249,17 +246,16 @@ def _points(network: Network, road: str, lane: int) -> list[tuple[float, float]]
     return [(pose.x, pose.y) for pose in poses]
 
 
-def _along(network: Network, road: str, lane: int) -> Iterator[Area]:
+def _along(network: Network, road: str, lane: int) -> Iterator[Box]:
     """Yield the areas along a lane in a junction, and those before it."""
     at = _start(network, road, lane)
-    half = max(CHECK_SHARE * network.lane_width(at.road, at.lane, at.s), LEAST_WIDTH)
+    edge = max(CHECK_SHARE * network.lane_width(at.road, at.lane, at.s), LEAST_WIDTH)
     length = network.road(road).length
-    for k in range(math.floor(length / (2.0 * half)) + 1):
-        s = 2.0 * half * k
-        yield _cube(network, at._replace(s=s if at.s == 0.0 else length - s), half)
-    left, before = FORESEEN, network.previous(at, 2.0 * half)
+    for k in range(math.floor(length / edge) + 1):
+        yield _cube(network, at._replace(s=edge * k if at.s == 0.0 else length - edge * k), edge)
+    left, before = FORESEEN, network.previous(at, edge)
     while before is not None and left > 0.0:
-        yield _cube(network, before, half)
+        yield _cube(network, before, edge)
         limit = network.speed_limit(before.road, before.lane, before.s)
         speed = DEFAULT_SPEED if limit is None or not 0.0 < limit < math.inf else 3.6 * limit
-        left, before = left - half / speed, network.previous(before, 2.0 * half)
+        left, before = left - 0.5 * edge / speed, network.previous(before, edge)

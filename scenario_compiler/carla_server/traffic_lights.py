@@ -14,7 +14,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from scenario_compiler.carla_server.areas import Area, area_before
+from scenario_compiler.carla_server.areas import Box, area_before
 from scenario_compiler.carla_server.signals import LIGHT, stands, stop_lines
 from scenario_compiler.frames import CarlaTransform, carla_from_pose
 from scenario_compiler.roads import Network
@@ -52,7 +52,7 @@ class Light:
     signal: str
     transform: CarlaTransform
     stops: tuple[CarlaTransform, ...]
-    areas: tuple[Area, ...]
+    areas: tuple[Box, ...]
     group: Group = field(repr=False)
     times: list[float]
     actor: int = 0
@@ -185,7 +185,7 @@ def _by_direction(network: Network, signals: Sequence[Signal]) -> list[list[Sign
 
 def _light(network: Network, signal: Signal, group: Group, times: list[float]) -> Light:
     stops: list[CarlaTransform] = []
-    areas: list[Area] = []
+    areas: list[Box] = []
     for stop in stop_lines(network, signal):
         pose = network.lane_pose(stop.road, stop.lane, stop.s)
         road = network.road_index(stop.road)

@@ -84,6 +84,14 @@ def served(folder: Path, *arguments: str) -> Iterator[Served]:
     assert " failed at " not in told, told[-3000:]
 
 
+@contextlib.contextmanager
+def served_map(folder: Path, name: str, content: bytes, version: str) -> Iterator[Served]:
+    """Run a server for the clients of a version, with a map of one's own."""
+    (folder / f"{name}.xodr").write_bytes(content)
+    with served(folder, "--carla-version", version, "--maps", str(folder), "--map", name) as running:
+        yield running
+
+
 def installed_version() -> str:
     """Return the version of the client that is installed, asked in a process of its own: a client has threads."""
     pytest.importorskip("carla", reason="the CARLA client has no wheel for this Python")

@@ -14,12 +14,11 @@ from scenario_compiler.carla_server.areas import Box
 from scenario_compiler.carla_server.signs import SignRules, signs_of
 from scenario_compiler.carla_server.traffic_lights import GREEN, RED, groups_of
 from scenario_compiler.roads import Network, load_network
-from tests.carla_server.conftest import STEP, Served, served
+from tests.carla_server.conftest import STEP, Served, free_port, served_map
 
 pytestmark = pytest.mark.apart
 
 MAPS = Path(__file__).parents[2] / "maps"
-MANAGER = 8690
 STOP, YIELD = "12", "22"
 """Signals of signal_crossing that become signs: on the northern arm and on the southern one."""
 
@@ -161,10 +160,7 @@ def test_lights_stand_where_the_clients_map_has_them() -> None:
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory, client_version: str) -> Iterator[Served]:
-    folder = tmp_path_factory.mktemp("signed")
-    (folder / "signed_crossing.xodr").write_bytes(signed_crossing())
-    arguments = ("--carla-version", client_version, "--maps", str(folder), "--map", "signed_crossing")
-    with served(folder, *arguments) as running:
+    with served_map(tmp_path_factory.mktemp("signed"), "signed_crossing", signed_crossing(), client_version) as running:
         yield running
 
 
@@ -205,7 +201,8 @@ def test_the_traffic_manager_stops_at_a_stop_sign_unless_it_ignores_signs(
 ) -> None:
     import carla
 
-    manager = server.client().get_trafficmanager(MANAGER + ignored)
+    port = free_port()
+    manager = server.client().get_trafficmanager(port)
     manager.set_synchronous_mode(True)
     manager.set_random_device_seed(1)
     town = world.get_map()
@@ -215,7 +212,7 @@ def test_the_traffic_manager_stops_at_a_stop_sign_unless_it_ignores_signs(
     start.location.z += 0.3
     driven = world.spawn_actor(world.get_blueprint_library().find("vehicle.tesla.model3"), start)
     world.tick()
-    driven.set_autopilot(True, MANAGER + ignored)
+    driven.set_autopilot(True, port)
     manager.ignore_signs_percentage(driven, ignored)
     speeds, red, crossed = [], False, False
     for _ in range(round(30.0 / STEP)):

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from tests.carla_server.conftest import STEP, Served, free_port, served
+from tests.carla_server.conftest import STEP, Served, free_port, served_map
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
 """Run by `make test-carla`."""
@@ -50,10 +50,7 @@ def lit_town() -> bytes:
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory, client_version: str) -> Iterator[Served]:
-    folder = tmp_path_factory.mktemp("lit")
-    (folder / "lit_town.xodr").write_bytes(lit_town())
-    arguments = ("--carla-version", client_version, "--maps", str(folder), "--map", "lit_town")
-    with served(folder, *arguments) as running:
+    with served_map(tmp_path_factory.mktemp("lit"), "lit_town", lit_town(), client_version) as running:
         yield running
 
 
