@@ -6,12 +6,12 @@ batches of rows. Nothing in a row depends on how a sweep is split.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -182,18 +182,15 @@ class _Family:
         Of several variants, only those starts are checked that their runs do not show to be sound.
         """
         together = self.engine is not None and len(batch) > 1
-        faults = [self.checks.fault(one.values, starts=not together) for one in batch]
-        sound = [k for k, fault in enumerate(faults) if not fault]
+        errors = [self.checks.fault(one.values, starts=not together) for one in batch]
+        sound = [k for k, error in enumerate(errors) if not error]
         ran, doubtful = self._run([batch[k] for k in sound]) if sound else (error_columns(0, ""), [])
-        wrong = {sound[k]: self.checks.fault(batch[sound[k]].values) for k in doubtful} if together else {}
-        if not any(faults) and not any(wrong.values()):
+        for k in (sound[place] for place in doubtful):
+            errors[k] = self.checks.fault(batch[k].values)
+        if not any(errors):
             return ran
-        rows = {name: iter(values) for name, values in ran.items()}
-        found = []
-        for k, fault in enumerate(faults):
-            row = error_columns(1, fault) if fault else _following(rows)
-            found.append(error_columns(1, wrong[k]) if wrong.get(k) else row)
-        return joined(found)
+        places = {k: place for place, k in enumerate(sound)}
+        return joined([error_columns(1, error) if error else _row(ran, places[k]) for k, error in enumerate(errors)])
 
     def _run(self, batch: Sequence[Variant]) -> tuple[Columns, list[int]]:
         """Return the rows of variants, and the places of those whose starts may be at fault."""
@@ -232,9 +229,9 @@ def joined(parts: Sequence[Columns]) -> Columns:
     return {name: [value for columns in parts for value in columns[name]] for name in parts[0]}
 
 
-def _following(rows: Mapping[str, Iterator[Any]]) -> Columns:
-    """Return the next rows, one after the other."""
-    return {name: [next(values)] for name, values in rows.items()}
+def _row(rows: Columns, place: int) -> Columns:
+    """Return one of several rows."""
+    return {name: [values[place]] for name, values in rows.items()}
 
 
 def record(plan: Plan, network: Network, variant: Variant, trust: Trust | None = None) -> Recording:

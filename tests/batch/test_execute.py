@@ -31,6 +31,7 @@ from scenario_compiler.recording.store import read_recording
 from scenario_compiler.report.statistics import wilson_interval
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.vocabulary.storyboard import Storyboard
+from tests.plan.starts import parked_ahead
 
 LIBRARY = Path(__file__).parents[2] / "library" / "conflicts"
 VARY = ("distance=uniform(20, 350)", "speed=choice(8, 13.9, 20)")
@@ -271,16 +272,7 @@ def test_the_memory_of_a_sweep_does_not_depend_on_how_long_its_runs_are(conflict
 @pytest.mark.parametrize("interpreted", [True, False])
 def test_faults_of_starts_are_rows_with_the_error_of_a_run(tmp_path: Path, interpreted: bool) -> None:
     """Entities that overlap, and a start beyond the lane's end, among variants that run together."""
-    path = tmp_path / "start.xml"
-    path.write_text(
-        '<scenarios version="1"><scenario name="start" map="highway_loop" duration="3" step="0.05">'
-        '<parameter name="far" type="length" default="30"/>'
-        '<ego speed="10"><start><lane road="1" lane="-1" s="20"/></start></ego>'
-        '<static id="cone"><at><lane road="1" lane="-3" s="20"/></at></static>'
-        '<static id="parked"><at><ahead_of entity="cone" distance="$far"/></at></static>'
-        "</scenario></scenarios>",
-        encoding="utf-8",
-    )
+    path = parked_ahead(tmp_path)
     spec = SweepSpec(vary=("far=values(1, 100, 3, 40, 9000)",), perception="ideal", interpreted=interpreted)
     run_sweep(path, spec, tmp_path / "sweep", workers=1, report=False)
     rows, _ = read_results(tmp_path / "sweep")

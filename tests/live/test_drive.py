@@ -121,6 +121,22 @@ def moved(page: Page, axis: int, *values: float) -> None:
         page.evaluate(SEEN)
 
 
+def places_found(page: Page, moves: tuple[tuple[int, int, int, tuple[int, ...]], ...]) -> list[str]:
+    """Return where the profile has its first inputs after axes have been moved for them.
+
+    A move has the input's row, the device and its axis in `pads`, and the values that the axis takes in turn.
+    """
+    page.wait_for_function("globalThis.page?.role === 'driver'")
+    page.get_by_role("button", name="Gamepad or wheel").click()
+    rows = page.locator("#profile tbody tr")
+    for row, device, axis, values in moves:
+        rows.nth(row).click()
+        for value in values:
+            page.evaluate("([device, axis, value]) => (pads[device].axes[axis] = value)", [device, axis, value])
+            page.evaluate(SEEN)
+    return [one.strip() for one in rows.locator("td:nth-child(2)").all_inner_texts()[: len(moves)]]
+
+
 def driven(folder: Path, number: int = 1) -> Recording:
     return read_recording(folder / f"drive-{number:03d}" / "recording.parquet")
 
@@ -345,17 +361,13 @@ def test_a_wheel_and_separate_pedals_are_assigned_together(waiting: Served, brow
       navigator.getGamepads = () => pads;
     }"""
     with page_with_gamepad(browser, waiting) as page:
-        page.wait_for_function("globalThis.page?.role === 'driver'")
         page.evaluate(pedals)
-        page.get_by_role("button", name="Gamepad or wheel").click()
-        rows = page.locator("#profile tbody tr")
-        for row, device, axis, values in ((2, 0, 1, (1, -1, 1)), (0, 1, 0, (0, -1, 0)), (1, 0, 0, (1, -1, 1))):
-            rows.nth(row).click()
-            for value in values:
-                page.evaluate("([device, axis, value]) => (pads[device].axes[axis] = value)", [device, axis, value])
-                page.evaluate(SEEN)
-        places = [one.strip() for one in rows.locator("td:nth-child(2)").all_inner_texts()]
-        assert places[:3] == ["wheel: axis 0", "pedals: axis 0", "pedals: axis 1"]
+        moves = ((2, 0, 1, (1, -1, 1)), (0, 1, 0, (0, -1, 0)), (1, 0, 0, (1, -1, 1)))
+        assert places_found(page, moves) == [
+            "wheel: axis 0",
+            "pedals: axis 0",
+            "pedals: axis 1",
+        ]
         page.evaluate("pads[0].axes = [1, -1]; pads[1].axes = [-0.5]")
         told = page.evaluate("page.wheel.read()")
         assert (told["throttle"], told["brake"]) == (0, 1)
@@ -373,17 +385,13 @@ def test_two_devices_of_one_model_are_assigned_apart(waiting: Served, browser: B
       navigator.getGamepads = () => pads;
     }"""
     with page_with_gamepad(browser, waiting) as page:
-        page.wait_for_function("globalThis.page?.role === 'driver'")
         page.evaluate(boards)
-        page.get_by_role("button", name="Gamepad or wheel").click()
-        rows = page.locator("#profile tbody tr")
-        for row, device, axis, values in ((0, 0, 0, (0, -1, 0)), (1, 1, 0, (1, -1, 1)), (2, 1, 1, (1, -1, 1))):
-            rows.nth(row).click()
-            for value in values:
-                page.evaluate("([device, axis, value]) => (pads[device].axes[axis] = value)", [device, axis, value])
-                page.evaluate("() => new Promise((seen) => requestAnimationFrame(() => requestAnimationFrame(seen)))")
-        places = [one.strip() for one in rows.locator("td:nth-child(2)").all_inner_texts()]
-        assert places[:3] == ["board: axis 0", "board (2): axis 0", "board (2): axis 1"]
+        moves = ((0, 0, 0, (0, -1, 0)), (1, 1, 0, (1, -1, 1)), (2, 1, 1, (1, -1, 1)))
+        assert places_found(page, moves) == [
+            "board: axis 0",
+            "board (2): axis 0",
+            "board (2): axis 1",
+        ]
         page.evaluate("pads[0].axes = [-0.5]; pads[1].axes = [0, 1]")
         told = page.evaluate("page.wheel.read()")
         assert told["steer"] == pytest.approx(0.5, abs=0.01)

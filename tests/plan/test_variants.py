@@ -18,6 +18,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import read_plan, write_plan
 from scenario_compiler.plan.variants import VariantChecks
 from scenario_compiler.randomness import uniform
+from tests.plan.starts import parked_ahead
 
 IDEAL = Overrides(perception="ideal")
 
@@ -146,16 +147,7 @@ def test_variants_of_the_library_are_refused_as_runs_are(repository: Path) -> No
 
 @pytest.mark.parametrize(("distance", "sound"), [(0.5, False), (30.0, True), (9000.0, False)])
 def test_a_run_does_not_hide_a_fault_of_its_start(tmp_path: Path, distance: float, sound: bool) -> None:
-    path = tmp_path / "start.xml"
-    path.write_text(
-        '<scenarios version="1"><scenario name="start" map="highway_loop" duration="3" step="0.05">'
-        '<parameter name="far" type="length" default="30"/>'
-        '<ego speed="10"><start><lane road="1" lane="-1" s="20"/></start></ego>'
-        '<static id="cone"><at><lane road="1" lane="-3" s="20"/></at></static>'
-        '<static id="parked"><at><ahead_of entity="cone" distance="$far"/></at></static>'
-        "</scenario></scenarios>",
-        encoding="utf-8",
-    )
+    path = parked_ahead(tmp_path)
     done = compile_target(str(path), {}, Diagnostics(), overrides=IDEAL)
     assert done is not None
     checks = VariantChecks(done.plan, done.network)
