@@ -72,9 +72,9 @@ UNCROSSED_MARKS = frozenset({"solid", "solid solid", "curb", "edge"})
 
 MARK_COLUMNS = (
     *("mark_type", "mark_colour", "mark_change", "mark_width", "mark_quality_from", "mark_quality_to"),
-    *("mark_sway_first", "mark_sway_last", "mark_line"),
+    *("mark_sway_first", "mark_sway_last"),
 )
-"""The columns that each mark fills by itself."""
+"""The columns with what a mark looks like."""
 
 LANE_DIRECTIONS = {"standard": 0, "reversed": 1, "both": 2}
 
@@ -87,8 +87,8 @@ class LaneLinks:
     after: list[list[int]]
 
 
-Paint = tuple[int, int, int, float]
-"""Codes of a mark's type, colour and lane change, and its width, m."""
+MarkLook = tuple[int, int, int, float, float, float, int, int]
+"""The values of a mark for `MARK_COLUMNS`."""
 
 Side = tuple[PlainElement | None, float]
 """The side's element and the s from which its records count."""
@@ -102,7 +102,8 @@ class LaneReader:
         self._reader = reader
         self._n = tables
         self._copies = COPY_LIMIT
-        self._paints: dict[tuple[str | None, ...], Paint] = {}
+        self._plain_marks: dict[tuple[str | None, ...], MarkLook] = {}
+        self._marks_of_road: list[MarkLook] = []
         self._mark_columns = [getattr(tables, name) for name in MARK_COLUMNS]
         self.links = LaneLinks([], [])
 
@@ -113,6 +114,9 @@ class LaneReader:
         lanes = road_element.find("lanes")
         if lanes is not None:
             self._read_sections(lanes, road, length, cuts)
+            for column, values in zip(self._mark_columns, zip(*self._marks_of_road, strict=True), strict=False):
+                column.extend(values)
+            self._marks_of_road.clear()
         n.road_section.append(len(n.section_s))
 
     def _read_sections(self, lanes: PlainElement, road: int, length: float, cuts: Sequence[float]) -> None:
@@ -283,7 +287,7 @@ class LaneReader:
                 span = self._reader.cubics(n, borders, "sOffset", origin)
                 outer = [(c[0], sign * c[1], sign * c[2], sign * c[3], sign * c[4]) for c in _rows(n, span)]
                 widths = _sum(outer or [(origin, 0.0, 0.0, 0.0, 0.0)], edge, -1.0)
-                n.lane_width_first[at], n.lane_width_last[at] = append_cubics(n, widths)
+                n.lane_width_first[at], n.lane_width_last[at] = append_cubics(n, *zip(*widths, strict=True))
                 edge = outer or [(origin, 0.0, 0.0, 0.0, 0.0)]
             else:
                 widths = _rows(n, (n.lane_width_first[at], n.lane_width_last[at]))
@@ -292,8 +296,7 @@ class LaneReader:
 
     def _marks(self, elements: list[PlainElement], origin: float, end: float) -> None:
         n = self._n
-        number = self._reader.number
-        starts = [origin + number(one, "sOffset", 0.0, limit=LENGTH_LIMIT) for one in elements]
+        starts = [origin + s for s in self._reader.lengths(elements, "sOffset")]
         if starts != sorted(starts):
             self._reader.report(UNSORTED, "the lane's road marks are not in ascending order", elements[0])
             elements = [elements[i] for i in sorted(range(len(elements)), key=starts.__getitem__)]
@@ -301,29 +304,15 @@ class LaneReader:
         n.mark_s.extend(starts)
         n.mark_end.extend(starts[1:])
         n.mark_end.append(max(starts[-1], end))
-        rows = [self._mark(s, element) for s, element in zip(starts, elements, strict=True)]
-        for column, values in zip(self._mark_columns, zip(*rows, strict=True), strict=True):
-            column.extend(values)
+        for s, element in zip(starts, elements, strict=True):
+            get = element.get
+            written = get("type"), get("color"), get("laneChange"), get("width"), get("weight")
+            look = self._plain_marks.get(written) or self._plain_mark(element, written)
+            self._marks_of_road.append(self._detailed_mark(look, element, s) if len(element) else look)
+            n.mark_line.append(len(n.line_length))
 
-    def _mark(self, s: float, element: PlainElement) -> tuple[float, ...]:
-        """Return the values of a mark from s on for `MARK_COLUMNS`, and append its lines."""
-        n = self._n
-        get = element.get
-        written = get("type"), get("color"), get("laneChange"), get("width"), get("weight")
-        kind, colour, change, width = self._paints.get(written) or self._paint(element, written)
-        quality = 1.0
-        first = last = 0
-        if len(element):
-            quality = self._quality(element)
-            sways = element.findall("sway")
-            if sways:
-                first, last = self._reader.cubics(n, sways, "ds", s)
-            self._lines(grandchildren(element, "type", "line"), 0, width, colour)
-            self._lines(grandchildren(element, "explicit", "line"), 1, width, colour)
-        return kind, colour, change, width, quality, quality, first, last, len(n.line_length)
-
-    def _paint(self, element: PlainElement, written: tuple[str | None, ...]) -> Paint:
-        """Return the paint of a mark, and keep it for marks with the same attributes unless one is reported."""
+    def _plain_mark(self, element: PlainElement, written: tuple[str | None, ...]) -> MarkLook:
+        """Return the look of a mark by its attributes, and keep it for marks with the same unless one is reported."""
         reported = self._reader.sink.reported
         name = element.get("type", "none")
         kind = MARK_TYPE_CODES.get(name, -1)
@@ -340,9 +329,20 @@ class LaneReader:
         width = self._reader.number(element, "width", 0.0)
         if width <= 0.0:
             width = 2.0 * STANDARD_WIDTH if element.get("weight") == "bold" else STANDARD_WIDTH
+        look = kind, colour, change, width, 1.0, 1.0, 0, 0
         if self._reader.sink.reported == reported:
-            self._paints[written] = kind, colour, change, width
-        return kind, colour, change, width
+            self._plain_marks[written] = look
+        return look
+
+    def _detailed_mark(self, look: MarkLook, element: PlainElement, s: float) -> MarkLook:
+        """Return the look of a mark from s on with what its children say, and append its lines."""
+        kind, colour, change, width, *_ = look
+        quality = self._quality(element)
+        sways = element.findall("sway")
+        sway = self._reader.cubics(self._n, sways, "ds", s) if sways else (0, 0)
+        self._lines(grandchildren(element, "type", "line"), 0, width, colour)
+        self._lines(grandchildren(element, "explicit", "line"), 1, width, colour)
+        return kind, colour, change, width, quality, quality, *sway
 
     def _quality(self, element: PlainElement) -> float:
         for data in element.findall("userData"):
