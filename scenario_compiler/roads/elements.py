@@ -31,7 +31,10 @@ Element: TypeAlias = etree._Element | PlainElement
 
 def grandchildren(element: PlainElement, tag: str, inner: str) -> list[PlainElement]:
     """Return the children with the tag `inner` of an element's children with another tag, in the order of the file."""
-    return [one for child in element.findall(tag) for one in child.findall(inner)]
+    found: list[PlainElement] = []
+    for child in element.findall(tag):
+        found += child.findall(inner)
+    return found
 
 
 class RoadFile:

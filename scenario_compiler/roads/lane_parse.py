@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 from scenario_compiler.diagnostics import Code, Severity
@@ -21,7 +20,7 @@ from scenario_compiler.roads.marks import (
     STANDARD_WIDTH,
 )
 from scenario_compiler.roads.reading import LENGTH_LIMIT, UNSORTED, Cubic, Reader, append_cubics
-from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 
 BAD_LANE = Code(
     "SC310",
@@ -79,12 +78,8 @@ MARK_COLUMNS = (
 LANE_DIRECTIONS = {"standard": 0, "reversed": 1, "both": 2}
 
 
-@dataclass(slots=True)
-class LaneLinks:
-    """The lane ids to which the file links each lane's row, before and after its section."""
-
-    before: list[list[int]]
-    after: list[list[int]]
+LaneLinks = dict[tuple[int, int], list[int]]
+"""The lane ids to which the file links an end of a lane, by its row and `AT_START` or `AT_END`, if there are any."""
 
 
 MarkLook = tuple[int, int, int, float, float, float, int, int]
@@ -105,7 +100,7 @@ class LaneReader:
         self._plain_marks: dict[tuple[str | None, ...], MarkLook] = {}
         self._marks_of_road: list[MarkLook] = []
         self._mark_columns = [getattr(tables, name) for name in MARK_COLUMNS]
-        self.links = LaneLinks([], [])
+        self.links = LaneLinks()
 
     def read(self, road_element: PlainElement, road: int, length: float, cuts: Sequence[float] = ()) -> None:
         """Append the lane sections of a road; `cuts` are the places where other roads are attached, ascending."""
@@ -195,16 +190,12 @@ class LaneReader:
                 self._reader.report(BAD_LANE, f"the lane '{element.get('id')}' is left out", element, "id")
             else:
                 found[lane] = element
-        return sorted(found.items(), key=lambda pair: abs(pair[0]))
+        return [(lane, found[lane]) for lane in sorted(found, key=abs)]
 
     def _lane(self, lane: int, element: PlainElement | None, origin: float, end: float) -> None:
         n = self._n
         n.lane_id.append(lane)
         n.lane_section.append(len(n.section_s) - 1)
-        before: list[int] = []
-        after: list[int] = []
-        self.links.before.append(before)
-        self.links.after.append(after)
         if element is None:
             n.lane_type.append(NONE)
             n.lane_level.append(0)
@@ -222,7 +213,7 @@ class LaneReader:
         if direction == 1:
             n.road_directions[n.section_road[-1]] = 1
         for link in element.findall("link"):
-            self._links(link, before, after)
+            self._links(link, len(n.lane_id) - 1)
         for speed in element.findall("speed"):
             n.speed_s.append(origin + self._reader.number(speed, "sOffset", 0.0, limit=LENGTH_LIMIT))
             n.speed_max.append(self._reader.speed(speed))
@@ -234,12 +225,13 @@ class LaneReader:
         if marks:
             self._marks(marks, origin, end)
 
-    def _links(self, link: PlainElement, before: list[int], after: list[int]) -> None:
+    def _links(self, link: PlainElement, row: int) -> None:
         for one in link:
             if one.tag in {"predecessor", "successor"}:
                 lane = self._reader.integer(one, "id")
                 if lane is not None:
-                    (before if one.tag == "predecessor" else after).append(lane)
+                    end = AT_START if one.tag == "predecessor" else AT_END
+                    self.links.setdefault((row, end), []).append(lane)
 
     def _continue(self, left: bool, right: bool) -> None:
         """Link a side that continues over a one-sided section or a cut to itself in the previous section."""
@@ -247,11 +239,11 @@ class LaneReader:
         if not (left or right):
             return
         section = len(n.section_s) - 1
-        for at, links in ((section - 1, self.links.after), (section, self.links.before)):
+        for at, end in ((section - 1, AT_END), (section, AT_START)):
             for row in range(n.section_lane[at], n.section_lane[at + 1]):
                 lane = n.lane_id[row]
                 if (lane > 0 and left) or (lane < 0 and right):
-                    links[row][:] = [lane]
+                    self.links[row, end] = [lane]
 
     def _widths(self, lanes: list[tuple[int, PlainElement | None, float]], first: int) -> None:
         """Append the widths of a section's lanes; borders become widths by subtracting the next border inside."""

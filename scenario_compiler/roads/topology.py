@@ -16,7 +16,7 @@ from math import pi
 from scenario_compiler.diagnostics import Code, Severity, did_you_mean
 from scenario_compiler.roads.attachments import CUT_TOLERANCE, Attachment
 from scenario_compiler.roads.elements import PlainElement, grandchildren
-from scenario_compiler.roads.geometry import road_reference, wrap_angle
+from scenario_compiler.roads.geometry import road_heading, road_reference, wrap_angle
 from scenario_compiler.roads.lane_parse import LaneLinks
 from scenario_compiler.roads.lanes import lane_row_in
 from scenario_compiler.roads.reading import Reader
@@ -46,17 +46,17 @@ class Connection:
 
 
 class _Links:
-    """Collects links between ends of lane rows, each once, in both directions."""
+    """Collects links between ends of lane rows, each once, in both directions; an end is a row and a contact."""
 
-    def __init__(self, rows: int) -> None:
-        self.ends: list[list[tuple[int, int]]] = [[] for _ in range(2 * rows)]
+    def __init__(self) -> None:
+        self.ends: dict[tuple[int, int], list[tuple[int, int]]] = {}
         self.branches: set[tuple[int, int, int]] = set()
 
     def add(self, row: int, end: int, other: int, contact: int) -> None:
-        if (other, contact) not in self.ends[2 * row + end]:
-            self.ends[2 * row + end].append((other, contact))
-        if (row, end) not in self.ends[2 * other + contact]:
-            self.ends[2 * other + contact].append((row, end))
+        for one, two in (((row, end), (other, contact)), ((other, contact), (row, end))):
+            ends = self.ends.setdefault(one, [])
+            if two not in ends:
+                ends.append(two)
 
 
 def build_links(
@@ -74,7 +74,7 @@ def build_links(
     inside = {(one.road, one.end) for one in attachments}
     for element in roads:
         _read_road_links(reader, n, element, index, junctions, inside)
-    links = _Links(len(n.lane_id))
+    links = _Links()
     for road in range(len(roads)):
         for section in range(n.road_section[road], n.road_section[road + 1] - 1):
             _link_joint(n, links, lane_links, (section, AT_END), (section + 1, AT_START))
@@ -179,9 +179,8 @@ def _link_joint(
     """Link the lanes of two touching sections, each given with the end that is touched."""
     named = False
     for (section, end), (target, contact) in ((one, other), (other, one)):
-        sources = lane_links.after if end == AT_END else lane_links.before
         for row in _rows(n, section):
-            for lane in sources[row]:
+            for lane in lane_links.get((row, end), ()):
                 named = True
                 found = lane_row_in(n, target, lane)
                 if found >= 0 and lane != 0 and n.lane_id[row] != 0:
@@ -250,11 +249,11 @@ def _link_attachment(
         return
     if attachment.contact == AT_END:
         target -= 1
-    filed = lane_links.before if attachment.end == AT_START else lane_links.after
-    pairs = [(lane, n.lane_id[row]) for row in _rows(n, section) for lane in filed[row]]
+    rows = _rows(n, section)
+    pairs = [(lane, n.lane_id[row]) for row in rows for lane in lane_links.get((row, attachment.end), ())]
     pairs.extend(named.get((main, road, attachment.end), ()))
     sign = 1 if attachment.end != attachment.contact else -1
-    for lane, own in pairs or [(sign * n.lane_id[row], n.lane_id[row]) for row in _rows(n, section)]:
+    for lane, own in pairs or [(sign * n.lane_id[row], n.lane_id[row]) for row in rows]:
         found, row = lane_row_in(n, target, lane), lane_row_in(n, section, own)
         if found >= 0 and row >= 0 and lane != 0 and own != 0:
             links.add(found, attachment.contact, row, attachment.end)
@@ -271,12 +270,11 @@ def _touches(n: RoadTables, road: int, contact: int, other: int, end: int) -> bo
 def _store(n: RoadTables, links: _Links) -> None:
     turns = [_turn(n, road) for road in range(len(n.road_length))]
     exits: list[list[tuple[int, int]]] = [[] for _ in range(2 * len(n.road_length))]
-    for i, ends in enumerate(links.ends):
-        if ends:
-            row, end = divmod(i, 2)
-            section = n.lane_section[row]
+    for row, section in enumerate(n.lane_section):
+        for end in (AT_START, AT_END):
+            ends = links.ends.get((row, end), ())
             road = n.section_road[section]
-            at_road_end = section == _end_section(n, road, end)
+            at_road_end = len(ends) > 0 and section == _end_section(n, road, end)
             for other, contact in ends:
                 target = n.section_road[n.lane_section[other]]
                 n.link_lane.append(other)
@@ -285,7 +283,7 @@ def _store(n: RoadTables, links: _Links) -> None:
                 n.link_turn.append(pi if branch else turns[target])
                 if at_road_end and not branch and (target, contact) not in exits[2 * road + end]:
                     exits[2 * road + end].append((target, contact))
-        n.lane_link.append(len(n.link_lane))
+            n.lane_link.append(len(n.link_lane))
     for roads in exits:
         n.exit_road.extend(road for road, _ in roads)
         n.exit_contact.extend(contact for _, contact in roads)
@@ -296,5 +294,4 @@ def _turn(n: RoadTables, road: int) -> float:
     """Return the absolute change of heading between a road's ends, rad, at most pi."""
     if n.road_junction[road] < 0:
         return 0.0
-    before, after = road_reference(n, road, 0.0)[2], road_reference(n, road, n.road_length[road])[2]
-    return min(pi, abs(wrap_angle(after - before)))
+    return min(pi, abs(wrap_angle(road_heading(n, road, n.road_length[road]) - road_heading(n, road, 0.0))))
