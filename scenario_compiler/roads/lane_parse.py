@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from operator import itemgetter
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.attachments import CUT_TOLERANCE
@@ -88,6 +89,9 @@ MarkLook = tuple[int, int, int, float, float, float, int, int]
 Side = tuple[PlainElement | None, float]
 """The side's element and the s from which its records count."""
 
+Lane = tuple[int, PlainElement | None, float]
+"""The lane's id and element, and the s from which its records count."""
+
 
 class LaneReader:
     """Reads the lanes of the roads, one road after the other."""
@@ -153,7 +157,7 @@ class LaneReader:
             if found and s < found[-1][0]:
                 self._reader.report(UNSORTED, "s is smaller than that of the lane section before", element, "s")
             found.append((s if found else min(s, 0.0), element))
-        found.sort(key=lambda pair: pair[0])
+        found.sort(key=itemgetter(0))
         return found
 
     def _section(
@@ -163,34 +167,32 @@ class LaneReader:
         n.section_s.append(span[0])
         n.section_end.append(span[1])
         n.section_road.append(road)
-        lefts = self._side(left[0], 1)
+        lefts = self._side(left, 1)
         centre = next(iter(grandchildren(element, "center", "lane")), None)
         n.section_left.append(len(lefts))
-        outwards: list[tuple[int, PlainElement | None, float]] = []
-        outwards.extend((lane, one, left[1]) for lane, one in reversed(lefts))
-        outwards.append((0, centre, origin))
-        outwards.extend((lane, one, right[1]) for lane, one in self._side(right[0], -1))
+        lanes = [*lefts, (0, centre, origin), *self._side(right, -1)]
         first = len(n.lane_id)
-        for lane, one, start in outwards:
+        for lane, one, start in lanes:
             self._lane(lane, one, start, span[1])
             n.lane_height.append(len(n.height_s))
             n.lane_speed.append(len(n.speed_s))
             n.lane_mark.append(len(n.mark_s))
         n.section_lane.append(len(n.lane_id))
-        self._widths(outwards, first)
+        self._widths(lanes, first)
 
-    def _side(self, side: PlainElement | None, sign: int) -> list[tuple[int, PlainElement]]:
-        """Return the usable lanes of a side from the centre outwards."""
+    def _side(self, side: Side, sign: int) -> list[Lane]:
+        """Return the usable lanes of a side from left to right."""
         found: dict[int, PlainElement] = {}
-        if side is None:
+        parent, origin = side
+        if parent is None:
             return []
-        for element in side.findall("lane"):
+        for element in parent.findall("lane"):
             lane = self._reader.integer(element, "id")
             if lane is None or lane * sign <= 0 or lane in found:
                 self._reader.report(BAD_LANE, f"the lane '{element.get('id')}' is left out", element, "id")
             else:
                 found[lane] = element
-        return [(lane, found[lane]) for lane in sorted(found, key=abs)]
+        return [(lane, found[lane], origin) for lane in sorted(found, reverse=True)]
 
     def _lane(self, lane: int, element: PlainElement | None, origin: float, end: float) -> None:
         n = self._n
@@ -245,27 +247,26 @@ class LaneReader:
                 if (lane > 0 and left) or (lane < 0 and right):
                     self.links[row, end] = [lane]
 
-    def _widths(self, lanes: list[tuple[int, PlainElement | None, float]], first: int) -> None:
+    def _widths(self, lanes: list[Lane], first: int) -> None:
         """Append the widths of a section's lanes; borders become widths by subtracting the next border inside."""
         n = self._n
-        ranges = [(0, 0)] * len(lanes)
         bordered = False
-        for i, (_lane, element, origin) in enumerate(lanes):
-            if element is None or _lane == 0:
-                continue
-            widths = element.findall("width")
-            if widths:
-                ranges[i] = self._reader.cubics(n, widths, "sOffset", origin)
-            elif element.find("border") is not None:
-                bordered = True
-        n.lane_width_first.extend(first for first, _ in ranges)
-        n.lane_width_last.extend(last for _, last in ranges)
+        for lane, element, origin in lanes:
+            span = 0, 0
+            if element is not None and lane != 0:
+                widths = element.findall("width")
+                if widths:
+                    span = self._reader.cubics(n, widths, "sOffset", origin)
+                elif element.find("border") is not None:
+                    bordered = True
+            n.lane_width_first.append(span[0])
+            n.lane_width_last.append(span[1])
         if bordered:
             centre = next(i for i, (lane, _, _) in enumerate(lanes) if lane == 0)
             self._borders(lanes[centre + 1 :], first + centre + 1, 1)
             self._borders(lanes[:centre][::-1], first + centre - 1, -1)
 
-    def _borders(self, lanes: list[tuple[int, PlainElement | None, float]], row: int, step: int) -> None:
+    def _borders(self, lanes: list[Lane], row: int, step: int) -> None:
         """Compute widths of the lanes with borders on one side (from the centre outwards); `row` is the first one's."""
         n = self._n
         edge: list[Cubic] = [(-LENGTH_LIMIT, 0.0, 0.0, 0.0, 0.0)]

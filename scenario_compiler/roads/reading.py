@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import chain
 from math import hypot, inf
 from operator import itemgetter
@@ -59,6 +59,9 @@ class Numbers:
 
 CUBICS = {station: Numbers((station,), "abcd") for station in ("s", "t", "sOffset", "ds")}
 """The numbers of a cubic by the attribute for its start."""
+
+BY_COLUMN = itemgetter(*(slice(i, None, 5) for i in range(5)))
+"""Divides the numbers of several cubics into those of the start, a, b, c and d."""
 
 
 class Places(Protocol):
@@ -154,10 +157,10 @@ class Reader:
         """
         texts = CUBICS[station].texts
         try:
-            found = list(map(float, chain.from_iterable([texts(one.attrib) for one in records])))
-            s, a, b, c, d = (found[i::5] for i in range(5))
+            found = list(map(float, chain.from_iterable(map(texts, [one.attrib for one in records]))))
+            s, a, b, c, d = BY_COLUMN(found)
             if hypot(*found) < LENGTH_LIMIT and s == sorted(s):
-                return append_cubics(n, [origin + one for one in s], a, b, c, d)
+                return append_cubics(n, map(origin.__add__, s), a, b, c, d)
         except (KeyError, ValueError):
             pass
         return append_cubics(n, *zip(*self._cubics_one_by_one(records, station, origin), strict=True))
@@ -181,7 +184,7 @@ Cubic = tuple[float, float, float, float, float]
 
 
 def append_cubics(
-    n: RoadTables, s: Sequence[float], a: Sequence[float], b: Sequence[float], c: Sequence[float], d: Sequence[float]
+    n: RoadTables, s: Iterable[float], a: Sequence[float], b: Sequence[float], c: Sequence[float], d: Sequence[float]
 ) -> tuple[int, int]:
     """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere."""
     first = len(n.cubic_s)
