@@ -9,6 +9,7 @@ the connecting road's own lane links. If a joint names no lane at all, lanes wit
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import pi
@@ -46,17 +47,19 @@ class Connection:
 
 
 class _Links:
-    """Collects links between ends of lane rows, each once, in both directions; an end is a row and a contact."""
+    """Collects links between ends of lane rows, each once, in both directions.
+
+    Attributes:
+        ends: By an end, as its row and contact, the ends that are linked to it, and whether the link is to a place
+            inside another road.
+    """
 
     def __init__(self) -> None:
-        self.ends: dict[tuple[int, int], list[tuple[int, int]]] = {}
-        self.branches: set[tuple[int, int, int]] = set()
+        self.ends: defaultdict[tuple[int, int], dict[tuple[int, int], bool]] = defaultdict(dict)
 
-    def add(self, row: int, end: int, other: int, contact: int) -> None:
-        for one, two in (((row, end), (other, contact)), ((other, contact), (row, end))):
-            ends = self.ends.setdefault(one, [])
-            if two not in ends:
-                ends.append(two)
+    def add(self, row: int, end: int, other: int, contact: int, branch: bool = False) -> None:
+        self.ends[row, end][other, contact] = branch
+        self.ends[other, contact][row, end] = branch
 
 
 def build_links(
@@ -256,8 +259,7 @@ def _link_attachment(
     for lane, own in pairs or [(sign * n.lane_id[row], n.lane_id[row]) for row in rows]:
         found, row = lane_row_in(n, target, lane), lane_row_in(n, section, own)
         if found >= 0 and row >= 0 and lane != 0 and own != 0:
-            links.add(found, attachment.contact, row, attachment.end)
-            links.branches.update(((found, attachment.contact, row), (row, attachment.end, found)))
+            links.add(found, attachment.contact, row, attachment.end, branch=True)
 
 
 def _touches(n: RoadTables, road: int, contact: int, other: int, end: int) -> bool:
@@ -269,24 +271,23 @@ def _touches(n: RoadTables, road: int, contact: int, other: int, end: int) -> bo
 
 def _store(n: RoadTables, links: _Links) -> None:
     turns = [_turn(n, road) for road in range(len(n.road_length))]
-    exits: list[list[tuple[int, int]]] = [[] for _ in range(2 * len(n.road_length))]
+    exits: list[dict[tuple[int, int], None]] = [{} for _ in range(2 * len(n.road_length))]
     for row, section in enumerate(n.lane_section):
+        road = n.section_road[section]
         for end in (AT_START, AT_END):
-            ends = links.ends.get((row, end), ())
-            road = n.section_road[section]
+            ends = links.ends.get((row, end), {})
             at_road_end = len(ends) > 0 and section == _end_section(n, road, end)
-            for other, contact in ends:
+            for (other, contact), branch in ends.items():
                 target = n.section_road[n.lane_section[other]]
                 n.link_lane.append(other)
                 n.link_contact.append(contact)
-                branch = (row, end, other) in links.branches
                 n.link_turn.append(pi if branch else turns[target])
-                if at_road_end and not branch and (target, contact) not in exits[2 * road + end]:
-                    exits[2 * road + end].append((target, contact))
+                if at_road_end and not branch:
+                    exits[2 * road + end][target, contact] = None
             n.lane_link.append(len(n.link_lane))
     for roads in exits:
-        n.exit_road.extend(road for road, _ in roads)
-        n.exit_contact.extend(contact for _, contact in roads)
+        n.exit_road.extend([road for road, _ in roads])
+        n.exit_contact.extend([contact for _, contact in roads])
         n.road_exit.append(len(n.exit_road))
 
 
