@@ -79,8 +79,10 @@ MARK_COLUMNS = (
 LANE_DIRECTIONS = {"standard": 0, "reversed": 1, "both": 2}
 
 
-LaneLinks = dict[tuple[int, int], list[int]]
-"""The lane ids to which the file links an end of a lane, by its row and `AT_START` or `AT_END`, if there are any."""
+LaneLinks = dict[int, list[int]]
+"""The lane ids to which the file links an end of a lane, if there are any; the end's number is 2 x its row + `AT_START`
+or `AT_END`, as in `RoadTables.lane_link`.
+"""
 
 
 MarkLook = tuple[int, int, int, float, float, float, int, int]
@@ -233,7 +235,7 @@ class LaneReader:
                 lane = self._reader.integer(one, "id")
                 if lane is not None:
                     end = AT_START if one.tag == "predecessor" else AT_END
-                    self.links.setdefault((row, end), []).append(lane)
+                    self.links.setdefault(2 * row + end, []).append(lane)
 
     def _continue(self, left: bool, right: bool) -> None:
         """Link a side that continues over a one-sided section or a cut to itself in the previous section."""
@@ -245,7 +247,7 @@ class LaneReader:
             for row in range(n.section_lane[at], n.section_lane[at + 1]):
                 lane = n.lane_id[row]
                 if (lane > 0 and left) or (lane < 0 and right):
-                    self.links[row, end] = [lane]
+                    self.links[2 * row + end] = [lane]
 
     def _widths(self, lanes: list[Lane], first: int) -> None:
         """Append the widths of a section's lanes; borders become widths by subtracting the next border inside."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from itertools import chain
 from math import hypot, inf
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 from typing import Any, Protocol
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
@@ -59,6 +59,9 @@ class Numbers:
 
 CUBICS = {station: Numbers((station,), "abcd") for station in ("s", "t", "sOffset", "ds")}
 """The numbers of a cubic by the attribute for its start."""
+
+ATTRIBUTES = attrgetter("attrib")
+"""Returns an element's attributes."""
 
 BY_COLUMN = itemgetter(*(slice(i, None, 5) for i in range(5)))
 """Divides the numbers of several cubics into those of the start, a, b, c and d."""
@@ -157,7 +160,7 @@ class Reader:
         """
         texts = CUBICS[station].texts
         try:
-            found = list(map(float, chain.from_iterable(map(texts, [one.attrib for one in records]))))
+            found = list(map(float, chain.from_iterable(map(texts, map(ATTRIBUTES, records)))))
             s, a, b, c, d = BY_COLUMN(found)
             if hypot(*found) < LENGTH_LIMIT and s == sorted(s):
                 return append_cubics(n, map(origin.__add__, s), a, b, c, d)

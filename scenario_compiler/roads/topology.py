@@ -50,16 +50,16 @@ class _Links:
     """Collects links between ends of lane rows, each once, in both directions.
 
     Attributes:
-        ends: By an end, as its row and contact, the ends that are linked to it, and whether the link is to a place
-            inside another road.
+        ends: For an end, numbered as in `LaneLinks`, the row and contact of each end that is linked to it, and whether
+            the link is to a place inside another road.
     """
 
     def __init__(self) -> None:
-        self.ends: defaultdict[tuple[int, int], dict[tuple[int, int], bool]] = defaultdict(dict)
+        self.ends: defaultdict[int, dict[tuple[int, int], bool]] = defaultdict(dict)
 
     def add(self, row: int, end: int, other: int, contact: int, branch: bool = False) -> None:
-        self.ends[row, end][other, contact] = branch
-        self.ends[other, contact][row, end] = branch
+        self.ends[2 * row + end][other, contact] = branch
+        self.ends[2 * other + contact][row, end] = branch
 
 
 def build_links(
@@ -183,7 +183,7 @@ def _link_joint(
     named = False
     for (section, end), (target, contact) in ((one, other), (other, one)):
         for row in _rows(n, section):
-            for lane in lane_links.get((row, end), ()):
+            for lane in lane_links.get(2 * row + end, ()):
                 named = True
                 found = lane_row_in(n, target, lane)
                 if found >= 0 and lane != 0 and n.lane_id[row] != 0:
@@ -216,10 +216,10 @@ def _link_road_end(
         if target >= 0 and _touches(n, other, contact, road, end):
             _link_joint(n, links, lane_links, (section, end), (target, contact))
     for connection in connections.get(junction, ()):
-        target = _end_section(n, connection.road, connection.contact)
-        if connection.incoming != road or target < 0:
+        if connection.incoming != road or not _touches(n, connection.road, connection.contact, road, end):
             continue
-        if not _touches(n, connection.road, connection.contact, road, end):
+        target = _end_section(n, connection.road, connection.contact)
+        if target < 0:
             continue
         for before, after in connection.lanes:
             row, found = lane_row_in(n, section, before), lane_row_in(n, target, after)
@@ -253,7 +253,7 @@ def _link_attachment(
     if attachment.contact == AT_END:
         target -= 1
     rows = _rows(n, section)
-    pairs = [(lane, n.lane_id[row]) for row in rows for lane in lane_links.get((row, attachment.end), ())]
+    pairs = [(lane, n.lane_id[row]) for row in rows for lane in lane_links.get(2 * row + attachment.end, ())]
     pairs.extend(named.get((main, road, attachment.end), ()))
     sign = 1 if attachment.end != attachment.contact else -1
     for lane, own in pairs or [(sign * n.lane_id[row], n.lane_id[row]) for row in rows]:
@@ -275,7 +275,7 @@ def _store(n: RoadTables, links: _Links) -> None:
     for row, section in enumerate(n.lane_section):
         road = n.section_road[section]
         for end in (AT_START, AT_END):
-            ends = links.ends.get((row, end), {})
+            ends = links.ends.get(2 * row + end, {})
             at_road_end = len(ends) > 0 and section == _end_section(n, road, end)
             for (other, contact), branch in ends.items():
                 target = n.section_road[n.lane_section[other]]
