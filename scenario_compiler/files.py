@@ -82,11 +82,15 @@ def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:
 
 
 def _content(handle: int, size: int, limit: int) -> bytes:
-    """Return the content of an open file; `size` is the size that the system states."""
+    """Return the content of an open file; `size` is the size that the system states.
+
+    The memory that a read may fill is reserved before, so no read asks for much more than is still to come.
+    """
     pieces, left = [], limit + 1
     while left > 0 and (piece := os.read(handle, min(left, max(_PIECE, size + 1)))):
         pieces.append(piece)
         left -= len(piece)
+        size -= len(piece)
     if left <= 0:
         raise OSError(errno.EFBIG, f"it is longer than {limit} bytes; the rest is not read")
     return b"".join(pieces)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 USUAL = gc.get_threshold()
 """Python's own thresholds; this module is imported before they are changed."""
@@ -15,6 +17,21 @@ def collect_seldom() -> None:
     noticeable part of the time of `validate` for one file.
     """
     gc.set_threshold(100_000, 50, 50)
+
+
+@contextmanager
+def paused() -> Iterator[None]:
+    """Turn the collector off while a large input is read.
+
+    Its many objects, none of which refer to each other in a circle, would start the collector again and again.
+    """
+    on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if on:
+            gc.enable()
 
 
 def keep_loaded() -> None:

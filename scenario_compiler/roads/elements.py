@@ -31,7 +31,10 @@ Element: TypeAlias = etree._Element | PlainElement
 
 def grandchildren(element: PlainElement, tag: str, inner: str) -> list[PlainElement]:
     """Return the children with the tag `inner` of an element's children with another tag, in the order of the file."""
-    return [one for child in element.findall(tag) for one in child.findall(inner)]
+    found: list[PlainElement] = []
+    for child in element.findall(tag):
+        found += child.findall(inner)
+    return found
 
 
 class RoadFile:
@@ -128,18 +131,18 @@ class _Builder:
         tree = ElementTree.TreeBuilder()
         begin = tree.start
         above = begin("", {})
-        namespace, at = "", -1
+        namespace, at = "that of the root, which comes first", -1
 
         def bare(tag: str) -> str:
             nonlocal namespace
             if len(above) == 0:
-                namespace = tag[: tag.rindex("}") + 1]
+                namespace = tag[: tag.rfind("}") + 1]
             return tag.removeprefix(namespace)
 
         def start(tag: str, attributes: dict[str, str]) -> None:
             """Begin an element; without attributes lxml gives an empty mapping that is not a dictionary."""
             nonlocal at
-            if tag[0] == "{":
+            if namespace:
                 tag = bare(tag)
             element = begin(tag, attributes or {})
             if tag == "road" and above[0][-1:] == [element]:

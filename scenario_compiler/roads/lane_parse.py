@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+from operator import itemgetter
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.attachments import CUT_TOLERANCE
@@ -21,7 +21,7 @@ from scenario_compiler.roads.marks import (
     STANDARD_WIDTH,
 )
 from scenario_compiler.roads.reading import LENGTH_LIMIT, UNSORTED, Cubic, Reader, append_cubics
-from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 
 BAD_LANE = Code(
     "SC310",
@@ -72,26 +72,27 @@ UNCROSSED_MARKS = frozenset({"solid", "solid solid", "curb", "edge"})
 
 MARK_COLUMNS = (
     *("mark_type", "mark_colour", "mark_change", "mark_width", "mark_quality_from", "mark_quality_to"),
-    *("mark_sway_first", "mark_sway_last", "mark_line"),
+    *("mark_sway_first", "mark_sway_last"),
 )
-"""The columns that each mark fills by itself."""
+"""The columns with what a mark looks like."""
 
 LANE_DIRECTIONS = {"standard": 0, "reversed": 1, "both": 2}
 
 
-@dataclass(slots=True)
-class LaneLinks:
-    """The lane ids to which the file links each lane's row, before and after its section."""
-
-    before: list[list[int]]
-    after: list[list[int]]
+LaneLinks = dict[int, list[int]]
+"""The lane ids to which the file links an end of a lane, if there are any; the end's number is 2 x its row + `AT_START`
+or `AT_END`, as in `RoadTables.lane_link`.
+"""
 
 
-Paint = tuple[int, int, int, float]
-"""Codes of a mark's type, colour and lane change, and its width, m."""
+MarkLook = tuple[int, int, int, float, float, float, int, int]
+"""The values of a mark for `MARK_COLUMNS`."""
 
 Side = tuple[PlainElement | None, float]
 """The side's element and the s from which its records count."""
+
+Lane = tuple[int, PlainElement | None, float]
+"""The lane's id and element, and the s from which its records count."""
 
 
 class LaneReader:
@@ -102,9 +103,10 @@ class LaneReader:
         self._reader = reader
         self._n = tables
         self._copies = COPY_LIMIT
-        self._paints: dict[tuple[str | None, ...], Paint] = {}
+        self._plain_marks: dict[tuple[str | None, ...], MarkLook] = {}
+        self._marks_of_road: list[MarkLook] = []
         self._mark_columns = [getattr(tables, name) for name in MARK_COLUMNS]
-        self.links = LaneLinks([], [])
+        self.links = LaneLinks()
 
     def read(self, road_element: PlainElement, road: int, length: float, cuts: Sequence[float] = ()) -> None:
         """Append the lane sections of a road; `cuts` are the places where other roads are attached, ascending."""
@@ -113,6 +115,9 @@ class LaneReader:
         lanes = road_element.find("lanes")
         if lanes is not None:
             self._read_sections(lanes, road, length, cuts)
+            for column, values in zip(self._mark_columns, zip(*self._marks_of_road, strict=True), strict=False):
+                column.extend(values)
+            self._marks_of_road.clear()
         n.road_section.append(len(n.section_s))
 
     def _read_sections(self, lanes: PlainElement, road: int, length: float, cuts: Sequence[float]) -> None:
@@ -154,7 +159,7 @@ class LaneReader:
             if found and s < found[-1][0]:
                 self._reader.report(UNSORTED, "s is smaller than that of the lane section before", element, "s")
             found.append((s if found else min(s, 0.0), element))
-        found.sort(key=lambda pair: pair[0])
+        found.sort(key=itemgetter(0))
         return found
 
     def _section(
@@ -164,43 +169,37 @@ class LaneReader:
         n.section_s.append(span[0])
         n.section_end.append(span[1])
         n.section_road.append(road)
-        lefts = self._side(left[0], 1)
+        lefts = self._side(left, 1)
         centre = next(iter(grandchildren(element, "center", "lane")), None)
         n.section_left.append(len(lefts))
-        outwards: list[tuple[int, PlainElement | None, float]] = []
-        outwards.extend((lane, one, left[1]) for lane, one in reversed(lefts))
-        outwards.append((0, centre, origin))
-        outwards.extend((lane, one, right[1]) for lane, one in self._side(right[0], -1))
+        lanes = [*lefts, (0, centre, origin), *self._side(right, -1)]
         first = len(n.lane_id)
-        for lane, one, start in outwards:
+        for lane, one, start in lanes:
             self._lane(lane, one, start, span[1])
             n.lane_height.append(len(n.height_s))
             n.lane_speed.append(len(n.speed_s))
             n.lane_mark.append(len(n.mark_s))
         n.section_lane.append(len(n.lane_id))
-        self._widths(outwards, first)
+        self._widths(lanes, first)
 
-    def _side(self, side: PlainElement | None, sign: int) -> list[tuple[int, PlainElement]]:
-        """Return the usable lanes of a side from the centre outwards."""
+    def _side(self, side: Side, sign: int) -> list[Lane]:
+        """Return the usable lanes of a side from left to right."""
         found: dict[int, PlainElement] = {}
-        if side is None:
+        parent, origin = side
+        if parent is None:
             return []
-        for element in side.findall("lane"):
+        for element in parent.findall("lane"):
             lane = self._reader.integer(element, "id")
             if lane is None or lane * sign <= 0 or lane in found:
                 self._reader.report(BAD_LANE, f"the lane '{element.get('id')}' is left out", element, "id")
             else:
                 found[lane] = element
-        return sorted(found.items(), key=lambda pair: abs(pair[0]))
+        return [(lane, found[lane], origin) for lane in sorted(found, reverse=True)]
 
     def _lane(self, lane: int, element: PlainElement | None, origin: float, end: float) -> None:
         n = self._n
         n.lane_id.append(lane)
         n.lane_section.append(len(n.section_s) - 1)
-        before: list[int] = []
-        after: list[int] = []
-        self.links.before.append(before)
-        self.links.after.append(after)
         if element is None:
             n.lane_type.append(NONE)
             n.lane_level.append(0)
@@ -218,7 +217,7 @@ class LaneReader:
         if direction == 1:
             n.road_directions[n.section_road[-1]] = 1
         for link in element.findall("link"):
-            self._links(link, before, after)
+            self._links(link, len(n.lane_id) - 1)
         for speed in element.findall("speed"):
             n.speed_s.append(origin + self._reader.number(speed, "sOffset", 0.0, limit=LENGTH_LIMIT))
             n.speed_max.append(self._reader.speed(speed))
@@ -230,12 +229,13 @@ class LaneReader:
         if marks:
             self._marks(marks, origin, end)
 
-    def _links(self, link: PlainElement, before: list[int], after: list[int]) -> None:
+    def _links(self, link: PlainElement, row: int) -> None:
         for one in link:
             if one.tag in {"predecessor", "successor"}:
                 lane = self._reader.integer(one, "id")
                 if lane is not None:
-                    (before if one.tag == "predecessor" else after).append(lane)
+                    end = AT_START if one.tag == "predecessor" else AT_END
+                    self.links.setdefault(2 * row + end, []).append(lane)
 
     def _continue(self, left: bool, right: bool) -> None:
         """Link a side that continues over a one-sided section or a cut to itself in the previous section."""
@@ -243,33 +243,32 @@ class LaneReader:
         if not (left or right):
             return
         section = len(n.section_s) - 1
-        for at, links in ((section - 1, self.links.after), (section, self.links.before)):
+        for at, end in ((section - 1, AT_END), (section, AT_START)):
             for row in range(n.section_lane[at], n.section_lane[at + 1]):
                 lane = n.lane_id[row]
                 if (lane > 0 and left) or (lane < 0 and right):
-                    links[row][:] = [lane]
+                    self.links[2 * row + end] = [lane]
 
-    def _widths(self, lanes: list[tuple[int, PlainElement | None, float]], first: int) -> None:
+    def _widths(self, lanes: list[Lane], first: int) -> None:
         """Append the widths of a section's lanes; borders become widths by subtracting the next border inside."""
         n = self._n
-        ranges = [(0, 0)] * len(lanes)
         bordered = False
-        for i, (_lane, element, origin) in enumerate(lanes):
-            if element is None or _lane == 0:
-                continue
-            widths = element.findall("width")
-            if widths:
-                ranges[i] = self._reader.cubics(n, widths, "sOffset", origin)
-            elif element.find("border") is not None:
-                bordered = True
-        n.lane_width_first.extend(first for first, _ in ranges)
-        n.lane_width_last.extend(last for _, last in ranges)
+        for lane, element, origin in lanes:
+            span = 0, 0
+            if element is not None and lane != 0:
+                widths = element.findall("width")
+                if widths:
+                    span = self._reader.cubics(n, widths, "sOffset", origin)
+                elif element.find("border") is not None:
+                    bordered = True
+            n.lane_width_first.append(span[0])
+            n.lane_width_last.append(span[1])
         if bordered:
             centre = next(i for i, (lane, _, _) in enumerate(lanes) if lane == 0)
             self._borders(lanes[centre + 1 :], first + centre + 1, 1)
             self._borders(lanes[:centre][::-1], first + centre - 1, -1)
 
-    def _borders(self, lanes: list[tuple[int, PlainElement | None, float]], row: int, step: int) -> None:
+    def _borders(self, lanes: list[Lane], row: int, step: int) -> None:
         """Compute widths of the lanes with borders on one side (from the centre outwards); `row` is the first one's."""
         n = self._n
         edge: list[Cubic] = [(-LENGTH_LIMIT, 0.0, 0.0, 0.0, 0.0)]
@@ -283,7 +282,7 @@ class LaneReader:
                 span = self._reader.cubics(n, borders, "sOffset", origin)
                 outer = [(c[0], sign * c[1], sign * c[2], sign * c[3], sign * c[4]) for c in _rows(n, span)]
                 widths = _sum(outer or [(origin, 0.0, 0.0, 0.0, 0.0)], edge, -1.0)
-                n.lane_width_first[at], n.lane_width_last[at] = append_cubics(n, widths)
+                n.lane_width_first[at], n.lane_width_last[at] = append_cubics(n, *zip(*widths, strict=True))
                 edge = outer or [(origin, 0.0, 0.0, 0.0, 0.0)]
             else:
                 widths = _rows(n, (n.lane_width_first[at], n.lane_width_last[at]))
@@ -292,8 +291,7 @@ class LaneReader:
 
     def _marks(self, elements: list[PlainElement], origin: float, end: float) -> None:
         n = self._n
-        number = self._reader.number
-        starts = [origin + number(one, "sOffset", 0.0, limit=LENGTH_LIMIT) for one in elements]
+        starts = [origin + s for s in self._reader.lengths(elements, "sOffset")]
         if starts != sorted(starts):
             self._reader.report(UNSORTED, "the lane's road marks are not in ascending order", elements[0])
             elements = [elements[i] for i in sorted(range(len(elements)), key=starts.__getitem__)]
@@ -301,29 +299,15 @@ class LaneReader:
         n.mark_s.extend(starts)
         n.mark_end.extend(starts[1:])
         n.mark_end.append(max(starts[-1], end))
-        rows = [self._mark(s, element) for s, element in zip(starts, elements, strict=True)]
-        for column, values in zip(self._mark_columns, zip(*rows, strict=True), strict=True):
-            column.extend(values)
+        for s, element in zip(starts, elements, strict=True):
+            get = element.get
+            written = get("type"), get("color"), get("laneChange"), get("width"), get("weight")
+            look = self._plain_marks.get(written) or self._plain_mark(element, written)
+            self._marks_of_road.append(self._detailed_mark(look, element, s) if len(element) else look)
+            n.mark_line.append(len(n.line_length))
 
-    def _mark(self, s: float, element: PlainElement) -> tuple[float, ...]:
-        """Return the values of a mark from s on for `MARK_COLUMNS`, and append its lines."""
-        n = self._n
-        get = element.get
-        written = get("type"), get("color"), get("laneChange"), get("width"), get("weight")
-        kind, colour, change, width = self._paints.get(written) or self._paint(element, written)
-        quality = 1.0
-        first = last = 0
-        if len(element):
-            quality = self._quality(element)
-            sways = element.findall("sway")
-            if sways:
-                first, last = self._reader.cubics(n, sways, "ds", s)
-            self._lines(grandchildren(element, "type", "line"), 0, width, colour)
-            self._lines(grandchildren(element, "explicit", "line"), 1, width, colour)
-        return kind, colour, change, width, quality, quality, first, last, len(n.line_length)
-
-    def _paint(self, element: PlainElement, written: tuple[str | None, ...]) -> Paint:
-        """Return the paint of a mark, and keep it for marks with the same attributes unless one is reported."""
+    def _plain_mark(self, element: PlainElement, written: tuple[str | None, ...]) -> MarkLook:
+        """Return the look of a mark by its attributes, and keep it for marks with the same unless one is reported."""
         reported = self._reader.sink.reported
         name = element.get("type", "none")
         kind = MARK_TYPE_CODES.get(name, -1)
@@ -340,9 +324,20 @@ class LaneReader:
         width = self._reader.number(element, "width", 0.0)
         if width <= 0.0:
             width = 2.0 * STANDARD_WIDTH if element.get("weight") == "bold" else STANDARD_WIDTH
+        look = kind, colour, change, width, 1.0, 1.0, 0, 0
         if self._reader.sink.reported == reported:
-            self._paints[written] = kind, colour, change, width
-        return kind, colour, change, width
+            self._plain_marks[written] = look
+        return look
+
+    def _detailed_mark(self, look: MarkLook, element: PlainElement, s: float) -> MarkLook:
+        """Return the look of a mark from s on with what its children say, and append its lines."""
+        kind, colour, change, width, *_ = look
+        quality = self._quality(element)
+        sways = element.findall("sway")
+        sway = self._reader.cubics(self._n, sways, "ds", s) if sways else (0, 0)
+        self._lines(grandchildren(element, "type", "line"), 0, width, colour)
+        self._lines(grandchildren(element, "explicit", "line"), 1, width, colour)
+        return kind, colour, change, width, quality, quality, *sway
 
     def _quality(self, element: PlainElement) -> float:
         for data in element.findall("userData"):

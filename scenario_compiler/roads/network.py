@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, overload
 from scenario_compiler.diagnostics import Code, CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import parse_document, read_document
 from scenario_compiler.files import MAX_BYTES, read_file
+from scenario_compiler.garbage_collection import paused
 from scenario_compiler.roads import geometry, lanes, marks, travel
 from scenario_compiler.roads.cache import read_cached, write_cached
 from scenario_compiler.roads.lane_details import LaneDetails
@@ -398,7 +399,8 @@ def _parse(raw: bytes, sha256: str, path: str, sink: Diagnostics, cache: bool) -
     from scenario_compiler.roads.parse import read_network
 
     findings = Diagnostics()
-    parsed = read_network(RoadFile(path, raw), findings)
+    with paused():
+        parsed = read_network(RoadFile(path, raw), findings)
     if parsed is not None and cache:
         write_cached(sha256, parsed, findings)
     sink.absorb(findings)

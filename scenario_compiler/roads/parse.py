@@ -178,15 +178,15 @@ def _read_profiles(reader: Reader, n: RoadTables, element: PlainElement) -> None
     if falls:
         left = reader.cubics(n, [one for one in falls if one.get("side") != "right"], "s", 0.0)
         right = reader.cubics(n, [one for one in falls if one.get("side") != "left"], "s", 0.0)
-    for name, (first, last) in (
-        ("elevation", elevation),
-        ("superelevation", roll),
-        ("offset", offset),
-        ("crossfall_left", left),
-        ("crossfall_right", right),
+    for (first, last), firsts, lasts in (
+        (elevation, n.road_elevation_first, n.road_elevation_last),
+        (roll, n.road_superelevation_first, n.road_superelevation_last),
+        (offset, n.road_offset_first, n.road_offset_last),
+        (left, n.road_crossfall_left_first, n.road_crossfall_left_last),
+        (right, n.road_crossfall_right_first, n.road_crossfall_right_last),
     ):
-        getattr(n, f"road_{name}_first").append(first)
-        getattr(n, f"road_{name}_last").append(last)
+        firsts.append(first)
+        lasts.append(last)
     stations: dict[float, list[PlainElement]] = {}
     for one in grandchildren(element, "lateralProfile", "shape"):
         stations.setdefault(reader.number(one, "s", 0.0), []).append(one)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import chain
 from math import hypot, inf
-from operator import itemgetter
+from operator import attrgetter, itemgetter
 from typing import Any, Protocol
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
@@ -58,6 +59,12 @@ class Numbers:
 
 CUBICS = {station: Numbers((station,), "abcd") for station in ("s", "t", "sOffset", "ds")}
 """The numbers of a cubic by the attribute for its start."""
+
+ATTRIBUTES = attrgetter("attrib")
+"""Returns an element's attributes."""
+
+BY_COLUMN = itemgetter(*(slice(i, None, 5) for i in range(5)))
+"""Divides the numbers of several cubics into those of the start, a, b, c and d."""
 
 
 class Places(Protocol):
@@ -132,6 +139,16 @@ class Reader:
             return NO_SPEED
         return value * SPEED_UNITS.get(element.get("unit", "m/s"), 1.0)
 
+    def lengths(self, records: Sequence[PlainElement], name: str) -> list[float]:
+        """Return an attribute of records as lengths, 0 where it is missing; see `number`."""
+        try:
+            found = [float(one.get(name, 0.0)) for one in records]
+            if hypot(*found) < LENGTH_LIMIT:
+                return found
+        except ValueError:
+            pass
+        return [self.number(one, name, 0.0, limit=LENGTH_LIMIT) for one in records]
+
     def cubics(self, n: RoadTables, records: Sequence[PlainElement], station: str, origin: float) -> tuple[int, int]:
         """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere.
 
@@ -141,35 +158,43 @@ class Reader:
             station: Name of the attribute for a record's start: "s", "t", "sOffset" or "ds".
             origin: Value to which that attribute is relative.
         """
-        read = CUBICS[station]
-        rows = []
-        ordered = True
+        texts = CUBICS[station].texts
+        try:
+            found = list(map(float, chain.from_iterable(map(texts, map(ATTRIBUTES, records)))))
+            s, a, b, c, d = BY_COLUMN(found)
+            if hypot(*found) < LENGTH_LIMIT and s == sorted(s):
+                return append_cubics(n, map(origin.__add__, s), a, b, c, d)
+        except (KeyError, ValueError):
+            pass
+        return append_cubics(n, *zip(*self._cubics_one_by_one(records, station, origin), strict=True))
+
+    def _cubics_one_by_one(self, records: Sequence[PlainElement], station: str, origin: float) -> list[Cubic]:
+        """Return cubics in ascending order, and report numbers that are wrong and records that are not in order."""
+        rows: list[Cubic] = []
         last = -inf
         for record in records:
-            s, a, b, c, d = self.numbers(record, read)
+            s, a, b, c, d = self.numbers(record, CUBICS[station])
             if s < last:
-                ordered = False
                 self.report(UNSORTED, f"{station} is smaller than that of the record before", record, station)
             last = s
             rows.append((origin + s, a, b, c, d))
-        if not ordered:
-            rows.sort(key=itemgetter(0))
-        return append_cubics(n, rows)
+        rows.sort(key=itemgetter(0))
+        return rows
 
 
 Cubic = tuple[float, float, float, float, float]
 """Start, a, b, c, d."""
 
 
-def append_cubics(n: RoadTables, rows: Sequence[Cubic]) -> tuple[int, int]:
+def append_cubics(
+    n: RoadTables, s: Iterable[float], a: Sequence[float], b: Sequence[float], c: Sequence[float], d: Sequence[float]
+) -> tuple[int, int]:
     """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere."""
     first = len(n.cubic_s)
-    if rows:
-        s, a, b, c, d = zip(*rows, strict=True)
-        if any(a) or any(b) or any(c) or any(d):
-            n.cubic_s.extend(s)
-            n.cubic_a.extend(a)
-            n.cubic_b.extend(b)
-            n.cubic_c.extend(c)
-            n.cubic_d.extend(d)
+    if any(a) or any(b) or any(c) or any(d):
+        n.cubic_s.extend(s)
+        n.cubic_a.extend(a)
+        n.cubic_b.extend(b)
+        n.cubic_c.extend(c)
+        n.cubic_d.extend(d)
     return first, len(n.cubic_s)

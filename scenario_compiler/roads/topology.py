@@ -9,6 +9,7 @@ the connecting road's own lane links. If a joint names no lane at all, lanes wit
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import pi
@@ -16,7 +17,7 @@ from math import pi
 from scenario_compiler.diagnostics import Code, Severity, did_you_mean
 from scenario_compiler.roads.attachments import CUT_TOLERANCE, Attachment
 from scenario_compiler.roads.elements import PlainElement, grandchildren
-from scenario_compiler.roads.geometry import road_reference, wrap_angle
+from scenario_compiler.roads.geometry import road_heading, road_reference, wrap_angle
 from scenario_compiler.roads.lane_parse import LaneLinks
 from scenario_compiler.roads.lanes import lane_row_in
 from scenario_compiler.roads.reading import Reader
@@ -46,17 +47,19 @@ class Connection:
 
 
 class _Links:
-    """Collects links between ends of lane rows, each once, in both directions."""
+    """Collects links between ends of lane rows, each once, in both directions.
 
-    def __init__(self, rows: int) -> None:
-        self.ends: list[list[tuple[int, int]]] = [[] for _ in range(2 * rows)]
-        self.branches: set[tuple[int, int, int]] = set()
+    Attributes:
+        ends: For an end, numbered as in `LaneLinks`, the row and contact of each end that is linked to it, and whether
+            the link is to a place inside another road.
+    """
 
-    def add(self, row: int, end: int, other: int, contact: int) -> None:
-        if (other, contact) not in self.ends[2 * row + end]:
-            self.ends[2 * row + end].append((other, contact))
-        if (row, end) not in self.ends[2 * other + contact]:
-            self.ends[2 * other + contact].append((row, end))
+    def __init__(self) -> None:
+        self.ends: defaultdict[int, dict[tuple[int, int], bool]] = defaultdict(dict)
+
+    def add(self, row: int, end: int, other: int, contact: int, branch: bool = False) -> None:
+        self.ends[2 * row + end][other, contact] = branch
+        self.ends[2 * other + contact][row, end] = branch
 
 
 def build_links(
@@ -74,7 +77,7 @@ def build_links(
     inside = {(one.road, one.end) for one in attachments}
     for element in roads:
         _read_road_links(reader, n, element, index, junctions, inside)
-    links = _Links(len(n.lane_id))
+    links = _Links()
     for road in range(len(roads)):
         for section in range(n.road_section[road], n.road_section[road + 1] - 1):
             _link_joint(n, links, lane_links, (section, AT_END), (section + 1, AT_START))
@@ -179,9 +182,8 @@ def _link_joint(
     """Link the lanes of two touching sections, each given with the end that is touched."""
     named = False
     for (section, end), (target, contact) in ((one, other), (other, one)):
-        sources = lane_links.after if end == AT_END else lane_links.before
         for row in _rows(n, section):
-            for lane in sources[row]:
+            for lane in lane_links.get(2 * row + end, ()):
                 named = True
                 found = lane_row_in(n, target, lane)
                 if found >= 0 and lane != 0 and n.lane_id[row] != 0:
@@ -214,10 +216,10 @@ def _link_road_end(
         if target >= 0 and _touches(n, other, contact, road, end):
             _link_joint(n, links, lane_links, (section, end), (target, contact))
     for connection in connections.get(junction, ()):
-        target = _end_section(n, connection.road, connection.contact)
-        if connection.incoming != road or target < 0:
+        if connection.incoming != road or not _touches(n, connection.road, connection.contact, road, end):
             continue
-        if not _touches(n, connection.road, connection.contact, road, end):
+        target = _end_section(n, connection.road, connection.contact)
+        if target < 0:
             continue
         for before, after in connection.lanes:
             row, found = lane_row_in(n, section, before), lane_row_in(n, target, after)
@@ -250,15 +252,14 @@ def _link_attachment(
         return
     if attachment.contact == AT_END:
         target -= 1
-    filed = lane_links.before if attachment.end == AT_START else lane_links.after
-    pairs = [(lane, n.lane_id[row]) for row in _rows(n, section) for lane in filed[row]]
+    rows = _rows(n, section)
+    pairs = [(lane, n.lane_id[row]) for row in rows for lane in lane_links.get(2 * row + attachment.end, ())]
     pairs.extend(named.get((main, road, attachment.end), ()))
     sign = 1 if attachment.end != attachment.contact else -1
-    for lane, own in pairs or [(sign * n.lane_id[row], n.lane_id[row]) for row in _rows(n, section)]:
+    for lane, own in pairs or [(sign * n.lane_id[row], n.lane_id[row]) for row in rows]:
         found, row = lane_row_in(n, target, lane), lane_row_in(n, section, own)
         if found >= 0 and row >= 0 and lane != 0 and own != 0:
-            links.add(found, attachment.contact, row, attachment.end)
-            links.branches.update(((found, attachment.contact, row), (row, attachment.end, found)))
+            links.add(found, attachment.contact, row, attachment.end, branch=True)
 
 
 def _touches(n: RoadTables, road: int, contact: int, other: int, end: int) -> bool:
@@ -270,25 +271,23 @@ def _touches(n: RoadTables, road: int, contact: int, other: int, end: int) -> bo
 
 def _store(n: RoadTables, links: _Links) -> None:
     turns = [_turn(n, road) for road in range(len(n.road_length))]
-    exits: list[list[tuple[int, int]]] = [[] for _ in range(2 * len(n.road_length))]
-    for i, ends in enumerate(links.ends):
-        if ends:
-            row, end = divmod(i, 2)
-            section = n.lane_section[row]
-            road = n.section_road[section]
-            at_road_end = section == _end_section(n, road, end)
-            for other, contact in ends:
+    exits: list[dict[tuple[int, int], None]] = [{} for _ in range(2 * len(n.road_length))]
+    for row, section in enumerate(n.lane_section):
+        road = n.section_road[section]
+        for end in (AT_START, AT_END):
+            ends = links.ends.get(2 * row + end, {})
+            at_road_end = len(ends) > 0 and section == _end_section(n, road, end)
+            for (other, contact), branch in ends.items():
                 target = n.section_road[n.lane_section[other]]
                 n.link_lane.append(other)
                 n.link_contact.append(contact)
-                branch = (row, end, other) in links.branches
                 n.link_turn.append(pi if branch else turns[target])
-                if at_road_end and not branch and (target, contact) not in exits[2 * road + end]:
-                    exits[2 * road + end].append((target, contact))
-        n.lane_link.append(len(n.link_lane))
+                if at_road_end and not branch:
+                    exits[2 * road + end][target, contact] = None
+            n.lane_link.append(len(n.link_lane))
     for roads in exits:
-        n.exit_road.extend(road for road, _ in roads)
-        n.exit_contact.extend(contact for _, contact in roads)
+        n.exit_road.extend([road for road, _ in roads])
+        n.exit_contact.extend([contact for _, contact in roads])
         n.road_exit.append(len(n.exit_road))
 
 
@@ -296,5 +295,4 @@ def _turn(n: RoadTables, road: int) -> float:
     """Return the absolute change of heading between a road's ends, rad, at most pi."""
     if n.road_junction[road] < 0:
         return 0.0
-    before, after = road_reference(n, road, 0.0)[2], road_reference(n, road, n.road_length[road])[2]
-    return min(pi, abs(wrap_angle(after - before)))
+    return min(pi, abs(wrap_angle(road_heading(n, road, n.road_length[road]) - road_heading(n, road, 0.0))))
