@@ -120,12 +120,13 @@ static inline int64_t int_modulo(int64_t a, int64_t b, PLACE_ARGUMENTS)
     return (rest != 0 && (rest < 0) != (b < 0)) ? rest + b : rest;
 }
 
-/* After CPython's float_rem: the sign of the divisor, and a zero that carries it. */
+/* After CPython's float_rem: the sign of the divisor, and a zero that carries it. The remainder of a smaller number is
+   the number itself, for which fmod need not be called; most are angles within one turn. */
 static inline double real_modulo(double a, double b, PLACE_ARGUMENTS)
 {
     if (SELDOM(b == 0.0))
         fail(FAIL_DIVISION_BY_ZERO, file, line);
-    double rest = fmod(a, b);
+    double rest = fabs(a) < fabs(b) ? a : fmod(a, b);
     if (rest == 0.0)
         return copysign(0.0, b);
     return (b < 0.0) != (rest < 0.0) ? rest + b : rest;
