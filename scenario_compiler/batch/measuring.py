@@ -28,7 +28,7 @@ Columns = dict[str, list[Any]]
 """Rows by column."""
 
 TAKEOVERS = "takeovers"
-"""Column of the takeovers of each run, which have a table of their own."""
+"""Column of the takeovers of each run, which have a table of their own; each is the values of a `Takeover`'s fields."""
 
 
 def rows_of_totals(
@@ -102,7 +102,7 @@ def row_of_recording(plan: Plan, recording: Recording) -> Columns:
         "failed": [" ".join(one.criterion for one in outcome.criteria if not one.passed)],
         "avoided_by": [_avoiders(recording.header.avoided)],
     }
-    columns[TAKEOVERS] = [[vars(one) for one in outcome.takeovers]]
+    columns[TAKEOVERS] = [[tuple(vars(one).values()) for one in outcome.takeovers]]
     values = {} if broken else {name: measure.value for name, measure in outcome.measures.items()}
     return columns | {measure.name: [values.get(measure.name)] for measure in MEASURES}
 

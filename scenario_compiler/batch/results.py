@@ -176,7 +176,7 @@ class ResultStore:
         """Write the rows of a part; OSError if there is no room, and then no file is left."""
         table = table_of(columns, self._part_schema)
         sink = pa.BufferOutputStream()
-        with _writer(sink, self._part_schema, compression="none") as file:  # it is read once more and then deleted
+        with _writer(sink, self._part_schema, lasting=False) as file:
             file.write_table(table)
         write_whole(self._part(number), sink.getvalue().to_pybytes())
 
@@ -248,11 +248,12 @@ def _takeovers_in(rows: pa.Table, schema: pa.Schema) -> pa.Table:
 
 
 def arrow_array(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
-    """Return values, with None for missing ones, as a column of a type of the table."""
+    """Return values, with None for missing ones, as a column of a type of the table; rows of a list are tuples."""
     if pa.types.is_list(kind):
         fields = list(kind.value_type)
         rows = [one for some in values for one in some]
-        found = [arrow_array([one[field.name] for one in rows], field.type) for field in fields]
+        columns = zip(*rows, strict=True) if rows else [()] * len(fields)
+        found = [arrow_array(column, field.type) for column, field in zip(columns, fields, strict=True)]
         ends = arrow_numbers(np.cumsum([0, *map(len, values)], dtype=np.int32))
         return pa.ListArray.from_arrays(ends, pa.StructArray.from_arrays(found, fields=fields))
     absent = np.array([value is None for value in values], dtype=bool) if None in values else None
@@ -286,16 +287,20 @@ def _read(path: Path, columns: list[str] | None = None) -> pa.Table:
         return file.read(columns=columns, use_threads=False)
 
 
-def _writer(sink: Any, schema: pa.Schema, compression: str = "zstd") -> pq.ParquetWriter:
+def _writer(sink: Any, schema: pa.Schema, *, lasting: bool = True) -> pq.ParquetWriter:
+    """Return a writer; what does not last is read once more and then deleted, so that making it small is not worth it.
+
+    It has checksums nevertheless, because a sweep may be interrupted before it is read.
+    """
     return pq.ParquetWriter(
         sink,
         schema,
         version="2.6",
         data_page_version="1.0",
-        compression=compression,
-        compression_level=3 if compression == "zstd" else None,
-        use_dictionary=True,
-        write_statistics=True,
+        compression="zstd" if lasting else "none",
+        compression_level=3 if lasting else None,
+        use_dictionary=lasting,
+        write_statistics=lasting,
         store_schema=False,
         write_page_checksum=True,
     )

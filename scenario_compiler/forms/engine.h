@@ -110,22 +110,26 @@ static inline int64_t int_floor_divide(int64_t a, int64_t b, PLACE_ARGUMENTS)
     return (a % b != 0 && (a < 0) != (b < 0)) ? quotient - 1 : quotient;
 }
 
+/* Counters are not negative and fit into 32 bits, for which processors divide faster. */
 static inline int64_t int_modulo(int64_t a, int64_t b, PLACE_ARGUMENTS)
 {
     if (SELDOM(b == 0))
         fail(FAIL_DIVISION_BY_ZERO, file, line);
+    if (((uint64_t)a | (uint64_t)b) >> 32 == 0)
+        return (uint32_t)a % (uint32_t)b;
     if (SELDOM(b == -1))
         return 0;
     int64_t rest = a % b;
     return (rest != 0 && (rest < 0) != (b < 0)) ? rest + b : rest;
 }
 
-/* After CPython's float_rem: the sign of the divisor, and a zero that carries it. */
+/* After CPython's float_rem: the sign of the divisor, and a zero that carries it. The remainder of a smaller number is
+   the number itself, for which fmod need not be called; most are angles within one turn. */
 static inline double real_modulo(double a, double b, PLACE_ARGUMENTS)
 {
     if (SELDOM(b == 0.0))
         fail(FAIL_DIVISION_BY_ZERO, file, line);
-    double rest = fmod(a, b);
+    double rest = fabs(a) < fabs(b) ? a : fmod(a, b);
     if (rest == 0.0)
         return copysign(0.0, b);
     return (b < 0.0) != (rest < 0.0) ? rest + b : rest;

@@ -118,8 +118,9 @@ def takeovers_of(recording: Recording, traces: Traces) -> tuple[Takeover, ...]:
     budget = time_to_limit(codes, distance, speed, at["blocked_speed"], at["limit_time"])
     crashes = np.full(len(asked), crash)
     step = recording.header.step
-    fields = _fields(causes, request, ends, crashes, speed, distance, budget, quality, step)
-    return tuple(Takeover.model_construct(**one) for one in fields)
+    columns = _fields(causes, request, ends, crashes, speed, distance, budget, quality, step)
+    rows_of_fields = zip(*columns.values(), strict=True)
+    return tuple(Takeover.model_construct(**dict(zip(columns, row, strict=True))) for row in rows_of_fields)
 
 
 def _driven(traces: Traces, begin: float, end: float) -> tuple[float, ...]:
@@ -138,8 +139,11 @@ def _described(recording: Recording, begin: float, end: float) -> int:
     return int(np.argmax(there)) if there.any() else -1
 
 
-def takeovers_of_totals(totals: RunTotals) -> list[list[dict[str, Any]]]:
-    """Return the takeovers of each run, up to the number that the engine stores, each as the fields of a `Takeover`."""
+def takeovers_of_totals(totals: RunTotals) -> list[list[tuple[Any, ...]]]:
+    """Return the takeovers of each run, up to the number that the engine stores.
+
+    Each is the values of a `Takeover`'s fields, in their order.
+    """
     request = totals.of_takeovers("takeover_request")
     runs, places = np.nonzero(~np.isnan(request))
     picked = {
@@ -152,14 +156,14 @@ def takeovers_of_totals(totals: RunTotals) -> list[list[dict[str, Any]]]:
     budget = time_to_limit(picked["cause"], distance, *moving, picked["limit_time"])
     ends: dict[EventKind, Floats] = {kind: picked[kind] for kind in ENDS}
     crash = totals.times["collision"][runs]
-    found: list[list[dict[str, Any]]] = [[] for _ in range(len(request))]
+    found: list[list[tuple[Any, ...]]] = [[] for _ in range(len(request))]
     asked = request[runs, places]
     quality = {
         name: totals.of_takeovers(column)[runs, places]
         for name, column in (*zip(QUALITY, DRIVEN_TOTALS, strict=True), ("traffic_density", "takeover_density"))
     }
     made = _fields(causes, asked, ends, crash, picked["speed"], distance, budget, quality, totals.step, places)
-    for run, one in zip(runs.tolist(), made, strict=True):
+    for run, one in zip(runs.tolist(), zip(*made.values(), strict=True), strict=True):
         found[run].append(one)
     return found
 
@@ -175,8 +179,8 @@ def _fields(
     quality: Mapping[str, Floats],
     step: float,
     places: np.ndarray[tuple[int], np.dtype[np.intp]] | None = None,
-) -> list[dict[str, Any]]:
-    """Return the fields of k takeovers from arrays (k,) of their numbers."""
+) -> dict[str, list[Any]]:
+    """Return the fields of k takeovers, in the order of `Takeover`, from arrays (k,) of their numbers."""
     answered = np.round((ends["response"] - request) / step) * step
     budget = np.round(until_limit / step) * step
     numbers = {
@@ -198,4 +202,4 @@ def _fields(
         "resolution": how,
         **{name: finite_or_none(values) for name, values in numbers.items()},
     }
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    return {name: columns[name] for name in Takeover.model_fields}

@@ -93,6 +93,9 @@ class State(Columns):
     """Angle of the front wheels, rad, positive to the left."""
     steer_rate: list[float] = column(ENTITY, STEER_RATE)
     """Greatest rate of that angle, rad/s."""
+    steer_tangent: list[float] = column(ENTITY)
+    tangent_of: list[float] = column(ENTITY)
+    """Tangent of the front wheels' angle when it was last needed, and that angle, rad."""
     throttle: list[float] = column(ENTITY)
     """Applied throttle and brake, 0 to 1."""
     brake: list[float] = column(ENTITY)

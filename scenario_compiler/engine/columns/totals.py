@@ -305,6 +305,8 @@ class Totals(Columns):
     beside_rows: list[int] = column(ENTITY)
     """Number of kept rows for which the ego has been beside that strip, and the last of them."""
     beside_at: list[int] = column(ENTITY, op.NONE)
+    needs_strip: list[int] = column(ENTITY)
+    """1 if `free_before` and `free_behind` are valid only as long as the ego stays beside that strip."""
     trail_every: list[int] = column(RUN, 1)
     """Number of steps from one kept row to the next."""
     trail_limit: list[int] = column(RUN, 1)
@@ -345,6 +347,8 @@ class Totals(Columns):
     corner_along: list[float] = column(CORNER)
     """Corners of the other box along and across the circle on which the ego drives, m."""
     corner_across: list[float] = column(CORNER)
+    corner_inward: list[float] = column(CORNER)
+    """The same corners across the ego's heading, measured from the circle's centre, m."""
 
 
 SUMMARY: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is RUN)

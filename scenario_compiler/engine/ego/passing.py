@@ -97,10 +97,23 @@ def coming_back(target: float, over: float, share: float) -> tuple[float, float]
 
 
 @compiled
-def any_oncoming(p: Program, st: State, i: int) -> int:
+def is_approaching(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 if an oncoming vehicle on the path has not passed i yet.
+
+    One that has passed never `comes_near` again, because it moves on and i does not drive backwards.
+    """
+    if j == i or st.on_way[j] == 0 or st.along[j] > ONCOMING:
+        return 0
+    front = front_of(p, i)
+    passed = st.far[j] < front - p.const[p.entity_const[i] + slot.E_LENGTH]
+    return 0 if passed and st.v[i] >= 0.0 else 1
+
+
+@compiled
+def any_approaching(p: Program, st: State, i: int) -> int:
     """Return 1 if anything on the path approaches i."""
     for j in range(p.entity_count[0]):
-        if j != i and st.on_way[j] == 1 and st.along[j] <= ONCOMING:
+        if is_approaching(p, st, i, j) == 1:
             return 1
     return 0
 
@@ -111,7 +124,7 @@ def earliest_near(p: Program, st: State, i: int, fastest: float, spare: float) -
     front = front_of(p, i)
     earliest = op.FAR
     for j in range(p.entity_count[0]):
-        if j != i and st.on_way[j] == 1 and st.along[j] <= ONCOMING:
+        if is_approaching(p, st, i, j) == 1:
             meeting = (st.near[j] - front) / max(fastest - st.along[j], -ONCOMING)
             earliest = min(earliest, meeting - spare)
     return earliest - op.TOLERANCE
@@ -169,7 +182,7 @@ def meets_oncoming(
             vehicle is presumed there beyond the driver's sight.
         high: Its left border; not more than `low` if no such lane is entered.
     """
-    if high <= low and any_oncoming(p, st, i) == 0:
+    if high <= low and any_approaching(p, st, i) == 0:
         return 0
     front = front_of(p, i)
     half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH] + CLEARANCE

@@ -86,10 +86,11 @@ def squared_distance_to_corners(
 
 
 @compiled
-def lay_along_circle(m: Totals, k: int) -> None:
-    """Write the other box's corners, relative to the circle that the ego drives, to `corner_along` and `corner_across`.
+def lay_across_circle(m: Totals, k: int) -> None:
+    """Write how far the other box's corners are from the circle that the ego drives, m, positive to the left.
 
-    `k` is the waiting pair. Both are in m; across is positive to the left.
+    `k` is the waiting pair. `corner_along` and `corner_inward` receive the corners in the axes of the ego, m; the latter
+    from the circle's centre.
     """
     bend = m.pair_bend[k]
     side = -1.0 if bend < 0.0 else 1.0
@@ -102,28 +103,41 @@ def lay_along_circle(m: Totals, k: int) -> None:
         dy = m.corner_y[OTHER + corner] - m.own_y[k]
         along = c * dx + s * dy
         across = c * dy - s * dx
+        m.corner_along[corner] = along
         if bent == 1:
             inward = radius - side * across
+            m.corner_inward[corner] = inward
             across = side * (radius - length_of(along, inward))
-            along = atan2(along, inward) * radius
-        m.corner_along[corner] = along
         m.corner_across[corner] = across
+
+
+@compiled
+def is_off_circle(m: Totals, half: float) -> int:
+    """Return 1 if all corners of the other box are on one side of the circle, `half` or more away from it, m."""
+    low = op.FAR
+    high = -op.FAR
+    for k in range(4):
+        low = min(low, m.corner_across[k])
+        high = max(high, m.corner_across[k])
+    return 1 if low >= half or high <= -half else 0
+
+
+@compiled
+def lay_along_circle(m: Totals, bend: float) -> None:
+    """Let `corner_along` be the distances along the circle of the corners that `lay_across_circle` wrote, m."""
+    if abs(bend) > STRAIGHT:
+        radius = 1.0 / max(abs(bend), STRAIGHT)
+        for corner in range(4):
+            m.corner_along[corner] = atan2(m.corner_along[corner], m.corner_inward[corner]) * radius
 
 
 @compiled
 def least_along(m: Totals, half: float) -> float:
     """Return the least distance along the circle of the part of the box within `half` of the circle, m, or FAR."""
     least = op.FAR
-    low = op.FAR
-    high = -op.FAR
     for k in range(4):
-        across = m.corner_across[k]
-        low = min(low, across)
-        high = max(high, across)
-        if abs(across) <= half:
+        if abs(m.corner_across[k]) <= half:
             least = min(least, m.corner_along[k])
-    if low >= half or high <= -half:
-        return op.FAR
     for k in range(4):
         following = (k + 1) % 4
         for side in range(2):
@@ -142,9 +156,14 @@ def add_ahead(p: Program, m: Totals, ego: int, k: int) -> None:
     """Add an entity that is in the path ahead; its corners must have been written.
 
     A box on the far side of the circle, where ahead and behind meet, and one around its centre do not count as ahead.
+    Most boxes that wait are beside the path, so their places along it are not needed.
     """
-    lay_along_circle(m, k)
-    along = least_along(m, 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH])
+    half = 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH]
+    lay_across_circle(m, k)
+    if is_off_circle(m, half) == 1:
+        return
+    lay_along_circle(m, m.pair_bend[k])
+    along = least_along(m, half)
     gap = along - front_of(p, ego)
     if along >= op.FAR or gap < 0.0:
         return

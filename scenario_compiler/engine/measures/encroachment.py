@@ -4,7 +4,7 @@ Two vehicles were at the same place if the box of one overlaps the box that the 
 all entities in the last seconds are kept in columns that are not cleared between runs; `trail_count` says how many of
 them are valid. The search backwards skips the rows in which the other vehicle was too far away, and returns how far
 both may travel before there can be a result. A vehicle that drives straight on stays in one strip of the plane; the
-rows since which the ego has been beside that strip are skipped too.
+rows since which the ego has been beside that strip are skipped too, and while it stays there only the rows before count.
 """
 
 from __future__ import annotations
@@ -18,6 +18,9 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import TRAIL_ROWS, Totals
 from scenario_compiler.marker import compiled
+
+ASK_AGAIN = 50.0
+"""Distance travelled by both after which it is asked again whether a strip is needed, m; chosen."""
 
 LONGEST = 10.0
 """Post-encroachment time from which it counts as undefined, s; chosen."""
@@ -109,23 +112,46 @@ def met_then(p: Program, st: State, m: Totals, i: int, at: int, j: int, dx: floa
 
 
 @compiled
-def is_beside_strip(p: Program, st: State, m: Totals, ego: int, j: int) -> int:
-    """Return 1 if the ego's box does not reach into the strip in which j drives."""
-    c = m.strip_cos[j]
-    s = m.strip_sin[j]
-    across = st.middle_y[ego] * c - st.middle_x[ego] * s - m.strip_off[j]
+def is_beside_strip(p: Program, m: Totals, ego: int, j: int, x: float, y: float, c: float, s: float) -> int:
+    """Return 1 if the ego's box does not reach into the strip in which j drives.
+
+    (x, y) is the centre of the ego's box, m; c and s are cosine and sine of its heading.
+    """
+    strip_c = m.strip_cos[j]
+    strip_s = m.strip_sin[j]
+    across = y * strip_c - x * strip_s - m.strip_off[j]
     base = p.entity_const[ego]
-    half_ego = p.const[base + slot.E_LENGTH] * abs(st.box_sin[ego] * c - st.box_cos[ego] * s)
-    half_ego += p.const[base + slot.E_WIDTH] * abs(st.box_cos[ego] * c + st.box_sin[ego] * s)
+    half_ego = p.const[base + slot.E_LENGTH] * abs(s * strip_c - c * strip_s)
+    half_ego += p.const[base + slot.E_WIDTH] * abs(c * strip_c + s * strip_s)
     wide = p.const[p.entity_const[j] + slot.E_WIDTH]
     return 1 if abs(across) > 0.5 * (half_ego + wide) + SLACK else 0
 
 
 @compiled
-def rows_beside(p: Program, st: State, m: Totals, ego: int, j: int) -> int:
+def kept_rows_beside(p: Program, m: Totals, ego: int, j: int, last: int) -> int:
+    """Return for how many kept rows before the present one, at most `last`, j was in its strip and the ego beside it."""
+    c = m.strip_cos[j]
+    s = m.strip_sin[j]
+    for k in range(1, last + 1):
+        row = m.trail_at[0] - k
+        if row < 0:
+            row = row + TRAIL_ROWS
+        at = j * TRAIL_ROWS + row
+        off = m.trail_y[at] * c - m.trail_x[at] * s
+        if c != m.trail_cos[at] or s != m.trail_sin[at] or abs(off - m.strip_off[j]) > STRAIGHT:
+            return k - 1
+        at = ego * TRAIL_ROWS + row
+        if is_beside_strip(p, m, ego, j, m.trail_x[at], m.trail_y[at], m.trail_cos[at], m.trail_sin[at]) == 0:
+            return k - 1
+    return last
+
+
+@compiled
+def rows_beside(p: Program, st: State, m: Totals, ego: int, j: int, last: int) -> int:
     """Return for how many kept rows, with the present one, the ego has been beside the strip in which j drives.
 
-    In none of them was one of the two where the other is now. Rows in which nobody asks interrupt the count.
+    In none of them was one of the two where the other is now. Of the rows before those in which this is asked, the
+    last `last` ones are looked at.
     """
     c = st.box_cos[j]
     s = st.box_sin[j]
@@ -138,7 +164,12 @@ def rows_beside(p: Program, st: State, m: Totals, ego: int, j: int) -> int:
     if m.beside_at[j] != m.trail_count[0] - 1:
         m.beside_rows[j] = 0
     m.beside_at[j] = m.trail_count[0]
-    m.beside_rows[j] = m.beside_rows[j] + 1 if is_beside_strip(p, st, m, ego, j) == 1 else 0
+    if is_beside_strip(p, m, ego, j, st.middle_x[ego], st.middle_y[ego], st.box_cos[ego], st.box_sin[ego]) == 0:
+        m.beside_rows[j] = 0
+    elif m.beside_rows[j] > 0:
+        m.beside_rows[j] += 1
+    else:
+        m.beside_rows[j] = 1 + kept_rows_beside(p, m, ego, j, last)
     return m.beside_rows[j]
 
 
@@ -149,16 +180,17 @@ def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int, apar
     Before both together have travelled this distance, no result is possible. From a row in which the boxes are a gap
     apart, the rows of half this distance are skipped, in which the boxes are still apart by the other half. Once no
     such distance is left to find, the rows of the whole gap are skipped. The last `apart` rows, with the present one,
-    are known to have no result; if they are skipped, the distance is 0 or less.
+    are known to have no result; if they are skipped, the distance is that for the rows before them alone.
     """
     reach = st.reach[i] + st.reach[j]
     step = sqrt(max(m.trail_square[i], 0.0))
     last = min(limit - 1, m.trail_count[0])
-    free = length_of(st.middle_x[j] - st.middle_x[i], st.middle_y[j] - st.middle_y[i]) - reach
     k = 1
+    free = op.FAR
     if apart > 1:
         k = apart
-        free = min(free, 0.0)
+    else:
+        free = length_of(st.middle_x[j] - st.middle_x[i], st.middle_y[j] - st.middle_y[i]) - reach
     while k <= last:
         at = i * TRAIL_ROWS + m.trail_at[0] - k
         if k > m.trail_at[0]:
@@ -186,21 +218,46 @@ def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int, apar
 
 
 @compiled
-def look_back_where_due(p: Program, st: State, m: Totals, j: int, ego: int, limit: int) -> int:
-    """Return the least number of kept rows between the presence of the ego and of j at one place, at most `limit`."""
-    driven = m.trail_way[j] + m.trail_way[ego]
-    m.free_before[j] -= driven
-    m.free_behind[j] -= driven
+def look_back_twice(p: Program, st: State, m: Totals, j: int, ego: int, limit: int, apart: int) -> int:
+    """Look back with both as the one that comes later, where the free distance is used up; return the least result."""
     found = limit
-    if m.free_before[j] > 0.0 and m.free_behind[j] > 0.0:
-        return found
-    apart = rows_beside(p, st, m, ego, j)
     if m.free_before[j] <= 0.0:
         found, free = look_back(p, st, m, ego, j, found, apart)
         m.free_before[j] = free
     if m.free_behind[j] <= 0.0:
         found, free = look_back(p, st, m, j, ego, found, apart)
         m.free_behind[j] = free
+    return found
+
+
+@compiled
+def look_back_where_due(p: Program, st: State, m: Totals, j: int, ego: int, limit: int) -> int:
+    """Return the least number of kept rows between the presence of the ego and of j at one place, at most `limit`.
+
+    If no distance is free, because one of them is where the other passed close by, the rows since which the ego has
+    been beside j's strip are left out. No result with those is possible while it stays beside the same strip; once it
+    does not, or after `ASK_AGAIN`, all rows are searched again.
+    """
+    driven = m.trail_way[j] + m.trail_way[ego]
+    m.free_before[j] -= driven
+    m.free_behind[j] -= driven
+    last = min(limit - 1, m.trail_count[0])
+    free = m.free_before[j] > 0.0 and m.free_behind[j] > 0.0
+    if free and (m.needs_strip[j] == 0 or rows_beside(p, st, m, ego, j, last) > 1):
+        return limit
+    if m.needs_strip[j] == 1:
+        m.needs_strip[j] = 0
+        m.free_before[j] = 0.0
+        m.free_behind[j] = 0.0
+    found = look_back_twice(p, st, m, j, ego, limit, 0)
+    if m.free_before[j] > 0.0 and m.free_behind[j] > 0.0:
+        return found
+    apart = rows_beside(p, st, m, ego, j, last)
+    if apart > 1:
+        m.needs_strip[j] = 1
+        found = look_back_twice(p, st, m, j, ego, found, apart)
+        m.free_before[j] = min(m.free_before[j], ASK_AGAIN)
+        m.free_behind[j] = min(m.free_behind[j], ASK_AGAIN)
     return found
 
 

@@ -244,10 +244,21 @@ def next_speed(p: Program, st: State, i: int, gain: float, loss: float, dt: floa
 
 
 @compiled
+def steering_tangent(st: State, i: int) -> float:
+    """Return the tangent of the front wheels' angle; in most steps the wheels keep their angle."""
+    angle = st.steer[i]
+    if angle != st.tangent_of[i]:
+        st.tangent_of[i] = angle
+        st.steer_tangent[i] = tan(angle)
+    return st.steer_tangent[i]
+
+
+@compiled
 def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     """Move a vehicle by its commands. Brakes stop it exactly; only the reverse gear drives it backwards.
 
-    It turns no more tightly than its tyres hold, however far the wheels are turned.
+    It turns no more tightly than its tyres hold, however far the wheels are turned. Without a turn, cosine and sine of
+    its heading are those of its box.
     """
     base = p.entity_const[i]
     st.throttle[i] = clip(st.command_throttle[i], 0.0, 1.0)
@@ -261,14 +272,20 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     if speed == 0.0:
         st.h[i] = wrap_heading(st.h[i])
         return
-    rate = speed * tan(st.steer[i]) / max(p.const[base + slot.E_WHEELBASE], 0.1)
+    tangent = steering_tangent(st, i)
+    rate = speed * tangent / max(p.const[base + slot.E_WHEELBASE], 0.1)
     held = grip(st, TYRES_HOLD)
     if abs(rate * speed) > held:
         rate = clip(rate, -held / abs(speed), held / abs(speed))
     swing = rate * dt
     middle = st.h[i] + 0.5 * swing
-    st.x[i] += speed * dt * cos(middle)
-    st.y[i] += speed * dt * sin(middle)
+    c = st.box_cos[i]
+    s = st.box_sin[i]
+    if middle != st.box_h[i]:
+        c = cos(middle)
+        s = sin(middle)
+    st.x[i] += speed * dt * c
+    st.y[i] += speed * dt * s
     st.h[i] = wrap_heading(st.h[i] + swing)
 
 
