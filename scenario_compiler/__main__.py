@@ -46,11 +46,14 @@ def start_lightly() -> None:
 
 
 def _say_interrupted() -> None:
-    """Write the line without modules that may be imported only in part."""
+    """Write the line, if stderr takes it, without modules that may be imported only in part."""
+    from contextlib import suppress
+
     from scenario_compiler.interruption import ignore_from_now_on
 
     ignore_from_now_on()
-    os.write(2, b"scenario-compiler: interrupted\n")
+    with suppress(OSError):
+        os.write(2, b"scenario-compiler: interrupted\n")
 
 
 def _forget_current_folder() -> None:

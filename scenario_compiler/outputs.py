@@ -19,9 +19,12 @@ from scenario_compiler.interruption import put_off
 
 
 def write_whole(path: str | Path, content: bytes | str) -> None:
-    """Write a file as a whole or not at all; text is written in UTF-8, with unchanged line ends. See `whole_file`."""
+    """Write a file as a whole or not at all. See `whole_file`.
+
+    Text is written in UTF-8, with unchanged line ends. A byte of a file's name that is not UTF-8 becomes an escape.
+    """
     with whole_file(path) as file:
-        file.write(content.encode() if isinstance(content, str) else content)
+        file.write(content.encode(errors="backslashreplace") if isinstance(content, str) else content)
 
 
 @contextlib.contextmanager

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import contextlib
 import copy
-import json
 import os
+import pickle
 import signal
 import warnings
 from collections.abc import Iterator
@@ -63,18 +63,25 @@ def _make_shared(item: pytest.Function) -> None:
 def _reports(item: pytest.Function) -> Iterator[pytest.TestReport]:
     ended = 0
     for _ in range(TRIES):
-        lines, ended = _run(item)
+        reports, ended = _run(item)
         if not ended:
-            for line in lines:
-                data = json.loads(line)
+            for data in reports:
                 yield item.config.hook.pytest_report_from_serializable(config=item.config, data=data)
+            if not reports:
+                yield _failed(item, "the process of the test ended without a report")
             return
-    told = f"the process of the test was ended {TRIES} times, by {signal.Signals(ended).name}"
-    yield pytest.TestReport(item.nodeid, item.location, {}, "failed", told, "call")
+    yield _failed(item, f"the process of the test was ended {TRIES} times, by {signal.Signals(ended).name}")
 
 
-def _run(item: pytest.Function) -> tuple[list[str], int]:
-    """Return the reports of a test that runs in a new process, and the signal that ended the process, 0 for none."""
+def _failed(item: pytest.Function, told: str) -> pytest.TestReport:
+    return pytest.TestReport(item.nodeid, item.location, {}, "failed", told, "call")
+
+
+def _run(item: pytest.Function) -> tuple[list[dict[str, Any]], int]:
+    """Return the reports of a test that runs in a new process, and the signal that ended the process, 0 for none.
+
+    They are pickled, which keeps tuples: pytest looks for the reason of a skip in one.
+    """
     reading, writing = os.pipe()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # what has threads here holds no lock that a test takes
@@ -83,18 +90,20 @@ def _run(item: pytest.Function) -> tuple[list[str], int]:
         os.close(reading)
         _run_here(item, writing)
     os.close(writing)
-    with os.fdopen(reading, encoding="utf-8") as pipe:
-        lines = pipe.read().splitlines()
+    with os.fdopen(reading, "rb") as pipe:
+        written = pipe.read()
     _, status = os.waitpid(child, 0)
-    return lines, os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
+    if os.WIFSIGNALED(status):
+        return [], os.WTERMSIG(status)
+    return pickle.loads(written) if written else [], 0
 
 
 def _run_here(item: pytest.Function, writing: int) -> None:
     """Run a test, write its reports, and end the process without the client's destructors."""
     signal.alarm(HANGS_AFTER)
-    with contextlib.suppress(BaseException), os.fdopen(writing, "w", encoding="utf-8") as pipe:
+    with contextlib.suppress(BaseException), os.fdopen(writing, "wb") as pipe:
         sibling = copy.copy(item)  # one whose module goes on: only the test's own fixtures end here
-        for report in runtestprotocol(item, log=False, nextitem=sibling):
-            data = item.config.hook.pytest_report_to_serializable(config=item.config, report=report)
-            pipe.write(json.dumps(data) + "\n")
+        reports = runtestprotocol(item, log=False, nextitem=sibling)
+        write = item.config.hook.pytest_report_to_serializable
+        pipe.write(pickle.dumps([write(config=item.config, report=report) for report in reports]))
     os._exit(0)

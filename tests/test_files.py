@@ -1,8 +1,11 @@
-"""Reading files: anything but an ordinary file, and any file that is too large, is refused at once."""
+"""Files: only ordinary files of a limited size are read, and every name is accepted, whatever bytes it has."""
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -13,8 +16,10 @@ from scenario_compiler.files import read_file, split_target
 from scenario_compiler.languages import parse, read_scenario_document
 from scenario_compiler.plan.store import read_plan
 from scenario_compiler.recording.trajectory import read_trajectory
+from scenario_compiler.resources import find_map
 from scenario_compiler.roads import load_network
 from scenario_compiler.structure.schemas import find_schema
+from tests.command import call
 
 INCLUDING = '<scenarios version="1"><include file="{}"/></scenarios>'
 
@@ -109,3 +114,38 @@ def test_a_file_with_a_number_sign_is_not_written_over(tmp_path: Path) -> None:
     file.touch()
     with pytest.raises(WrongUse, match="written over"):
         keep_inputs([f"{file}#c"], file)
+
+
+SHORT = """\
+<scenarios version="1">
+  <scenario name="short" map="roads.xodr" duration="0.2">
+    <parameter name="speed" type="speed" default="20"/>
+    <ego speed="$speed"><start><lane road="1" lane="-1" s="20"/></start></ego>
+  </scenario>
+</scenarios>
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are Unicode")
+def test_a_name_that_is_not_utf_8_is_accepted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder and a file have names in Latin-1, as archives from other systems have them."""
+    monkeypatch.chdir(tmp_path)
+    folder = Path(os.fsdecode(b"stra\xdfe"))
+    file, plan = folder / os.fsdecode(b"k\xfcrz.xml"), folder / "plan.json"
+    folder.mkdir()
+    file.write_text(SHORT, encoding="utf-8")
+    shutil.copy(find_map("highway_loop"), folder / "roads.xodr")
+    sweep = ("sweep", file, "--vary", "speed=values(10, 20)", "-o", folder / "swept")
+    for words in (
+        ("validate", file),
+        ("run", file, "--perception", "ideal", "-o", folder / "run"),
+        ("report", folder / "run"),
+        ("compare", folder / "run", folder / "run", "--html", folder / "compared.html"),
+        ("compile", file, "-o", plan),
+        ("run", plan, "--maps", folder, "-o", folder / "again"),
+        (*sweep, "--workers", "2"),
+        (*sweep, "--resume"),
+        ("library", folder, "-o", folder / "library"),
+    ):
+        assert call(*words) == 0, words
+    assert r"stra\udcdfe/k\udcfcrz.xml" in json.loads(plan.read_text(encoding="utf-8"))["origins"]["scenario"]["file"]

@@ -37,7 +37,7 @@ AISA = """\
 """
 
 PROGRAM = """
-import os, signal, sys
+import contextlib, os, signal, sys
 of, at, number = sys.argv[1], int(sys.argv[2]), getattr(signal, sys.argv[3])
 del sys.argv[1:4]
 count = 0
@@ -60,7 +60,8 @@ if __name__ == "__main__":
     try:
         main()
     finally:
-        print("EVENTS", count, file=sys.stderr)
+        with contextlib.suppress(OSError):
+            os.write(2, f"EVENTS {count}\\n".encode())
 """
 """The program itself, which gets a signal at the n-th file that it opens, module that it imports, and so on.
 
@@ -235,6 +236,13 @@ def test_sigterm_ends_every_command_like_ctrl_c(place: Path) -> None:
     code, told = interrupted(place, COMMANDS["run"], 500, "SIGTERM")
     assert (code, told.splitlines()[0]) == (130, "scenario-compiler: interrupted")
     assert not (place / "out").exists()
+
+
+def test_the_exit_code_is_the_same_if_nothing_can_be_printed(place: Path) -> None:
+    words = [sys.executable, "-c", PROGRAM, "all", "500", "SIGINT", *COMMANDS["run"].split()]
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(words, cwd=place, stderr=full, timeout=300, check=False, start_new_session=True)
+    assert done.returncode == 130
 
 
 def test_ctrl_c_while_a_process_is_started_interrupts_the_program_and_not_the_process() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import resource
 import shutil
 import signal
@@ -121,16 +122,44 @@ def test_a_conflict_a_conversion_and_a_report_that_cannot_be_written_are_reporte
     assert not Path("out/report.html").exists()
 
 
-def test_output_that_cannot_be_printed_is_reported_in_one_line() -> None:
-    with Path("/dev/full").open("w", encoding="utf-8") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "scenario_compiler", "list"],
-            stdout=full,
-            stderr=subprocess.PIPE,
+def printed(*words: str, full: str, buffered: bool = True) -> subprocess.CompletedProcess[str]:
+    """Return what a process wrote that runs a command with stdout, stderr or both on a full disk."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    with Path("/dev/full").open("w", encoding="utf-8") as disk:
+        return subprocess.run(
+            [sys.executable, "-m", "scenario_compiler", *words],
+            stdout=disk if "out" in full else subprocess.PIPE,
+            stderr=disk if "err" in full else subprocess.PIPE,
             text=True,
             check=False,
+            env=environment if buffered else {**environment, "PYTHONUNBUFFERED": "1"},
         )
+
+
+@pytest.mark.parametrize("buffered", [True, False], ids=["buffered", "unbuffered"])
+@pytest.mark.parametrize("words", [("list",), ("--help",), ("run", "--help"), ("--version",)], ids=" ".join)
+def test_output_that_cannot_be_printed_is_reported_in_one_line(words: tuple[str, ...], buffered: bool) -> None:
+    done = printed(*words, full="stdout", buffered=buffered)
     assert (done.returncode, done.stderr) == (2, "scenario-compiler: output: No space left on device\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        pytest.param((*RUN, "-o", "fast", "--set", "speed=60"), 0, id="a warning"),
+        pytest.param(("validate", "no_such_file.xml"), 1, id="an error"),
+        pytest.param(("run", "no_such_file.xml"), 1, id="a missing file"),
+        pytest.param(("run",), 2, id="a missing argument"),
+    ],
+)
+def test_a_command_whose_messages_cannot_be_printed_goes_on_to_its_exit_code(words: tuple[str, ...], code: int) -> None:
+    assert printed(*words, full="stderr").returncode == code
+    assert Path("fast/outcome.json").is_file() == ("fast" in words)
+
+
+@pytest.mark.parametrize("words", [("list",), ("--help",), ("validate", "mine.xml"), (*RUN, "-o", "out")], ids=" ".join)
+def test_the_exit_code_says_that_nothing_could_be_printed(words: tuple[str, ...]) -> None:
+    assert printed(*words, full="stdout and stderr").returncode == 2
 
 
 def test_a_sweep_that_cannot_begin_does_not_mention_resume(capsys: pytest.CaptureFixture[str]) -> None:

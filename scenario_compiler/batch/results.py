@@ -30,7 +30,7 @@ from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import TAKEOVERS, Columns
 from scenario_compiler.batch.tally import TALLIED, Tally
 from scenario_compiler.outputs import LockedError, locked, make_folder, whole_file, write_whole
-from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts
+from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts, opened_parquet
 from scenario_compiler.recording.break_off import equal_reasons
 
 FORMAT = "scenario-compiler/sweep/1"
@@ -158,7 +158,7 @@ class ResultStore:
         The table also says of itself what it is written with.
         """
         try:
-            with pq.ParquetFile(path, page_checksum_verification=True) as file:
+            with opened_parquet(path, page_checksum_verification=True) as file:
                 about = (file.metadata.metadata or {}).get(_KEY, b"")
                 schema = self._schema if path == self.table else self._part_schema
                 if not file.schema_arrow.equals(schema) or (path == self.table and about != self._about()):
@@ -191,7 +191,7 @@ class ResultStore:
 
     def errors(self) -> list[tuple[str, int, int]]:
         """Return the errors in the table's rows, as `equal_reasons` does."""
-        with pq.ParquetFile(self.table) as file:
+        with opened_parquet(self.table) as file:
             groups = (file.read_row_group(k, columns=["error"]) for k in range(file.num_row_groups))
             every = enumerate(error for group in groups for error in group["error"].to_pylist())
             return equal_reasons((variant, error) for variant, error in every if error)
@@ -271,7 +271,7 @@ def read_results(path: Path) -> tuple[Columns, dict[str, Any]]:
     """
     file = path / TABLE if path.is_dir() else path
     try:
-        with pq.ParquetFile(file) as opened:
+        with opened_parquet(file) as opened:
             table, metadata = opened.read(), opened.metadata.metadata or {}
         about = json.loads(metadata.get(_KEY, b"{}"))
     except (OSError, ValueError, pa.ArrowException) as problem:
@@ -283,7 +283,7 @@ def read_results(path: Path) -> tuple[Columns, dict[str, Any]]:
 
 
 def _read(path: Path, columns: list[str] | None = None) -> pa.Table:
-    with pq.ParquetFile(path) as file:
+    with opened_parquet(path) as file:
         return file.read(columns=columns, use_threads=False)
 
 

@@ -28,6 +28,7 @@ from scenario_compiler.engine.reference_runs import avoided_by
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.expressions import ExpressionError
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.store import plan_text
 from scenario_compiler.plan.variants import VariantChecks
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.totals import RunTotals
@@ -79,7 +80,7 @@ class SentPlan:
     @cached_property
     def text(self) -> str:
         """The plan as JSON."""
-        return self.made if isinstance(self.made, str) else self.made.model_dump_json()
+        return self.made if isinstance(self.made, str) else plan_text(self.made)
 
     @cached_property
     def plan(self) -> Plan:

@@ -15,7 +15,7 @@ from importlib import import_module
 from typing import Any, NoReturn
 
 from scenario_compiler.cli.options import WRONG_USE, WrongUse, library_target, reason_of
-from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams, put
+from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams, put, put_raw
 from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError
@@ -58,13 +58,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if "" in words:  # as a path it would be the current folder
         complain("an argument is empty, as of a variable of the shell that is not set")
         return WRONG_USE
-    options = make_parser(words[0] if words else "").parse_args(words)
+    code = _carried_out(words)
     try:
+        flush_streams()
+    except OSError as fault:
+        complain(reason_of(fault))
+        code = WRONG_USE
+    return code
+
+
+def _carried_out(words: Sequence[str]) -> int:
+    """Return the exit code of a command, after a line on what kept it from its work."""
+    try:
+        options = make_parser(words[0] if words else "").parse_args(words)
         with templates_from([one for one in getattr(options, "templates", ()) if one is not None]):
             if "target" in options:
                 options.target = library_target(options.target)
             code: int = options.command(options)
-        flush_streams()
     except (WrongUse, ConfigurationError) as fault:
         complain(fault)
         code = WRONG_USE
@@ -106,6 +116,17 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print what is wrong with the arguments and exit with 2."""
         super().error(legible(message))
+
+    def print_help(self, file: Any = None) -> None:
+        """Print the help; raise OSError if it cannot be written, which argparse itself ignores."""
+        put_raw(self.format_help().removesuffix("\n"), file)
+
+    def exit(self, status: int = 0, message: str | None = None) -> NoReturn:
+        """Exit after all output has been written; raise OSError if it cannot be written."""
+        try:
+            super().exit(status, message)
+        finally:
+            flush_streams()
 
 
 def as_sentence(text: str) -> str:

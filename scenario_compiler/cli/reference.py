@@ -28,7 +28,8 @@ written.
 | 0 | success; there may have been warnings |
 | 1 | the input, the controller or the world is at fault, or a run broke off; the diagnostics say why. \
 `compare`: the runs differ. `sweep`: all variants broke off, or the sweep itself did. |
-| 2 | wrong use: an unknown option, a missing name, a folder that is not empty, a file that cannot be written |
+| 2 | wrong use: an unknown option, a missing name, a folder that is not empty, a file or an output that cannot be \
+written |
 | 3 | `run --strict`: a criterion failed; `sweep --pass-rate`: too few variants passed |
 | 130 | interrupted by Ctrl-C or SIGTERM: one line reports it, and no file is left half written; `run` keeps \
 what it has recorded, a sweep its finished variants for `--resume` |
@@ -36,7 +37,8 @@ what it has recorded, a sweep its finished variants for `--resume` |
 ## Diagnostics
 
 As text, diagnostics go to stderr, so that stdout has only results. In every other format of `--format` they
-go to stdout, and all other output goes to stderr.
+go to stdout, and all other output goes to stderr. Messages that cannot be written to stderr, for example on a full
+disk, do not stop a command.
 `explain CODE` explains a code and says what to do about it. At most 100 diagnostics of the same file, code and severity
 are listed; the rest are counted. Control characters, characters that change the direction of writing, and lines that a
 build service would take for a command are never printed, even if files or their names contain them: they are shown as

@@ -2,7 +2,8 @@
 
 Text from a file, or a file's name, never reaches a terminal or a log without its control characters escaped (see
 `legible`). A reader that closes the pipe is not an error: the rest of the output is thrown away, and the command goes
-on to its own exit code.
+on to its own exit code. The same holds for messages that cannot be written to stderr; a result that cannot be written
+to stdout is an error.
 """
 
 from __future__ import annotations
@@ -56,10 +57,8 @@ def complain(line: object) -> None:
 def put_raw(text: str, file: TextIO | None = None) -> None:
     """Print text whose control characters are escaped already, such as formatted diagnostics."""
     stream = sys.stdout if file is None else file
-    try:
+    with _written(stream):
         print(text, file=stream)
-    except BrokenPipeError:
-        _discard(stream)
 
 
 def put_table(headings: Sequence[str], rows: Sequence[Sequence[str]], file: TextIO | None = None) -> None:
@@ -109,18 +108,25 @@ def shown_progress(what: str) -> Iterator[Callable[[float, float], None] | None]
 
 
 def flush_streams() -> None:
-    """Write all buffered output; a reader that has closed the pipe is not an error.
+    """Write all buffered output.
 
     Raises:
-        OSError: The output cannot be written, for example because the disk is full.
+        OSError: Results cannot be written to stdout, for example because the disk is full.
     """
-    for stream in (sys.stdout, sys.stderr):
-        try:
-            stream.flush()
-        except BrokenPipeError:
-            _discard(stream)
-        except OSError:
-            _discard(stream)
+    with _written(sys.stderr):
+        sys.stderr.flush()
+    with _written(sys.stdout):
+        sys.stdout.flush()
+
+
+@contextmanager
+def _written(stream: TextIO) -> Iterator[None]:
+    """Throw away what a stream does not take; raise OSError if that is a result, and not because its reader left."""
+    try:
+        yield
+    except OSError as fault:
+        _discard(stream)
+        if stream is not sys.stderr and not isinstance(fault, BrokenPipeError):
             raise
 
 

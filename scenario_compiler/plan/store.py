@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,9 @@ BAD_PLAN = Code(
 )
 
 
+_NOT_UTF_8 = re.compile("[\udc80-\udcff]")
+"""Python's characters for the bytes of a file's name that are not UTF-8 (PEP 383)."""
+
 OUTSIDE = ("limits", "origins", "derived", "digest")
 """Parts of a plan that its digest does not cover, because they do not affect a run."""
 
@@ -42,7 +46,7 @@ def digest_of(plan: Plan) -> str:
     content = {name: value for name, value in vars(plan).items() if name not in OUTSIDE}
     content["map"] = {name: value for name, value in vars(plan.map).items() if name != "file"}
     canonical = json.dumps(content, default=_plain, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()
+    return hashlib.sha256(canonical.encode(errors="backslashreplace")).hexdigest()
 
 
 def sealed(plan: Plan) -> Plan:
@@ -52,8 +56,13 @@ def sealed(plan: Plan) -> Plan:
 
 def write_plan(plan: Plan, path: str | Path) -> None:
     """Write a plan as JSON."""
+    write_whole(path, plan_text(plan) + "\n")
+
+
+def plan_text(plan: Plan) -> str:
+    """Return a plan as JSON; a byte of a file's name that is not UTF-8 becomes an escape, because JSON is Unicode."""
     text = json.dumps(plan, default=_plain, indent=1, ensure_ascii=False)
-    write_whole(path, text + "\n")
+    return _NOT_UTF_8.sub(lambda found: f"\\\\u{ord(found[0]):04x}", text)
 
 
 def _plain(value: BaseModel | Expression) -> dict[str, Any]:

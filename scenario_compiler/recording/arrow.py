@@ -1,16 +1,26 @@
-"""Makes Arrow columns from bytes, for the tables of recordings and sweeps.
+"""Makes Arrow columns from bytes and opens Parquet files, for the tables of recordings and sweeps.
 
 `pyarrow.array` would import pandas if it is installed, which takes longer than a thousand variants of a sweep.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
+
+
+@contextmanager
+def opened_parquet(path: Path, **options: Any) -> Iterator[pq.ParquetFile]:
+    """Open a Parquet file, whatever bytes its name has: pyarrow itself opens only files whose names are UTF-8."""
+    with path.open("rb") as content, pq.ParquetFile(content, **options) as file:
+        yield file
 
 
 def arrow_numbers(values: NDArray[Any], absent: NDArray[np.bool_] | None = None) -> pa.Array:
@@ -23,8 +33,8 @@ def arrow_numbers(values: NDArray[Any], absent: NDArray[np.bool_] | None = None)
 
 
 def arrow_texts(texts: Sequence[str], absent: NDArray[np.bool_] | None = None) -> pa.Array:
-    """Return texts (n) as a column, null if `absent` (n) is true."""
-    encoded = [text.encode() for text in texts]
+    """Return texts (n) as a column, null if `absent` (n) is true; bytes of names that are not UTF-8 become escapes."""
+    encoded = [text.encode(errors="backslashreplace") for text in texts]
     ends = np.zeros(len(encoded) + 1, dtype=np.int32)
     np.cumsum([len(text) for text in encoded], out=ends[1:])
     content = [pa.py_buffer(ends), pa.py_buffer(b"".join(encoded))]

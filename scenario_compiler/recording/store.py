@@ -20,7 +20,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from scenario_compiler.outputs import write_whole
-from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts
+from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts, opened_parquet
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CODES
 from scenario_compiler.recording.recording import COLUMNS, Column, Frame, Header, Recording
@@ -77,7 +77,7 @@ def read_recording(path: Path) -> Recording:
         RecordingError: The file has none.
     """
     try:
-        with pq.ParquetFile(path) as file:
+        with opened_parquet(path) as file:
             table, metadata = file.read(), file.metadata.metadata or {}
         about = json.loads(metadata.get(_KEY, b"{}"))
         if about.get("format") != FORMAT:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
 from pathlib import Path
@@ -20,7 +21,7 @@ PAGE, DATA, TAGS = "library.html", "library.json", "openlabel"
 def write_survey(found: Survey, folder: Path) -> None:
     """Write a survey's page, its JSON and the scenarios' tags into a folder."""
     make_folder(folder / TAGS)
-    write_whole(folder / DATA, found.model_dump_json(indent=1) + "\n")
+    write_whole(folder / DATA, json.dumps(found.model_dump(mode="json"), indent=1, ensure_ascii=False) + "\n")
     write_whole(folder / PAGE, page_of(found))
     taken: Counter[str] = Counter()
     for one in found.scenarios:
