@@ -24,6 +24,7 @@ from scenario_compiler.carla_server.blueprints import Blueprint
 from scenario_compiler.carla_server.debug_shapes import DebugShapes
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.impacts import Footprint, impact
+from scenario_compiler.carla_server.signals import Signals
 from scenario_compiler.carla_server.signs import SignRules, signs_of
 from scenario_compiler.carla_server.snapshot import ACTIVE, LIGHT, SIGN, VEHICLE, WALKER, Rows
 from scenario_compiler.carla_server.towns import Town
@@ -150,7 +151,8 @@ class Stage:
         self._center = np.empty(0)
         self._up = np.empty(0)
         self._limits: dict[tuple[int, int], float] = {}
-        self.groups = groups_of(town.network)
+        signals = Signals(town.network)
+        self.groups = groups_of(signals)
         self.spectator = self.add(
             Actor(0, Blueprint("spectator", "spectator"), {}, [0, "spectator", []], CarlaTransform(0, 0, 50, 0, 0, 0))
         )
@@ -158,11 +160,11 @@ class Stage:
         for light in lights:
             self._add_light(light)
         self._lit = AreaIndex((area, light) for light in lights for area in light.areas)
-        signs = signs_of(town.network)
+        signs = signs_of(signals)
         for sign in signs:
             blueprint = Blueprint(sign.kind, sign.kind.replace(".", ","))
             self.add(SignActor(0, blueprint, {}, [0, sign.kind, []], sign.transform, sign=sign))
-        self._rules = SignRules(town.network, signs)
+        self._rules = SignRules(signals, signs)
 
     def _add_light(self, light: Light) -> None:
         blueprint = Blueprint("traffic.traffic_light", "traffic,traffic_light")
@@ -467,20 +469,28 @@ class Stage:
         """Find the light that each vehicle is at, and let vehicles see what stop and yield signs show them."""
         if self._lit.empty and self._rules.empty:
             return
-        boxes = [(body, self._box_on_road(body)) for body in self._by_place.values() if isinstance(body, Car)]
-        for car, box in boxes:
-            car.light = next(self._lit.touched(box), None)
+        boxes: list[tuple[int, Box]] = []
+        for car in self._by_place.values():
+            if not isinstance(car, Car):
+                continue
+            box = self._box_near_areas(car)
+            car.light = None if box is None else next(self._lit.touched(box), None)
             if car.light is not None:
                 car.shown = GREEN
-        for number, state in self._rules.step(self.time, [(car.id, box) for car, box in boxes]).items():
+            if box is not None:
+                boxes.append((car.id, box))
+        for number, state in self._rules.step(self.time, boxes).items():
             shown_to = self.actors[number]
             assert isinstance(shown_to, Car)
             shown_to.shown = state
 
-    def _box_on_road(self, car: Car) -> Box:
+    def _box_near_areas(self, car: Car) -> Box | None:
+        """Return the box of a vehicle on the road, None far from all areas of lights and signs."""
         st, at, shape = self.simulation.state, car.place, car.shape
-        middle = (st.middle_x[at], st.middle_y[at], st.z[at], st.h[at])
-        return Box(*middle, shape.length, shape.width, shape.height)
+        x, y = st.middle_x[at], st.middle_y[at]
+        if not self._lit.is_near(x, y) and not self._rules.is_near(x, y):
+            return None
+        return Box(x, y, st.z[at], st.h[at], shape.length, shape.width, shape.height)
 
     def _walk_on(self, walker: Walker, dt: float) -> None:
         """Let a walker that has been stopped or pushed by an impact walk as it did."""
