@@ -32,7 +32,7 @@ from scenario_compiler.plan.lower import lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import read_plan, sealed
-from scenario_compiler.resources import templates_from
+from scenario_compiler.resources import library_conflicts, library_target, templates_from
 from scenario_compiler.roads import Network
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.declared import Declaration
@@ -153,10 +153,10 @@ def compile_target(
     overrides: Overrides | None = None,
     trust: Trust | None = None,
 ) -> Compilation | None:
-    """Compile FILE or FILE#name; return None if the sink has errors.
+    """Compile FILE, FILE#name or a conflict of the library by its name; return None if the sink has errors.
 
     Args:
-        target: The file, with the name of a scenario if the file has several.
+        target: The file, with the name of a scenario if the file has several; or the name of a conflict.
         arguments: Values of the scenario's parameters, as text in XML units.
         sink: Receives the diagnostics.
         maps: Folders in which its map is looked for first.
@@ -167,7 +167,7 @@ def compile_target(
         ConfigurationError: The user's configuration file cannot be read.
         ScenarioNameNeededError: The file has several scenarios and no name is given.
     """
-    path, name = split_target(target)
+    path, name = split_target(library_target(target))
     read = read_source(path, sink)
     if read is None:
         return None
@@ -288,7 +288,7 @@ class _StudyCompiler:
 
     def _report_missing(self, name: str, target: str, place: Place) -> None:
         """Report a scenario without a file, by the name that the study gives and by the target for this name."""
-        from scenario_compiler.source.study import UNREADABLE_PART, library_conflicts
+        from scenario_compiler.source.study import UNREADABLE_PART
 
         if name == target.rpartition("#")[2]:
             message = f"there is no file and no conflict of the library called '{name}'"
@@ -400,10 +400,10 @@ def compile_scenario(
     trust: Trust | None = None,
     **arguments: object,
 ) -> Plan:
-    """Compile FILE or FILE#name with these values of its parameters.
+    """Compile FILE, FILE#name or a conflict of the library by its name, with these values of its parameters.
 
     Args:
-        path: The file, with the name of a scenario if the file has several.
+        path: The file, with the name of a scenario if the file has several; or the name of a conflict.
         overrides: Values that replace those of the scenario: perception, controller, step, duration.
         maps: Folders in which its map is looked for first.
         templates: Folders in which its templates are looked for first.
@@ -428,7 +428,11 @@ def compile_scenario(
 
 
 def compile_built(
-    scenario: Scenario, *, maps: Sequence[str | Path] = (), perception: Perception | None = None
+    scenario: Scenario,
+    *,
+    maps: Sequence[str | Path] = (),
+    perception: Perception | None = None,
+    sink: Diagnostics | None = None,
 ) -> Compilation:
     """Compile a scenario that a program has built from words; relative paths start from the current folder.
 
@@ -436,11 +440,12 @@ def compile_built(
         scenario: The scenario; vehicles and drivers of the library's catalogs are filled in.
         maps: Folders in which its map is looked for first.
         perception: Source of the lane confidence; None means the camera.
+        sink: Receives the diagnostics, also the warnings of a scenario that compiles.
 
     Raises:
         CompileError: The scenario has errors, which are in `diagnostics`.
     """
-    sink = Diagnostics()
+    sink = Diagnostics() if sink is None else sink
     whole = completed(scenario, sink)
     nowhere = Document("<python>", "", etree.Element(Scenario.tag()))
     overrides = Overrides(perception=perception)

@@ -14,7 +14,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, NoReturn
 
-from scenario_compiler.cli.options import WRONG_USE, WrongUse, library_target, reason_of
+from scenario_compiler.cli.options import WRONG_USE, WrongUse, existing_target, reason_of
 from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams, put
 from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with templates_from([one for one in getattr(options, "templates", ()) if one is not None]):
             if "target" in options:
-                options.target = library_target(options.target)
+                options.target = existing_target(options.target)
             code: int = options.command(options)
         flush_streams()
     except (WrongUse, ConfigurationError) as fault:
