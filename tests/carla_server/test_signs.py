@@ -203,6 +203,25 @@ def test_each_landmark_has_its_sign(world: Any) -> None:
         assert (at.rotation.yaw - one.transform.rotation.yaw) % 360.0 == pytest.approx(90.0, abs=0.01)
 
 
+def test_signs_have_boxes_about_their_boards(world: Any) -> None:
+    import carla
+
+    boxes = world.get_level_bbs(carla.CityObjectLabel.TrafficSigns)
+    signs = [one for kind in ("traffic.stop", "traffic.yield") for one in world.get_actors().filter(kind)]
+    assert len(boxes) == len(signs) == 2
+    for sign in signs:
+        at = sign.get_transform()
+        (box,) = [
+            one for one in boxes if math.hypot(one.location.x - at.location.x, one.location.y - at.location.y) < 0.3
+        ]
+        thick, wide = sorted((box.extent.x, box.extent.y))
+        assert thick < 0.02
+        assert 0.1 < wide < 1.0
+        assert box.extent.z < 1.0
+        along = math.cos(math.radians(box.rotation.yaw - at.rotation.yaw)) ** 2  # a board lies along or across its sign
+        assert min(along, 1.0 - along) < 0.01
+
+
 def test_the_trigger_volume_of_a_sign_lies_before_its_stop_line(world: Any) -> None:
     """As ScenarioRunner's criterion reads it: middle in the sign's axes, half extents along the world's."""
     (sign,) = world.get_actors().filter("traffic.stop")
