@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import Literal, get_args
 
 from lxml import etree
 
 from scenario_compiler.controllers import check_controller
-from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, Place, did_you_mean
+from scenario_compiler.diagnostics import CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import Document
 from scenario_compiler.files import split_target
 from scenario_compiler.languages import (
-    ScenarioNameNeededError,
     Source,
     declarations,
     drop_allowed,
@@ -26,17 +24,15 @@ from scenario_compiler.languages import (
     read_scenario_document,
 )
 from scenario_compiler.markup.codes import UNKNOWN_ROOT
-from scenario_compiler.markup.names import UNKNOWN_ARGUMENT, UNKNOWN_SCENARIO
 from scenario_compiler.openscenario.held import OpenScenario
 from scenario_compiler.plan.lower import lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import read_plan, sealed
-from scenario_compiler.resources import templates_from
+from scenario_compiler.resources import library_target, templates_from
 from scenario_compiler.roads import Network
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.declared import Declaration
-from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.driver import DriverModel, Person
 from scenario_compiler.vocabulary.entities import Controller
@@ -45,17 +41,6 @@ from scenario_compiler.vocabulary.sensors import Perception
 from scenario_compiler.vocabulary.takeover import Message
 from scenario_compiler.vocabulary.variation import Vary
 from scenario_compiler.vocabulary.weather import is_clear
-
-if TYPE_CHECKING:
-    from scenario_compiler.source.study import (
-        Condition,
-        Foil,
-        Practice,
-        Probe,
-        SetParameter,
-        StudyElement,
-        StudyScenario,
-    )
 
 
 @dataclass(frozen=True)
@@ -153,10 +138,10 @@ def compile_target(
     overrides: Overrides | None = None,
     trust: Trust | None = None,
 ) -> Compilation | None:
-    """Compile FILE or FILE#name; return None if the sink has errors.
+    """Compile FILE, FILE#name or a conflict of the library by its name; return None if the sink has errors.
 
     Args:
-        target: The file, with the name of a scenario if the file has several.
+        target: The file, with the name of a scenario if the file has several; or the name of a conflict.
         arguments: Values of the scenario's parameters, as text in XML units.
         sink: Receives the diagnostics.
         maps: Folders in which its map is looked for first.
@@ -167,7 +152,7 @@ def compile_target(
         ConfigurationError: The user's configuration file cannot be read.
         ScenarioNameNeededError: The file has several scenarios and no name is given.
     """
-    path, name = split_target(target)
+    path, name = split_target(library_target(target))
     read = read_source(path, sink)
     if read is None:
         return None
@@ -182,143 +167,6 @@ def compile_target(
     )
     drop_allowed(sink, source)
     return None if done is None else replace(done, plan=sealed(done.plan))
-
-
-@dataclass(frozen=True)
-class StudyCompilation:
-    """A study with the plans of all its trials.
-
-    Attributes:
-        file: The study, with its pages and questionnaires.
-        study: The study itself.
-        conditions: The conditions by name, each with its compilation.
-        others: The compilations of practice and foil trials, by their names in the study.
-    """
-
-    file: StudyFile
-    study: StudyElement
-    conditions: Mapping[str, tuple[Condition, Compilation]]
-    others: Mapping[str, Compilation]
-
-
-SILENT = (Message.model_construct(modality=("none",)),)
-"""Messages of an interface variant without messages: with an empty list, pages would show their default texts."""
-
-
-def compile_study(
-    source: StudyFile,
-    sink: Diagnostics,
-    *,
-    maps: Sequence[Path] = (),
-    overrides: Overrides | None = None,
-    trust: Trust | None = None,
-) -> StudyCompilation | None:
-    """Compile every trial of a study; return None if the sink has errors.
-
-    Faults in a scenario's file are reported there, and only once.
-
-    Args:
-        source: The study's file.
-        sink: Receives the diagnostics.
-        maps: Folders in which maps are looked for first.
-        overrides: Values that replace those of the scenarios.
-        trust: Code that the user trusts.
-
-    Raises:
-        ConfigurationError: The user's configuration file cannot be read.
-    """
-    from scenario_compiler.source.study import Foil, Practice, conditions_of
-
-    study = source.study
-    if study is None:
-        return None
-    compiler = _StudyCompiler(source.document.folder, sink, maps, overrides or Overrides(), trust)
-    conditions: dict[str, tuple[Condition, Compilation]] = {}
-    for condition in conditions_of(study):
-        done = compiler.compiled(condition.scenario, condition)
-        if done is not None:
-            conditions[condition.name] = condition, done
-    if study.probe is not None:
-        durations = {one.scenario.name: done.plan.duration for one, done in conditions.values()}
-        _report_late_probe(study.probe, durations, sink)
-    practices = () if study.before is None else study.before.steps
-    others: dict[str, Compilation] = {}
-    for word in (*practices, *study.foils):
-        if isinstance(word, Practice | Foil) and word.target not in others:
-            done = compiler.compiled(word)
-            if done is not None:
-                others[word.target] = done
-    return None if sink.has_errors else StudyCompilation(source, study, conditions, others)
-
-
-@dataclass(frozen=True)
-class _StudyCompiler:
-    """Compiles the scenarios that a study names, and reports their faults at the study's places."""
-
-    folder: Path
-    sink: Diagnostics
-    maps: Sequence[Path]
-    settings: Overrides
-    trust: Trust | None
-
-    def compiled(self, word: StudyScenario | Practice | Foil, condition: Condition | None = None) -> Compilation | None:
-        """Compile the scenario that a word names, with the values and messages of a condition; None if that fails."""
-        from scenario_compiler.source.study import NOBODY_TAKES_OVER, UNREADABLE_PART, located
-
-        target, place = located(word.target, self.folder), word.place_of("target")
-        if not Path(split_target(target)[0]).is_file():
-            self._report_missing(word.target, target, place)
-            return None
-        values = () if condition is None or condition.setting is None else condition.setting.values
-        hmi = None if condition is None else condition.hmi
-        changed = self.settings if hmi is None else replace(self.settings, messages=hmi.messages or SILENT)
-        given, inner = {one.parameter: one.to for one in values}, Diagnostics(insisted=self.sink.insisted)
-        try:
-            done = compile_target(target, given, inner, maps=self.maps, overrides=changed, trust=self.trust)
-        except ScenarioNameNeededError as needed:
-            message = f"'{word.target}' has several scenarios"
-            self.sink.add(UNREADABLE_PART, message, place, hint=f"name one as FILE#name: {', '.join(needed.names)}")
-            return None
-        known = {one.identity for one in self.sink.found}
-        found = [_in_study(one, place, values) for one in inner.found]
-        self.sink.take(one for one in found if one.identity not in known)
-        if done is not None and done.plan.controller is None:
-            self.sink.add(NOBODY_TAKES_OVER, f"nobody can take over in '{word.target}'", place)
-        return done
-
-    def _report_missing(self, name: str, target: str, place: Place) -> None:
-        """Report a scenario without a file, by the name that the study gives and by the target for this name."""
-        from scenario_compiler.source.study import UNREADABLE_PART, library_conflicts
-
-        if name == target.rpartition("#")[2]:
-            message = f"there is no file and no conflict of the library called '{name}'"
-            self.sink.add(UNREADABLE_PART, message, place, hint=did_you_mean(name, library_conflicts()))
-        else:
-            self.sink.add(UNREADABLE_PART, f"there is no file '{split_target(target)[0]}'", place)
-
-
-def _report_late_probe(probe: Probe, durations: Mapping[str, float], sink: Diagnostics) -> None:
-    """Report a probe that may come after the end of a scenario, by the durations of the scenarios, s."""
-    from scenario_compiler.source.study import LATE_PROBE
-
-    for name, duration in durations.items():
-        if max(probe.earliest, probe.latest) >= duration:
-            bound, time = ("earliest", probe.earliest) if probe.earliest >= duration else ("latest", probe.latest)
-            message = f"the probe comes at {time:g} s at the {bound}, but '{name}' lasts {duration:g} s"
-            sink.add(LATE_PROBE, message, probe.place_of("from" if bound == "earliest" else "to"))
-
-
-def _in_study(one: Diagnostic, target: Place, values: Iterable[SetParameter]) -> Diagnostic:
-    """Return a finding on a scenario at the study's own place where the study is at fault: a name or a value in it."""
-    if one.code is UNKNOWN_SCENARIO:
-        return replace(one, place=target)
-    if one.place.file != "--set":
-        return one
-    named = set(re.findall(r"\w+", one.message))
-    meant = next((value for value in values if value.parameter in named), None)
-    if meant is None:
-        return replace(one, place=target)
-    return replace(one, place=meant.place_of("parameter" if one.code is UNKNOWN_ARGUMENT else "to"))
 
 
 def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnostics) -> Vary | None:
@@ -400,10 +248,10 @@ def compile_scenario(
     trust: Trust | None = None,
     **arguments: object,
 ) -> Plan:
-    """Compile FILE or FILE#name with these values of its parameters.
+    """Compile FILE, FILE#name or a conflict of the library by its name, with these values of its parameters.
 
     Args:
-        path: The file, with the name of a scenario if the file has several.
+        path: The file, with the name of a scenario if the file has several; or the name of a conflict.
         overrides: Values that replace those of the scenario: perception, controller, step, duration.
         maps: Folders in which its map is looked for first.
         templates: Folders in which its templates are looked for first.
@@ -428,7 +276,11 @@ def compile_scenario(
 
 
 def compile_built(
-    scenario: Scenario, *, maps: Sequence[str | Path] = (), perception: Perception | None = None
+    scenario: Scenario,
+    *,
+    maps: Sequence[str | Path] = (),
+    perception: Perception | None = None,
+    sink: Diagnostics | None = None,
 ) -> Compilation:
     """Compile a scenario that a program has built from words; relative paths start from the current folder.
 
@@ -436,11 +288,12 @@ def compile_built(
         scenario: The scenario; vehicles and drivers of the library's catalogs are filled in.
         maps: Folders in which its map is looked for first.
         perception: Source of the lane confidence; None means the camera.
+        sink: Receives the diagnostics, also the warnings of a scenario that compiles.
 
     Raises:
         CompileError: The scenario has errors, which are in `diagnostics`.
     """
-    sink = Diagnostics()
+    sink = Diagnostics() if sink is None else sink
     whole = completed(scenario, sink)
     nowhere = Document("<python>", "", etree.Element(Scenario.tag()))
     overrides = Overrides(perception=perception)

@@ -76,13 +76,6 @@ def list_library(folder: Path, sink: Diagnostics) -> Iterator[Listed]:
             yield from (_openscenario(path, name, source) for name in source.scenarios)
 
 
-def find_conflict(name: str, folder: Path) -> str | None:
-    """Return the conflict with a name below a folder as FILE#name, as `run` takes it; None if there is none."""
-    found = (one for one in list_library(folder, Diagnostics()) if one.kind == "conflict" and one.name == name)
-    first = next(found, None)
-    return None if first is None else first.target
-
-
 def list_templates(sink: Diagnostics) -> Iterator[Listed]:
     """Yield the templates that a `<use>` can name without an include, by name; faults of their files are reported."""
     for folder in template_folders():

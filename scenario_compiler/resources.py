@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -25,9 +26,29 @@ def schema_file(name: str) -> Path:
     return _root() / "schemas" / name
 
 
+NAME = re.compile("[A-Za-z_][A-Za-z0-9_]*")
+"""A bare name of a conflict: it has no folder and no suffix."""
+
+
 def library_folder() -> Path:
     """Return the folder with conflicts, templates and catalogs."""
     return _root() / "library"
+
+
+@cache
+def library_conflicts() -> dict[str, Path]:
+    """Return the files of the library's conflicts, by name, without reading more of them than the names."""
+    files = sorted((library_folder() / "conflicts").glob("*.xml"))
+    return {name: file for file in files for name in re.findall(r'<scenario name="(\w+)"', file.read_text("utf-8"))}
+
+
+def library_target(target: str | Path) -> str | Path:
+    """Return FILE#name for the bare name of a conflict of the library; any other target is returned unchanged.
+
+    A file of that name in the current folder comes first.
+    """
+    file = library_conflicts().get(str(target)) if NAME.fullmatch(str(target)) else None
+    return target if file is None or Path(target).is_file() else f"{file}#{target}"
 
 
 TEMPLATE_PACKAGES = "scenario_compiler_templates"

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from scenario_compiler.compiler import Overrides, compile_expanded, compile_study, read_source
+from scenario_compiler.compiler import Overrides, compile_expanded, read_source
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.files import MAX_BYTES
@@ -107,6 +107,8 @@ def _check_scenarios(path: Path, sink: Diagnostics, maps: Sequence[Path], trust:
         return
     document, source = read
     if isinstance(source, StudyFile):
+        from scenario_compiler.study_plans import compile_study
+
         check_source(source, sink)
         compile_study(source, sink, maps=maps, trust=trust)
         return

@@ -18,7 +18,7 @@ from scenario_compiler.plan.model import Plan, RouteLeg, StartPose
 from scenario_compiler.report.gallery import Card, Moment, shrunk, start_picture, write_gallery
 from scenario_compiler.report.happenings import happenings_of, last_known_time
 from scenario_compiler.report.preview import SPACING, draw_preview, draw_route, labels_of, section_of, way_ahead
-from scenario_compiler.resources import library_folder
+from scenario_compiler.resources import library_conflicts, library_folder
 from scenario_compiler.roads import Network, load_network
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.positions import LanePosition
@@ -72,6 +72,7 @@ def test_the_list_has_the_whole_library_in_order() -> None:
     assert (ramp.map, ramp.gold) == ("highway_loop", "5")
     assert [one.name for one in ramp.parameters] == ["spacing"]
     assert rows == list(list_library(LIBRARY, Diagnostics()))
+    assert library_conflicts() == {row.name: row.file for row in rows if row.kind == "conflict"}
 
 
 def test_a_listed_conflict_can_be_run_by_its_target() -> None:

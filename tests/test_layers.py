@@ -25,6 +25,7 @@ ROWS = (
     ("study",),
     ("batch", "live", "carla_server", "editor", "survey"),
     ("report", "validation", "listing"),
+    ("study_plans",),
     ("runtime", "compiler", "coverage"),
     ("languages",),
     ("worlds",),

@@ -24,6 +24,7 @@ from scenario_compiler import (
 from scenario_compiler.compiler import compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import parse_expression
+from scenario_compiler.resources import library_folder
 from scenario_compiler.vocabulary.entities import Dynamic, Ego
 from scenario_compiler.vocabulary.grammar import limits_broken
 from scenario_compiler.vocabulary.positions import LanePositionWord, RelativeLanePosition
@@ -112,6 +113,46 @@ def test_numbers_beyond_their_limits_are_reported_at_once() -> None:
         ("SC112", "Camera: sensor_noise is -30, but must be at least 0"),
         ("SC112", "Takeover: budget is -3, but must be greater than 0"),
     }
+
+
+def test_empty_names_are_reported() -> None:
+    scenario = Scenario(
+        name="",
+        map="town_grid",
+        duration=5.0,
+        weather=Weather(preset="ClearNoon"),
+        ego=Ego(id="", speed=5.0, start=LanePositionWord(road="9", lane=-2, s=30.0)),
+    )
+    with pytest.raises(CompileError) as raised:
+        compile_built(scenario)
+    assert {(one.code.id, one.message) for one in raised.value.diagnostics} == {
+        ("SC111", "Scenario: name is empty"),
+        ("SC111", "Ego: id is empty"),
+    }
+
+
+def test_warnings_of_a_scenario_that_compiles_are_in_the_sink() -> None:
+    """Lane 0 is the line between left and right: ASAM allows it, but nothing drives there."""
+    scenario = Scenario(
+        name="on_the_line",
+        map="highway_loop",
+        duration=5.0,
+        weather=Weather(preset="ClearNoon"),
+        ego=Ego(speed=5.0, start=LanePositionWord(road="1", lane=0, s=20.0)),
+    )
+    sink = Diagnostics()
+    compile_built(scenario, perception="ideal", sink=sink)
+    assert [(one.code.id, one.message) for one in sink] == [
+        ("SC380", "'ego' starts on lane 0 of road '1', which is not for driving")
+    ]
+
+
+def test_a_conflict_of_the_library_compiles_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = library_folder() / "conflicts" / "obstacle_ahead.xml"
+    assert compile_scenario("obstacle_ahead") == compile_scenario(file)
+    (tmp_path / "obstacle_ahead").write_text(CONFLICT, encoding="utf-8")
+    assert compile_scenario("obstacle_ahead").name == "straight"
 
 
 def test_limits_of_angles_are_compared_in_radians() -> None:

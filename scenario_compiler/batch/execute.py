@@ -24,6 +24,7 @@ from scenario_compiler.compiler import declared_parameters
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.forms.machine_code import library, why_interpreted
 from scenario_compiler.processes import available_cores
+from scenario_compiler.resources import library_target
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -318,7 +319,7 @@ def run_sweep(
     """Run a sweep into a folder.
 
     Args:
-        target: FILE, FILE#name or a plan's file.
+        target: FILE, FILE#name, a conflict of the library by its name, or a plan's file.
         spec: Its options.
         folder: Folder for the table, the chosen traces and the report.
         resume: Whether to finish the sweep in the folder.
@@ -336,7 +337,7 @@ def run_sweep(
         SweepError: The sweep is not possible with these options, or the folder belongs to another sweep.
         OSError: Nothing more could be written; `resume` finishes the sweep.
     """
-    sweep = prepare(target, spec, Diagnostics() if sink is None else sink, maps)
+    sweep = prepare(library_target(target), spec, Diagnostics() if sink is None else sink, maps)
     store = sweep.store(folder)
     store.check(resume=resume)
     with store.owned():

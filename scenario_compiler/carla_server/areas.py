@@ -75,6 +75,10 @@ class AreaIndex(Generic[What]):
         """Whether there is no area."""
         return not self._cells
 
+    def is_near(self, x: float, y: float) -> bool:
+        """Return whether a vehicle whose middle is at a point may touch an area."""
+        return (math.floor(x / CELL), math.floor(y / CELL)) in self._cells
+
     def touched(self, box: Box) -> Iterator[What]:
         """Yield what the areas are of that a vehicle's box touches."""
         for area, what in self._cells.get((math.floor(box.x / CELL), math.floor(box.y / CELL)), ()):

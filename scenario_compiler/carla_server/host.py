@@ -348,7 +348,7 @@ class Host:
         for car in self.stage.bodies():
             if isinstance(car, Car) and not car.sticky:
                 car.control = [0.0, 0.0, 0.0, False, False, False, 0]
-                self.stage.command(car)
+                self.stage.driving.command(car)
         if self.recorder is not None:
             self.recorder.note(self.stage, dt)
         self._send(dt)
@@ -360,7 +360,7 @@ class Host:
     def _send(self, dt: float) -> None:
         if self.streams.heard(SNAPSHOTS):
             platform = asyncio.get_running_loop().time() - self._began
-            message = self.stage.rows.message(
+            message = self.stage.measured.rows.message(
                 self.version, self.frame, self.stage.time, self.episode, platform, dt, self._bits
             )
             self.streams.send(SNAPSHOTS, message)

@@ -292,7 +292,9 @@ CALLS = (
     Call("query_lights_state", (TEXT,), array(ANYTHING), looking.lamps, "a map has no street lamps"),
     ignored("update_lights_state", "a map has no street lamps", TEXT, array(ANYTHING), BOOL),
     ignored("update_day_night_cycle", "a map has no street lamps", TEXT, BOOL),
-    Call("get_all_level_BBs", (U8,), array(BOX), looking.level_boxes, "vehicles, walkers, props, traffic lights"),
+    Call(
+        "get_all_level_BBs", (U8,), array(BOX), looking.level_boxes, "vehicles, walkers, props, things beside the roads"
+    ),
     Call("get_environment_objects", (U8,), array(ANYTHING), looking.environment_objects, "there are none"),
     ignored("enable_environment_objects", "there are no objects beside the roads", array(U64), BOOL),
     Call(

@@ -227,7 +227,7 @@ class Replay:
             if body is None or (played.without_hero and self.recording.is_hero(number)):
                 continue
             self._put(stage, body, CarlaTransform(*at))
-            stage.set_speed(body, speed)
+            stage.driving.set_speed(body, speed)
             if isinstance(body, Car):
                 stage.let_simulate(body, False)
         followed = stage.actors.get(self.ids.get(self.followed, 0))
@@ -258,11 +258,11 @@ class Replay:
             body = stage.actors.get(number)
             if isinstance(body, Car):
                 body.control = [0.0, 0.0, 0.0, False, False, False, 0]
-                stage.command(body)
+                stage.driving.command(body)
                 stage.let_simulate(body, True)
             elif isinstance(body, Walker):
                 body.control = [body.control[0], 0.0, False]
-                stage.walk(body)
+                stage.driving.walk(body)
 
 
 def _kind(body: Body) -> str:

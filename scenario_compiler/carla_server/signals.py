@@ -22,11 +22,38 @@ SPEED = re.compile(r"[Ss]peed_(?:STATIC_)?([0-9]+)")
 """Name of an object that LibCarla's `ObjectParser` takes for a speed limit: CARLA's towns have their limits so."""
 
 
-def signals_of(network: Network) -> list[Signal]:
-    """Return a map's signals and the references to them, and the objects that CARLA takes for speed limits."""
-    model = network.model()
-    limits = ((one, SPEED.match(one.name)) for one in model.objects)
-    return [*model.signals, *(_limit(one, found.group(1)) for one, found in limits if found is not None)]
+class Signals:
+    """The signals of a map, the references to them, and the objects that CARLA takes for speed limits.
+
+    Attributes:
+        network: The map.
+        own: All of them except the references, in the file's order, the objects last.
+    """
+
+    def __init__(self, network: Network) -> None:
+        """Find them all, and sort them by their ids."""
+        self.network = network
+        model = network.model()
+        limits = ((one, SPEED.match(one.name)) for one in model.objects)
+        every = [*model.signals, *(_limit(one, found.group(1)) for one, found in limits if found is not None)]
+        self.own = [one for one in every if not one.reference]
+        self._by_id: dict[str, list[Signal]] = {}
+        for one in every:
+            self._by_id.setdefault(one.id, []).append(one)
+
+    def places_of(self, number: str) -> list[Signal]:
+        """Return the signals with an id and all references to them."""
+        return self._by_id.get(number, [])
+
+    def stop_lines(self, signal: Signal) -> Iterator[LanePosition]:
+        """Yield where lanes that a signal is for meet its stop line: outside the junction."""
+        seen: set[tuple[str, int]] = set()
+        for place in self.places_of(signal.id):
+            for lane in lanes_of(self.network, place):
+                stop = _outside(self.network, lane)
+                if stop is not None and (stop.road, stop.lane) not in seen:
+                    seen.add((stop.road, stop.lane))
+                    yield stop
 
 
 def _limit(one: RoadObject, number: str) -> Signal:
@@ -62,22 +89,6 @@ def stands(network: Network, signal: Signal) -> CarlaTransform:
     ahead = LIGHTS_AHEAD if signal.type == LIGHT else 0.0
     x, y = pose.x + ahead * math.cos(heading), pose.y + ahead * math.sin(heading)
     return carla_from_pose(Pose(x, y, pose.z + signal.z_offset, (heading - 0.5 * math.pi) % math.tau, 0.0, 0.0))
-
-
-def places_of(network: Network, number: str) -> list[Signal]:
-    """Return the signal with an id and all references to it."""
-    return [one for one in signals_of(network) if one.id == number]
-
-
-def stop_lines(network: Network, signal: Signal) -> Iterator[LanePosition]:
-    """Yield where lanes that a signal is for meet its stop line: outside the junction."""
-    seen: set[tuple[str, int]] = set()
-    for place in places_of(network, signal.id):
-        for lane in lanes_of(network, place):
-            stop = _outside(network, lane)
-            if stop is not None and (stop.road, stop.lane) not in seen:
-                seen.add((stop.road, stop.lane))
-                yield stop
 
 
 def lanes_of(network: Network, place: Signal) -> Iterator[LanePosition]:

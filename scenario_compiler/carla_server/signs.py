@@ -15,20 +15,11 @@ CARLA 0.9.15 and 0.9.16.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from scenario_compiler.carla_server.areas import LEAST_WIDTH, AreaIndex, Box, area_before, box_at
-from scenario_compiler.carla_server.signals import (
-    LIMIT,
-    STOP,
-    YIELD,
-    lanes_of,
-    places_of,
-    signals_of,
-    stands,
-    stop_lines,
-)
+from scenario_compiler.carla_server.signals import LIMIT, STOP, YIELD, Signals, lanes_of, stands
 from scenario_compiler.carla_server.traffic_lights import GREEN, RED
 from scenario_compiler.frames import CarlaTransform, vector_from_carla
 from scenario_compiler.roads import LanePosition, Network
@@ -132,10 +123,13 @@ class RightOfWay:
 class SignRules:
     """The stop and yield signs of a map, and which vehicles they concern."""
 
-    def __init__(self, network: Network, signs: Iterable[Sign]) -> None:
+    def __init__(self, signals: Signals, signs: Iterable[Sign]) -> None:
         """Find the ways that have the right of way, and index all areas by where they lie."""
+        ways = _ways_by_junction(signals.network)
         self._rules = [
-            RightOfWay(sign, tuple(_crossed(network, sign))) for sign in signs if sign.kind in AGAIN and sign.areas
+            RightOfWay(sign, tuple(_crossed(signals, ways, sign)))
+            for sign in signs
+            if sign.kind in AGAIN and sign.areas
         ]
         self._index = AreaIndex(
             (area, (rule, number))
@@ -148,12 +142,16 @@ class SignRules:
         """Whether there is no such sign."""
         return not self._rules
 
+    def is_near(self, x: float, y: float) -> bool:
+        """Return whether a sign may concern a vehicle whose middle is at a point."""
+        return self._index.is_near(x, y)
+
     def step(self, time: float, boxes: Iterable[tuple[int, Box]]) -> dict[int, int]:
         """Return what signs let vehicles see from a time on, RED or GREEN by their ids.
 
         Args:
             time: s.
-            boxes: Id and box of each vehicle.
+            boxes: Id and box of each vehicle that a sign may concern.
         """
         waiting: dict[RightOfWay, set[int]] = {}
         crossing: dict[RightOfWay, set[tuple[int, int]]] = {}
@@ -170,21 +168,21 @@ class SignRules:
         return shown
 
 
-def signs_of(network: Network) -> list[Sign]:
+def signs_of(signals: Signals) -> list[Sign]:
     """Return the stop signs, yield signs and speed limits of a map."""
-    found = []
-    for signal in signals_of(network):
-        if signal.reference or signal.name == PAINTED:
+    network, found = signals.network, []
+    for signal in signals.own:
+        if signal.name == PAINTED:
             continue
         where = stands(network, signal)
         if signal.type in (STOP, YIELD):
             kind = "traffic.stop" if signal.type == STOP else "traffic.yield"
-            areas = tuple(area_before(network, line) for line in stop_lines(network, signal))
+            areas = tuple(area_before(network, line) for line in signals.stop_lines(signal))
             found.append(Sign(kind, signal.id, where, areas))
         elif signal.type == LIMIT and (signal.value or signal.subtype):
             number = (signal.value or signal.subtype).partition(".")[0]
             if number.isdigit():
-                areas = tuple(_limit_areas(network, signal))
+                areas = tuple(_limit_areas(signals, signal))
                 found.append(Sign(f"traffic.speed_limit.{number}", signal.id, where, areas))
     return found
 
@@ -193,27 +191,40 @@ def _cube(network: Network, at: LanePosition, edge: float) -> Box:
     return box_at(network.lane_pose(at.road, at.lane, at.s), edge, edge, edge)
 
 
-def _limit_areas(network: Network, signal: Signal) -> Iterator[Box]:
-    for place in places_of(network, signal.id):
+def _limit_areas(signals: Signals, signal: Signal) -> Iterator[Box]:
+    network = signals.network
+    for place in signals.places_of(signal.id):
         for at in lanes_of(network, place):
             edge = max(LIMIT_SHARE * network.lane_width(at.road, at.lane, at.s), LEAST_WIDTH)
             yield _cube(network, network.previous(at, 0.5 * edge) or at, edge)
 
 
-def _crossed(network: Network, sign: Sign) -> Iterator[Box]:
-    """Yield the areas on ways through the junction that conflict with the way that a sign is on."""
+def _ways_by_junction(network: Network) -> dict[str, list[str]]:
+    """Return the roads through each junction, in the map's order."""
+    found: dict[str, list[str]] = {}
+    for road in network.road_ids:
+        junction = network.road(road).junction
+        if junction is not None:
+            found.setdefault(junction, []).append(road)
+    return found
+
+
+def _crossed(signals: Signals, ways: Mapping[str, Sequence[str]], sign: Sign) -> Iterator[Box]:
+    """Yield the areas on ways through the junction that conflict with the way that a sign is on.
+
+    `ways` are the roads through each junction.
+    """
+    network = signals.network
     seen: set[tuple[str, int]] = set()
-    for place in places_of(network, sign.signal):
+    for place in signals.places_of(sign.signal):
         own = [(at.road, at.lane) for at in lanes_of(network, place)]
         junction = network.road(place.road).junction
         if junction is None or not own:
             continue
         points = [point for road, lane in own for point in _points(network, road, lane)]
         origins = {_origin(network, road, lane) for road, lane in own}
-        for road in network.road_ids:
-            if road == place.road or network.road(road).junction != junction:
-                continue
-            for lane in _driving_lanes(network, road):
+        for road in ways[junction]:
+            for lane in _driving_lanes(network, road) if road != place.road else ():
                 if (road, lane) in seen or _origin(network, road, lane) in origins:
                     continue
                 if any(math.dist(one, other) <= CLOSE for one in _points(network, road, lane) for other in points):

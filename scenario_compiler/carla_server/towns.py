@@ -24,6 +24,7 @@ from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.spawn_points import read_spawn_points
 
 if TYPE_CHECKING:
+    from scenario_compiler.carla_server.level_boxes import LevelBoxes
     from scenario_compiler.carla_server.shared_camera import SharedCamera
     from scenario_compiler.perception.camera import Camera
     from scenario_compiler.perception.scene import Scene
@@ -72,6 +73,7 @@ class Town:
     spawn_points: tuple[CarlaTransform, ...]
     _lock: Lock = field(default_factory=Lock, repr=False)
     _ground_lock: Lock = field(default_factory=Lock, repr=False)
+    _box_lock: Lock = field(default_factory=Lock, repr=False)
     _cameras: WeakValueDictionary[tuple[Camera, int, float], SharedCamera] = field(
         default_factory=WeakValueDictionary, repr=False
     )
@@ -94,6 +96,12 @@ class Town:
 
         return Terrain(road_surface(self.network))
 
+    @cached_property
+    def _level_boxes(self) -> LevelBoxes:
+        from scenario_compiler.carla_server.level_boxes import LevelBoxes
+
+        return LevelBoxes(self.network)
+
     @property
     def has_terrain(self) -> bool:
         """Whether the ground is made."""
@@ -103,6 +111,11 @@ class Town:
         """Return the ground for rays; it is made at the first call."""
         with self._ground_lock:
             return self._terrain
+
+    def level_boxes(self) -> LevelBoxes:
+        """Return the boxes about the things beside the roads; they are made at the first call."""
+        with self._box_lock:
+            return self._level_boxes
 
     def scene(self) -> Scene:
         """Return the scene for cameras; it is made at the first call.

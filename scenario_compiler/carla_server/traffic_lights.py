@@ -15,9 +15,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from scenario_compiler.carla_server.areas import Box, area_before
-from scenario_compiler.carla_server.signals import LIGHT, stands, stop_lines
+from scenario_compiler.carla_server.signals import LIGHT, Signals, stands
 from scenario_compiler.frames import CarlaTransform, carla_from_pose
-from scenario_compiler.roads import Network
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.model import Signal
 
@@ -121,12 +120,11 @@ class Group:
             light.state, light.elapsed = state, 0.0
 
 
-def groups_of(network: Network) -> list[Group]:
+def groups_of(signals: Signals) -> list[Group]:
     """Return the groups of a map's lights, each with its first phase green."""
-    model = network.model()
-    signals = [one for one in model.signals if not one.reference and one.type == LIGHT]
+    model = signals.network.model()
     controllers = {group.id: [signal for signal, _ in group.controls] for group in model.controllers}
-    left = {one.id: one for one in signals}
+    left = {one.id: one for one in signals.own if one.type == LIGHT}
     groups = []
     for junction in model.junctions:
         phases = [[left.pop(one) for one in controllers.get(name, ()) if one in left] for name in junction.controllers]
@@ -135,9 +133,9 @@ def groups_of(network: Network) -> list[Group]:
     for members in controllers.values():
         phase = [left.pop(one) for one in members if one in left]
         if phase:
-            free.setdefault(_junction_of(network, phase[0]), []).append(phase)
-    for leads_to, ones in _by_junction(network, left.values()).items():
-        phases = _by_direction(network, ones) if leads_to >= 0 else [[one] for one in ones]
+            free.setdefault(_junction_of(signals, phase[0]), []).append(phase)
+    for leads_to, ones in _by_junction(signals, left.values()).items():
+        phases = _by_direction(signals, ones) if leads_to >= 0 else [[one] for one in ones]
         free.setdefault(leads_to, []).extend(phases)
     alone = free.pop(-1, [])
     groups += [*free.values(), *([phase] for phase in alone)]
@@ -148,7 +146,7 @@ def groups_of(network: Network) -> list[Group]:
         group = Group()
         for phase in phases:
             times = [GREEN_TIME, YELLOW_TIME, RED_TIME]
-            group.phases.append([_light(network, one, group, times) for one in phase])
+            group.phases.append([_light(signals, one, group, times) for one in phase])
         for pole, light in enumerate(group.lights):
             light.pole = pole
         group.reset()
@@ -156,37 +154,38 @@ def groups_of(network: Network) -> list[Group]:
     return made
 
 
-def _junction_of(network: Network, signal: Signal) -> int:
+def _junction_of(signals: Signals, light: Signal) -> int:
     """Return the index of the junction that a light's lane leads to, -1 for none."""
-    stop = next(stop_lines(network, signal), None)
+    stop = next(signals.stop_lines(light), None)
     if stop is None:
         return -1
-    n, road = network.tables, network.road_index(stop.road)
+    n, road = signals.network.tables, signals.network.road_index(stop.road)
     return n.road_end_junction[road] if lane_direction(n, road, stop.lane) > 0 else n.road_start_junction[road]
 
 
-def _by_junction(network: Network, signals: Iterable[Signal]) -> dict[int, list[Signal]]:
+def _by_junction(signals: Signals, lights: Iterable[Signal]) -> dict[int, list[Signal]]:
     found: dict[int, list[Signal]] = {}
-    for signal in signals:
-        found.setdefault(_junction_of(network, signal), []).append(signal)
+    for light in lights:
+        found.setdefault(_junction_of(signals, light), []).append(light)
     return found
 
 
-def _by_direction(network: Network, signals: Sequence[Signal]) -> list[list[Signal]]:
+def _by_direction(signals: Signals, lights: Sequence[Signal]) -> list[list[Signal]]:
     """Return the phases of lights: those along the first one's direction, and those across it."""
     headings = []
-    for signal in signals:
-        stop = next(stop_lines(network, signal), None)
-        headings.append(0.0 if stop is None else network.lane_pose(stop.road, stop.lane, stop.s).heading)
+    for light in lights:
+        stop = next(signals.stop_lines(light), None)
+        headings.append(0.0 if stop is None else signals.network.lane_pose(stop.road, stop.lane, stop.s).heading)
     across = [abs(math.sin(heading - headings[0])) > math.sqrt(0.5) for heading in headings]
-    phases = [[one for one, crosses in zip(signals, across, strict=True) if crosses is side] for side in (False, True)]
+    phases = [[one for one, crosses in zip(lights, across, strict=True) if crosses is side] for side in (False, True)]
     return [phase for phase in phases if phase]
 
 
-def _light(network: Network, signal: Signal, group: Group, times: list[float]) -> Light:
+def _light(signals: Signals, signal: Signal, group: Group, times: list[float]) -> Light:
+    network = signals.network
     stops: list[CarlaTransform] = []
     areas: list[Box] = []
-    for stop in stop_lines(network, signal):
+    for stop in signals.stop_lines(signal):
         pose = network.lane_pose(stop.road, stop.lane, stop.s)
         road = network.road_index(stop.road)
         turned = 0.0 if lane_direction(network.tables, road, stop.lane) > 0 else math.pi

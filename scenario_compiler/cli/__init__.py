@@ -14,7 +14,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, NoReturn
 
-from scenario_compiler.cli.options import WRONG_USE, WrongUse, library_target, reason_of
+from scenario_compiler.cli.options import WRONG_USE, WrongUse, existing_target, reason_of
 from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams, put, put_raw
 from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
@@ -73,7 +73,7 @@ def _carried_out(words: Sequence[str]) -> int:
         options = make_parser(words[0] if words else "").parse_args(words)
         with templates_from([one for one in getattr(options, "templates", ()) if one is not None]):
             if "target" in options:
-                options.target = library_target(options.target)
+                options.target = existing_target(options.target)
             code: int = options.command(options)
     except (WrongUse, ConfigurationError) as fault:
         complain(fault)

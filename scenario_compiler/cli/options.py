@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
@@ -23,6 +22,7 @@ from scenario_compiler.diagnostics import (
 from scenario_compiler.files import split_target
 from scenario_compiler.garbage_collection import keep_loaded
 from scenario_compiler.processes import available_cores
+from scenario_compiler.resources import NAME, library_conflicts, library_target
 from scenario_compiler.trust import Trust
 
 if TYPE_CHECKING:
@@ -276,27 +276,17 @@ def settings_of(texts: Sequence[str]) -> dict[str, str]:
     return settings
 
 
-def library_target(text: str) -> str:
+def existing_target(text: str) -> str:
     """Return FILE#name for the bare name of a conflict of the library; any other text is returned unchanged.
 
     Raises:
         WrongUse: There is neither a file nor a conflict of that name.
     """
-    if Path(text).is_file() or not re.fullmatch(IDENTIFIER, text):
-        return text
-    from scenario_compiler.listing import find_conflict, list_library
-    from scenario_compiler.resources import library_folder
-
-    folder = library_folder() / "conflicts"
-    found = find_conflict(text, folder)
-    if found is None:
-        known = [one.name for one in list_library(folder, Diagnostics())]
-        raise WrongUse(f"there is no file and no conflict of the library called '{text}'{suggestion(text, known)}")
+    found = str(library_target(text))
+    if found == text and NAME.fullmatch(text) and not Path(text).is_file():
+        known = suggestion(text, library_conflicts())
+        raise WrongUse(f"there is no file and no conflict of the library called '{text}'{known}")
     return found
-
-
-IDENTIFIER = r"[A-Za-z_]\w*"
-"""Pattern of a bare name of a conflict: it has no folder and no suffix."""
 
 
 def add_target(parser: argparse.ArgumentParser, metavar: str = "FILE[#name]|NAME") -> None:

@@ -182,15 +182,8 @@ def run_command(options: argparse.Namespace) -> int:
     from scenario_compiler.worlds import WorldError
 
     of_world = world_options(options)
-    if options.output is not None and not options.force and is_filled(options.output):
-        raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
-    if options.show is not None and options.output is None:
-        raise WrongUse("--show draws into the folder of the run: name one with -o")
-    if options.video is not None:  # before a run that may take long
-        with needing("av"):
-            import scenario_compiler.report.video  # noqa: F401
+    _refuse_wrong_use(options)
     sink = new_sink(options)
-    keep_inputs([options.target], options.trajectory, options.video)
     planned = _planned(options, sink)
     if planned is not None:
         refuse_untrusted(planned[0], sink, trust_of(options))
@@ -201,11 +194,7 @@ def run_command(options: argparse.Namespace) -> int:
         show(sink, options)
         sink = new_sink(options)
     plan, network = planned
-    if plan.takeover.driver.by_person is not None and options.inputs is None:
-        raise WrongUse("this plan has a person at the wheel: run it with `drive`, or with --pilot for the driver model")
-    if not plan.entities and (options.watch or options.video is not None):
-        raise WrongUse("pictures show the view of the first vehicle: this scenario has no entity")
-    keep_inputs(inputs_of(plan), options.trajectory, options.video)
+    _refuse_wrong_use_of(plan, options)
     person = _recorded_person(options)
     if options.seed is None:
         options.seed = 1 if person is None else person.seed
@@ -226,6 +215,27 @@ def run_command(options: argparse.Namespace) -> int:
     if show(sink, options):
         return AT_FAULT
     return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
+
+
+def _refuse_wrong_use(options: argparse.Namespace) -> None:
+    """Raise WrongUse for options that cannot be followed, before a scenario is compiled."""
+    if options.output is not None and not options.force and is_filled(options.output):
+        raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
+    if options.show is not None and options.output is None:
+        raise WrongUse("--show draws into the folder of the run: name one with -o")
+    if options.video is not None:  # before a run that may take long
+        with needing("av"):
+            import scenario_compiler.report.video  # noqa: F401
+    keep_inputs([options.target], options.trajectory, options.video)
+
+
+def _refuse_wrong_use_of(plan: Plan, options: argparse.Namespace) -> None:
+    """Raise WrongUse for options that cannot be followed with a plan."""
+    if plan.takeover.driver.by_person is not None and options.inputs is None:
+        raise WrongUse("this plan has a person at the wheel: run it with `drive`, or with --pilot for the driver model")
+    if not plan.entities and (options.watch or options.video is not None):
+        raise WrongUse("pictures show the view of the first vehicle: this scenario has no entity")
+    keep_inputs(inputs_of(plan), options.trajectory, options.video)
 
 
 def _finished_run(

@@ -30,8 +30,8 @@ from scenario_compiler.garbage_collection import keep_loaded, stay_small
 from scenario_compiler.trust import Trust
 
 if TYPE_CHECKING:
-    from scenario_compiler.compiler import StudyCompilation
     from scenario_compiler.diagnostics import Diagnostics
+    from scenario_compiler.study_plans import StudyCompilation
 
 
 SIZES = {"1280x720": (1280, 720), "960x540": (960, 540), "640x360": (640, 360)}
@@ -103,10 +103,11 @@ def _trust(options: argparse.Namespace) -> Trust:
 
 
 def _compiled(options: argparse.Namespace, sink: Diagnostics) -> StudyCompilation | None:
-    from scenario_compiler.compiler import Overrides, compile_study, read_source
+    from scenario_compiler.compiler import Overrides, read_source
     from scenario_compiler.controllers import refuse_untrusted
     from scenario_compiler.languages import check_source
     from scenario_compiler.source.study_file import StudyFile
+    from scenario_compiler.study_plans import compile_study
 
     keep_loaded()
     by_model = options.pilot or options.action == "plan"

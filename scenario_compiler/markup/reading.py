@@ -41,9 +41,13 @@ def read_word(element: etree._Element, word: type[AnyWord], reading: ReadingCont
     not validated again: the validators of the storyboard's words are large, and a command that checks a file builds
     none of them.
     """
-    values = read_attributes(element, word, reading)
-    complete = values is not None
-    fields: dict[str, Any] = values or {}
+    fields, complete = read_fields(element, word, reading)
+    return word.model_construct(**fields).written_at(reading.origin(element)) if complete else None
+
+
+def read_fields(element: etree._Element, word: type[Word], reading: ReadingContext) -> tuple[dict[str, Any], bool]:
+    """Return the fields of a word that can be read, and whether everything required is among them."""
+    fields, complete = _read_attributes(element, word, reading)
     for rule, elements in place_children(element, word, reading):
         read = [read_word(child, rule.words[str(child.tag)], reading) for child in elements]
         words = [one for one in read if one is not None]
@@ -55,7 +59,7 @@ def read_word(element: etree._Element, word: type[AnyWord], reading: ReadingCont
             fields[rule.field] = words[0]
         else:
             _add_default(fields, word, rule, reading.origin(element))
-    return word.model_construct(**fields).written_at(reading.origin(element)) if complete else None
+    return fields, complete
 
 
 def _add_default(fields: dict[str, Any], word: type[Word], rule: ChildRule, origin: Place) -> None:
@@ -67,6 +71,12 @@ def _add_default(fields: dict[str, Any], word: type[Word], rule: ChildRule, orig
 
 def read_attributes(element: etree._Element, word: type[Word], reading: ReadingContext) -> dict[str, Any] | None:
     """Return the values of the word's attributes by field; None when a required one is missing or wrong."""
+    fields, complete = _read_attributes(element, word, reading)
+    return fields if complete else None
+
+
+def _read_attributes(element: etree._Element, word: type[Word], reading: ReadingContext) -> tuple[dict[str, Any], bool]:
+    """Return the attributes that can be read, by field, and whether the required ones are among them."""
     grammar = grammar_of(word)
     fields: dict[str, Any] = {}
     complete = True
@@ -97,7 +107,7 @@ def read_attributes(element: etree._Element, word: type[Word], reading: ReadingC
                 reading.origin(element),
                 hint=f"{name}: {rule.description}",
             )
-    return fields if complete else None
+    return fields, complete
 
 
 def _hint_for_attribute(element: etree._Element, name: str, word: type[Word]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from scenario_compiler.diagnostics import Diagnostics, did_you_mean
 from scenario_compiler.markup import names
-from scenario_compiler.markup.codes import OUT_OF_LIMITS
+from scenario_compiler.markup.codes import OUT_OF_LIMITS, WRONG_VALUE
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.catalogs import Catalogs, load_catalogs
 from scenario_compiler.source.events import storyboard_of
@@ -19,7 +19,7 @@ from scenario_compiler.source.expansion import (
     with_weather,
 )
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static
-from scenario_compiler.vocabulary.grammar import grammar_of, limits_broken
+from scenario_compiler.vocabulary.grammar import empty_texts, grammar_of, limits_broken
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.storyboard import Storyboard, When
 from scenario_compiler.vocabulary.traversal import parameters_in, walk
@@ -29,13 +29,14 @@ def completed(scenario: Scenario, sink: Diagnostics) -> Scenario:
     """Return a scenario with everything that a file leaves to the library, and with its `whens` as a storyboard.
 
     Vehicles that the scenario does not define, and the driver, come from the library's catalogs. Unknown names of
-    entities, vehicles, drivers, presets and parameters are reported, and so are numbers beyond their limits.
+    entities, vehicles, drivers, presets and parameters are reported, and so are empty texts and numbers beyond their
+    limits.
     """
     catalogs = load_catalogs(library_folder() / "catalogs", sink)
     catalogs = catalogs.extended(Catalogs({one.name: one for one in scenario.vehicles}))
     entities = [*([] if scenario.ego is None else [scenario.ego]), *scenario.actors]
     _check_names(scenario, [one.id for one in entities], sink)
-    _check_limits(scenario, sink)
+    _check_values(scenario, sink)
     traffic = [traffic_models(one, catalogs, sink) for one in scenario.traffic]
     vehicles = {one.name: one for one in catalog_vehicles(entities, catalogs, sink)}
     vehicles.update((one.name, one) for _, models in traffic for one in models)
@@ -81,13 +82,15 @@ def _check_names(scenario: Scenario, ids: list[str], sink: Diagnostics) -> None:
         sink.add(names.UNKNOWN_PARAMETER, message, scenario.origin, hint=did_you_mean(name, declared))
 
 
-def _check_limits(scenario: Scenario, sink: Diagnostics) -> None:
-    """Report numbers beyond the limits that the language has for them; units are those of the words."""
+def _check_values(scenario: Scenario, sink: Diagnostics) -> None:
+    """Report empty texts, and numbers beyond the language's limits, in the units of the words."""
     try:
         values = parameter_values(scenario.parameters)
     except ValueError:  # reported where the parameters are used
         values = {}
     for word in walk(scenario):
+        for field in empty_texts(word):
+            sink.add(WRONG_VALUE, f"{type(word).__name__}: {field} is empty", scenario.origin)
         for broken in limits_broken(word, values):
             sink.add(OUT_OF_LIMITS, f"{type(word).__name__}: {broken}", scenario.origin)
 

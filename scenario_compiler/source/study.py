@@ -7,14 +7,12 @@ combinations of these. Pages and questionnaires are separate files.
 from __future__ import annotations
 
 import itertools
-import re
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Literal
 
 from scenario_compiler.diagnostics import Code, Severity
-from scenario_compiler.resources import library_folder
+from scenario_compiler.resources import NAME, library_conflicts
 from scenario_compiler.vocabulary.takeover import Language, Message
 from scenario_compiler.vocabulary.word import IDENTIFIER, LABEL, Word, attribute, child
 
@@ -483,13 +481,6 @@ def square_rows(count: int) -> int:
 def located(target: str, folder: Path) -> str:
     """Return a study's FILE#name with the study's folder before it; a bare name is a conflict of the library."""
     path, mark, name = target.partition("#")
-    if not re.fullmatch(IDENTIFIER, target):
+    if not NAME.fullmatch(target):
         return f"{folder / path}{mark}{name}"
     return f"{library_conflicts().get(target, folder / target)}#{target}"
-
-
-@cache
-def library_conflicts() -> dict[str, Path]:
-    """Return the files of the library's conflicts, by name, without reading more of them than the names."""
-    files = sorted((library_folder() / "conflicts").glob("*.xml"))
-    return {name: file for file in files for name in re.findall(r'<scenario name="(\w+)"', file.read_text("utf-8"))}

@@ -24,7 +24,7 @@ class StudyFile:
 
     Attributes:
         document: The file.
-        study: The study; None for a questionnaire, or if it could not be read.
+        study: The study, as far as it could be read; None for a questionnaire.
         questionnaire: The questionnaire of the file itself; None for a study.
         questionnaires: The questionnaires that a study names, by their file names.
         pages: The Markdown files that a study names, as HTML with their pictures, by their names.

@@ -25,19 +25,23 @@ from scenario_compiler.source.study import (
 
 
 def report_idle(study: StudyElement, sink: Diagnostics) -> None:
-    """Report equal levels, breaks and probes that never come, tolerances without effect, and late consents."""
+    """Report equal levels, probes that never come, tolerances without effect, and late consents."""
     _report_equal([(one, one.target) for one in study.scenarios], sink)
     _report_equal([(one, tuple(told.model_dump_json() for told in one.messages)) for one in study.hmis], sink)
     _report_equal(
         [(one, frozenset((value.parameter, value.to) for value in one.values)) for one in study.settings], sink
     )
+    if study.probe is not None:
+        _report_probe(study.probe, sink)
+    _report_consent(study, sink)
+
+
+def report_unreached_break(study: StudyElement, sink: Diagnostics) -> None:
+    """Report a break that never comes, because a session has too few trials."""
     runs = study.repetitions * len(conditions_of(study)) + sum(foil.count for foil in study.foils)
     if study.pause is not None and study.pause.every >= runs:
         message = f"no break comes: a session has {runs} {'trial' if runs == 1 else 'trials'}"
         sink.add(IDLE_PART, message, study.pause.place_of("every"))
-    if study.probe is not None:
-        _report_probe(study.probe, sink)
-    _report_consent(study, sink)
 
 
 def report_unused(questionnaire: QuestionnaireElement, sink: Diagnostics) -> None:

@@ -10,7 +10,7 @@ from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, ReadingContext
-from scenario_compiler.markup.reading import read_word
+from scenario_compiler.markup.reading import read_fields, read_word
 from scenario_compiler.source.study import (
     EMPTY_RANGE,
     UNEVEN_SQUARE,
@@ -39,7 +39,7 @@ from scenario_compiler.source.study import (
     square_rows,
 )
 from scenario_compiler.source.study_file import StudyFile
-from scenario_compiler.source.study_idle import report_idle, report_unused
+from scenario_compiler.source.study_idle import report_idle, report_unreached_break, report_unused
 from scenario_compiler.source.study_page import read_page
 
 MOST_POINTS = 101
@@ -48,13 +48,22 @@ MOST_POINTS = 101
 RESERVED = ("participant_id", "session_id", "run", "when", "step")
 """Names that no item may have: the table's own columns, and the number of the step that a page sends."""
 
+UNREAD: dict[str, object] = {"version": "1", "name": "", "participants": 0, "scenarios": ()}
+"""What a study has for required parts that cannot be read, which is reported."""
+
 
 def read_study(document: Document, sink: Diagnostics) -> StudyFile:
-    """Return the contents of a `<study>` file, with the pages and questionnaires that it names; report the faults."""
+    """Return the contents of a `<study>` file, with the pages and questionnaires that it names; report the faults.
+
+    A study of which something required cannot be read is returned with the rest, so that the files that it names are
+    checked in any case.
+    """
     reading = ReadingContext(document, sink, Environment())
-    study = read_word(document.root, StudyElement, reading)
-    if study is None:
-        return StudyFile(document)
+    fields, _ = read_fields(document.root, StudyElement, reading)
+    study = StudyElement.model_construct(**{**UNREAD, **fields}).written_at(reading.origin(document.root))
+    if not sink.has_errors:
+        _report_uneven(study, sink)
+        report_unreached_break(study, sink)
     for named in (study.scenarios, study.hmis, study.settings, () if study.probe is None else study.probe.queries):
         _report_doubles(named, sink)
     report_idle(study, sink)
@@ -71,15 +80,6 @@ def read_study(document: Document, sink: Diagnostics) -> StudyFile:
     probe = study.probe
     if probe is not None and probe.latest < probe.earliest:
         _report_empty("the probe", probe.earliest, probe.latest, probe.place_of("to"), sink)
-    rows = square_rows(len(conditions_of(study)))
-    fewer = study.participants // rows * rows
-    if study.order == "latin_square" and study.participants % rows:
-        sink.add(
-            UNEVEN_SQUARE,
-            f"{study.participants} participants do not fill the {rows} rows of the balanced Latin square evenly",
-            study.place_of("participants"),
-            hint=f"{fewer} or {fewer + rows} do" if fewer else f"{rows} do",
-        )
     pages = {}
     for step in _pages_of(study):
         page = read_page(step.file, document.folder, step.place_of("file"), sink)
@@ -93,6 +93,20 @@ def read_study(document: Document, sink: Diagnostics) -> StudyFile:
                 questionnaires[ask.file] = found
     _report_shared_names(study, questionnaires, sink)
     return StudyFile(document, study, questionnaires=questionnaires, pages=pages)
+
+
+def _report_uneven(study: StudyElement, sink: Diagnostics) -> None:
+    """Report participants who do not fill the rows of a balanced Latin square evenly."""
+    rows = square_rows(len(conditions_of(study)))
+    if study.order != "latin_square" or study.participants % rows == 0:
+        return
+    fewer = study.participants // rows * rows
+    sink.add(
+        UNEVEN_SQUARE,
+        f"{study.participants} participants do not fill the {rows} rows of the balanced Latin square evenly",
+        study.place_of("participants"),
+        hint=f"{fewer} or {fewer + rows} do" if fewer else f"{rows} do",
+    )
 
 
 def read_questionnaire(document: Document, sink: Diagnostics) -> StudyFile:
@@ -190,7 +204,7 @@ def _report_shared_names(study: StudyElement, found: Mapping[str, QuestionnaireE
     first: dict[str, str] = {}
     for ask in _asks_of(study):
         name = found[ask.file].name if ask.file in found else ""
-        if name == study.name:
+        if name and name == study.name:
             message = f"the questionnaire of {ask.file} is named '{name}' like the study"
             sink.add(names.DUPLICATE_NAME, message, ask.place_of("file"))
         elif name and first.setdefault(name, ask.file) != ask.file:

@@ -11,7 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
-from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.live.cockpit import Cockpit
 from scenario_compiler.live.session import Drive, Picture, Session
 from scenario_compiler.outputs import make_folder
@@ -24,6 +23,7 @@ from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.searching import search_picture
 from scenario_compiler.study.situation import CHOICES
 from scenario_compiler.study.tables import read_table
+from scenario_compiler.study_plans import StudyCompilation
 from scenario_compiler.trust import Trust
 
 Presence = Literal["waiting", "started", "paused", "declined", "finished"]

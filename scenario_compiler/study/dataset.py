@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from scenario_compiler.batch.codebook import Column
-from scenario_compiler.compiler import Compilation, StudyCompilation
+from scenario_compiler.compiler import Compilation
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.measures import MEASURES
@@ -35,6 +35,7 @@ from scenario_compiler.study.journal import Record, read_journal, step_reached
 from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.situation import is_right, true_answer
 from scenario_compiler.study.tables import write_table
+from scenario_compiler.study_plans import StudyCompilation
 
 BIDS_VERSION = "1.9.0"
 

@@ -22,13 +22,13 @@ import numpy as np
 from scipy.stats import ncf
 from scipy.stats import t as student
 
-from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.report.templates import page_environment
 from scenario_compiler.report.wording import fixed, unit_words
 from scenario_compiler.study.dataset import seats_of
 from scenario_compiler.study.tables import MISSING, read_table
+from scenario_compiler.study_plans import StudyCompilation
 
 SHOWN = (
     *("takeover_time", "minimum_time_to_collision", "minimum_lane_time_to_collision", "minimum_distance"),

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.outputs import LockedError, locked, make_folder, write_whole
+from scenario_compiler.study_plans import StudyCompilation
 
 MANIFEST = Path("sourcedata") / "study.json"
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.randomness import hash_bits, uniform
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.report.folder import write_run_folder
@@ -21,6 +20,7 @@ from scenario_compiler.study.dataset import RunTables, Seat, planned_run, seats_
 from scenario_compiler.study.journal import Journal, step_reached
 from scenario_compiler.study.procedure import Step, procedure
 from scenario_compiler.study.situation import CHOICES
+from scenario_compiler.study_plans import StudyCompilation
 from scenario_compiler.trust import Trust
 
 

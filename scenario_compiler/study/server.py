@@ -20,7 +20,6 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
-from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.live.cockpit import described
 from scenario_compiler.live.server import drive_page
 from scenario_compiler.live.web import Door, Server, address_of, listening_at, new_token, server_of
@@ -29,6 +28,7 @@ from scenario_compiler.study.attendance import Attendance, OutOfPlaceError, Rule
 from scenario_compiler.study.dataset import write_dataset
 from scenario_compiler.study.situation import CHOICES
 from scenario_compiler.study.wording import WORDS
+from scenario_compiler.study_plans import StudyCompilation
 from scenario_compiler.trust import Trust
 
 PAGES = Path(__file__).parent / "pages"

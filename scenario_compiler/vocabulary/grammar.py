@@ -4,6 +4,7 @@ An element has attributes in any order, and children in the order of the word's 
 kinds of words, or any number of them, these may be mixed.
 """
 
+import re
 import types
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -187,6 +188,15 @@ def out_of_limits(name: str, number: float, limits: AttributeSpelling) -> str:
     """Return a sentence on the limit that a number violates, in the XML unit; empty if it violates none."""
     broken = outside(number, limits)
     return f"{name} is {format_value(float(number))}, but must be {broken}" if broken else ""
+
+
+def empty_texts(word: Word) -> Iterator[str]:
+    """Yield the fields of a word that a program made whose text is empty, although the element needs one."""
+    for rule in grammar_of(type(word)).attributes.values():
+        pattern = rule.spelling.pattern
+        needed = re.fullmatch(pattern, "") is None if pattern else rule.required
+        if needed and rule.kind == "text" and getattr(word, rule.field) == "":
+            yield rule.field
 
 
 def limits_broken(word: Word, values: Mapping[str, Value]) -> Iterator[str]:

@@ -22,7 +22,7 @@ from pathlib import Path
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.columns.state import make_draws
-from scenario_compiler.engine.program import build_program, rows
+from scenario_compiler.engine.program import Numbers, build_program
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.vocabulary.sensors import Perception
 
@@ -104,7 +104,7 @@ def stepping(done: Compilation, variants: int, runs: int, *, interpreted: bool) 
     """Return entity-steps a CPU second, without traces."""
     program = build_program(done.plan, done.network)
     engine = Simulation(done.network.tables, program, interpreted=interpreted)
-    numbers = rows(done.plan, done.network, [{}] * variants)
+    numbers = Numbers(done.plan, done.network).rows([{}] * variants)
     draws = [make_draws(1, k) for k in range(variants)]
     limit = done.plan.step_limit
     summaries, _ = engine.sweep(numbers, draws, limit)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
+from scenario_compiler.carla_server.signals import Signals
 from scenario_compiler.carla_server.traffic_lights import GREEN, RED, YELLOW, groups_of
 from scenario_compiler.roads.network import load_network
 
@@ -21,7 +22,7 @@ def test_lights_of_a_junction_take_turns(repository: Path, tmp_path: Path, contr
     path = tmp_path / "crossing.xodr"
     tree.write(path)
     network = load_network(path, cache=False)
-    (group,) = groups_of(network)
+    (group,) = groups_of(Signals(network))
     assert sorted(light.signal for light in group.lights) == ["11", "12", "21", "22"]
     assert [len(phase) for phase in group.phases] == [2, 2]
     ways = [[math.radians(light.stops[0].yaw) for light in phase] for phase in group.phases]
@@ -41,7 +42,7 @@ def test_lights_of_a_junction_take_turns(repository: Path, tmp_path: Path, contr
 def test_the_lights_of_a_controller_have_the_same_times(repository: Path) -> None:
     """CARLA's controllers have the times; setting one light's must not be lost because another one leads its phase."""
     network = load_network(repository / "maps" / "signal_crossing" / "signal_crossing.xodr", cache=False)
-    (group,) = groups_of(network)
+    (group,) = groups_of(Signals(network))
     first, second = group.phases[0]
     second.times[0] = 1.0
     assert first.times[0] == 1.0

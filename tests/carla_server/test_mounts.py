@@ -50,7 +50,7 @@ class Mounted:
         car = self.stage.actors[self.car]
         assert isinstance(car, Car)
         car.control[0] = 1.0
-        self.stage.command(car)
+        self.stage.driving.command(car)
         self.stage.step(seconds)
 
     def image(self, camera: tuple[Instrument, Sensor], frame: int) -> bytes | None:

@@ -11,10 +11,12 @@ import pytest
 from lxml import etree
 
 from scenario_compiler.carla_server.areas import Box
+from scenario_compiler.carla_server.signals import Signals
 from scenario_compiler.carla_server.signs import SignRules, signs_of
 from scenario_compiler.carla_server.traffic_lights import GREEN, RED, groups_of
 from scenario_compiler.roads import Network, load_network
 from tests.carla_server.conftest import STEP, Served, free_port, served_map
+from tests.work import counted
 
 pytestmark = pytest.mark.apart
 
@@ -77,6 +79,11 @@ def ends(network: Network, road: str, before: float) -> tuple[str, int, float]:
     return road, -1, network.road(road).length - before
 
 
+def rules_of(network: Network) -> SignRules:
+    signals = Signals(network)
+    return SignRules(signals, signs_of(signals))
+
+
 def seen(rules: SignRules, cars: dict[int, Box], times: list[float]) -> dict[int, list[int]]:
     """Return what each car has seen last at some times, GREEN before any sign; a step takes 0.1 s."""
     shown: dict[int, int] = dict.fromkeys(cars, GREEN)
@@ -94,7 +101,7 @@ def test_a_stop_sign_shows_red_for_two_seconds_and_a_yield_sign_nothing(
     network: Network, road: str, shown: list[int]
 ) -> None:
     cars = {1: car(network, *ends(network, road, 5.0))}
-    assert seen(SignRules(network, signs_of(network)), cars, [0.0, 1.9, 2.0]) == {1: shown}
+    assert seen(rules_of(network), cars, [0.0, 1.9, 2.0]) == {1: shown}
 
 
 @pytest.mark.parametrize("before", [1.0, 9.0])
@@ -102,7 +109,7 @@ def test_a_vehicle_is_at_a_sign_only_where_its_box_touches_the_area_before_the_l
     network: Network, before: float
 ) -> None:
     """The area reaches from 4.5 m to 1.5 m before the line, so the middle of a car of 4.2 m from 6.6 m on."""
-    found = seen(SignRules(network, signs_of(network)), {1: car(network, *ends(network, "1", before))}, [0.5])
+    found = seen(rules_of(network), {1: car(network, *ends(network, "1", before))}, [0.5])
     assert found == {1: [RED if before < 6.6 else GREEN]}
 
 
@@ -111,7 +118,7 @@ def test_signs_show_red_while_another_vehicle_crosses(network: Network, road: st
     """From east to west, in the middle of the junction, which both signs' ways cross."""
     across = next(one for one in network.road_ids if one.startswith("10") and crosses(network, one))
     cars = {1: car(network, *ends(network, road, 5.0)), 2: car(network, across, -1, 12.0)}
-    rules = SignRules(network, signs_of(network))
+    rules = rules_of(network)
     assert seen(rules, cars, [0.0, 2.5, 5.0])[1] == [RED, RED, RED]
     del cars[2]
     free = seen(rules, cars, [0.0, 0.4, 5.6])[1]
@@ -126,24 +133,41 @@ def crosses(network: Network, road: str) -> bool:
 
 def test_a_vehicle_far_from_the_junction_has_no_right_of_way_over_one_at_a_sign(network: Network) -> None:
     cars = {1: car(network, *ends(network, "1", 5.0)), 2: car(network, "1", 1, 40.0)}
-    assert seen(SignRules(network, signs_of(network)), cars, [2.0])[1] == [GREEN]
+    assert seen(rules_of(network), cars, [2.0])[1] == [GREEN]
 
 
 def test_a_sign_painted_on_the_road_is_no_actor(network: Network, tmp_path: Path) -> None:
     path = tmp_path / "painted.xodr"
     path.write_bytes(signed_crossing().replace(b'name="light_12"', b'name="Stencil_STOP"'))
-    assert "traffic.stop" not in [one.kind for one in signs_of(load_network(path, cache=False))]
+    assert "traffic.stop" not in [one.kind for one in signs_of(Signals(load_network(path, cache=False)))]
 
 
 def test_signs_beyond_the_end_of_their_road_stand_at_its_end(tmp_path: Path) -> None:
     path = tmp_path / "beyond.xodr"
     path.write_bytes(signed_crossing().replace(b's="844.103425"', b's="900"').replace(b's="100"', b's="-5"'))
     network = load_network(path, cache=False)
-    at = {one.signal: one.transform for one in signs_of(network)}
+    at = {one.signal: one.transform for one in signs_of(Signals(network))}
     for number, road, s in ((STOP, "1", network.road("1").length), ("90", "1", 0.0)):
         pose = network.road_pose(road, s, 0.0)
         assert math.hypot(at[number].x - pose.x, -at[number].y - pose.y) < 7.0
-    SignRules(network, signs_of(network))
+    rules_of(network)
+
+
+def test_twice_as_many_signs_take_twice_the_work(tmp_path: Path) -> None:
+    def work(signs: int) -> int:
+        root = etree.fromstring(signed_crossing())
+        objects = next(root.iterfind("road/objects"))
+        for number in range(signs):
+            etree.SubElement(objects, "object", id=f"9{number}", name="Speed_60", s=f"{number}", t="-6", zOffset="0")
+        path = tmp_path / f"{signs}_signs.xodr"
+        path.write_bytes(etree.tostring(root))
+        network = load_network(path, cache=False)
+        network.model()
+        found, lines = counted(lambda: signs_of(Signals(network)))
+        assert len(found) == signs + 3
+        return lines
+
+    assert work(400) < 3 * work(200)
 
 
 def test_lights_stand_where_the_clients_map_has_them() -> None:
@@ -151,7 +175,7 @@ def test_lights_stand_where_the_clients_map_has_them() -> None:
     path = MAPS / "signal_crossing" / "signal_crossing.xodr"
     network = load_network(path, cache=False)
     marks = {one.id: one.transform.location for one in carla.Map("crossing", path.read_text()).get_all_landmarks()}
-    lights = [light for group in groups_of(network) for light in group.lights]
+    lights = [light for group in groups_of(Signals(network)) for light in group.lights]
     assert len(lights) == 4
     for light in lights:
         mark = marks[light.signal]
@@ -177,6 +201,25 @@ def test_each_landmark_has_its_sign(world: Any) -> None:
         at = found[one.id].get_transform()
         assert at.location.distance(one.transform.location) < 1e-3
         assert (at.rotation.yaw - one.transform.rotation.yaw) % 360.0 == pytest.approx(90.0, abs=0.01)
+
+
+def test_signs_have_boxes_about_their_boards(world: Any) -> None:
+    import carla
+
+    boxes = world.get_level_bbs(carla.CityObjectLabel.TrafficSigns)
+    signs = [one for kind in ("traffic.stop", "traffic.yield") for one in world.get_actors().filter(kind)]
+    assert len(boxes) == len(signs) == 2
+    for sign in signs:
+        at = sign.get_transform()
+        (box,) = [
+            one for one in boxes if math.hypot(one.location.x - at.location.x, one.location.y - at.location.y) < 0.3
+        ]
+        thick, wide = sorted((box.extent.x, box.extent.y))
+        assert thick < 0.02
+        assert 0.1 < wide < 1.0
+        assert box.extent.z < 1.0
+        along = math.cos(math.radians(box.rotation.yaw - at.rotation.yaw)) ** 2  # a board lies along or across its sign
+        assert min(along, 1.0 - along) < 0.01
 
 
 def test_the_trigger_volume_of_a_sign_lies_before_its_stop_line(world: Any) -> None:

@@ -68,6 +68,21 @@ def lights(world: Any) -> Iterator[list[Any]]:
     world.reset_all_traffic_lights()
 
 
+def test_each_traffic_light_has_a_box_about_its_lamps(world: Any) -> None:
+    """The file has 3 m above the road for the lower edge of its lamps, and 1 m for their height."""
+    import carla
+
+    lights = world.get_actors().filter("traffic.traffic_light")
+    assert len(world.get_level_bbs(carla.CityObjectLabel.TrafficLight)) == len(lights) > 0
+    for light in lights:
+        (box,) = light.get_light_boxes()
+        at = light.get_transform().location
+        assert math.hypot(box.location.x - at.x, box.location.y - at.y) < 0.5
+        low, high = box.location.z - box.extent.z, box.location.z + box.extent.z
+        assert high - low == pytest.approx(1.0, abs=0.05)
+        assert low == pytest.approx(at.z, abs=0.01)
+
+
 def test_lights_stand_in_groups_and_switch_by_their_times(world: Any, lights: list[Any]) -> None:
     import carla
 

@@ -11,7 +11,7 @@ from scenario_compiler.engine.columns import slots
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE
 from scenario_compiler.engine.moves.table import NUMBERS as ACTION
-from scenario_compiler.engine.program import build_program, rows
+from scenario_compiler.engine.program import Numbers, build_program
 from scenario_compiler.engine.program.checking import check_program
 from scenario_compiler.engine.program.plan_builder import PlanBuilder
 from scenario_compiler.engine.program.positions import POSITIONS, add_position
@@ -164,7 +164,7 @@ def test_every_number_of_a_plan_has_its_slot() -> None:
 def test_a_variant_differs_only_in_numbers_that_depend_on_its_parameters() -> None:
     network = highway()
     plan = plan_on(network)
-    usual, fast = rows(plan, network, [{}, {"v": 10.0}])
+    usual, fast = Numbers(plan, network).rows([{}, {"v": 10.0}]).tolist()
     p = build_program(plan, network)
     ego = p.entity_const[0]
     assert usual == p.const
@@ -176,7 +176,7 @@ def test_a_variant_differs_only_in_numbers_that_depend_on_its_parameters() -> No
 def test_a_sweep_over_a_plan_runs_every_row() -> None:
     network = highway()
     plan = plan_on(network)
-    samples = rows(plan, network, [{"v": v} for v in (5.0, 7.0, 9.0)])
+    samples = Numbers(plan, network).rows([{"v": v} for v in (5.0, 7.0, 9.0)])
     p = build_program(plan, network)
     engine = Simulation(network.tables, p, interpreted=True)
     draws = [make_draws(1, k) for k in range(3)]

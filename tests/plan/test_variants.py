@@ -10,7 +10,7 @@ from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.columns.totals import SUMMARY
-from scenario_compiler.engine.program import build_program, rows
+from scenario_compiler.engine.program import Numbers, build_program
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.expressions import Value, format_value
 from scenario_compiler.languages import ScenarioNameNeededError
@@ -117,7 +117,7 @@ def _targets(library: Path) -> list[str]:
 def doubts_start(done: Compilation, values: dict[str, Value]) -> bool:
     """Return whether a run leaves open if its start is sound: entities may overlap, or it has a fault."""
     program = build_program(done.plan, done.network)
-    numbers = rows(done.plan, done.network, [values])
+    numbers = Numbers(done.plan, done.network).rows([values])
     summaries, _ = Simulation(done.network.tables, program).sweep(numbers, [make_draws(1)], 0)
     return bool(summaries[0, SUMMARY.index("start_tight")] or summaries[0, SUMMARY.index("flag")])
 

@@ -7,12 +7,13 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from scenario_compiler.compiler import Overrides, compile_study, read_source
+from scenario_compiler.compiler import Overrides, read_source
 from scenario_compiler.diagnostics import Diagnostics, FilePlace
 from scenario_compiler.source.form import study_xsd
 from scenario_compiler.source.study import STUDIES, conditions_of, located, square_rows
 from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.source.study_page import read_page
+from scenario_compiler.study_plans import compile_study
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.schema import words_below
 from scenario_compiler.vocabulary.takeover import Message, Say

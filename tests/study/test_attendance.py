@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.compiler import Overrides, StudyCompilation, compile_study, read_source
+from scenario_compiler.compiler import Overrides, read_source
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.live.session import Picture, Session
 from scenario_compiler.live.web import Door
@@ -18,6 +18,7 @@ from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.study.attendance import Attendance, OutOfPlaceError, Rules
 from scenario_compiler.study.server import StudyServer
 from scenario_compiler.study.tables import read_table
+from scenario_compiler.study_plans import StudyCompilation, compile_study
 from tests.live.serving import waited_for
 from tests.study import made
 

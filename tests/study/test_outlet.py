@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.compiler import Overrides, compile_study, read_source
+from scenario_compiler.compiler import Overrides, read_source
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.study.attendance import Attendance, Rules
+from scenario_compiler.study_plans import compile_study
 from tests.study import made
 
 pylsl = pytest.importorskip("pylsl", reason="needs the extra lsl", exc_type=ImportError)

@@ -6,11 +6,12 @@ from collections.abc import Awaitable
 from typing import Any
 
 from scenario_compiler.carla_server.actors import Actor, Body, Car, Sensor, Walker, transform_of
+from scenario_compiler.carla_server.driving import FASTEST
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.sensors.kinds import INSTRUMENTS
 from scenario_compiler.carla_server.spawning import check_attributes, new_actor
-from scenario_compiler.carla_server.stage import FARTHEST, FASTEST
+from scenario_compiler.carla_server.stage import FARTHEST
 from scenario_compiler.frames import CarlaTransform, carla_attached
 
 MOST_WORK = 256
@@ -130,7 +131,7 @@ def set_velocity(host: Host, number: int, velocity: list[float]) -> None:
     """Give a body the component of a velocity along its heading, since wheels do not slip here."""
     body = body_of(host, number)
     ahead = host.stage.ahead_of(body)
-    host.stage.set_speed(body, _bounded(sum(a * b for a, b in zip(ahead, velocity, strict=True))))
+    host.stage.driving.set_speed(body, _bounded(sum(a * b for a, b in zip(ahead, velocity, strict=True))))
 
 
 def keep_velocity(host: Host, number: int, velocity: list[float]) -> None:
@@ -145,7 +146,7 @@ def let_velocity(host: Host, number: int) -> None:
     body = body_of(host, number)
     if isinstance(body, Car):
         body.constant = None
-        host.stage.command(body)
+        host.stage.driving.command(body)
 
 
 def add_impulse(host: Host, number: int, impulse: list[float], at: list[float] | None = None) -> None:
@@ -175,7 +176,7 @@ def let_weigh(host: Host, number: int, enabled: bool) -> None:
     body = body_of(host, number)
     body.weighs = enabled
     if isinstance(body, Car):
-        host.stage.command(body)
+        host.stage.driving.command(body)
 
 
 def collide(host: Host, number: int, enabled: bool) -> None:

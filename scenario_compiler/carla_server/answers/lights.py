@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Any
 
 from scenario_compiler.carla_server.actors import LightActor
@@ -67,7 +68,8 @@ def group_of(host: Host, number: int) -> list[int]:
     return [light.actor for light in light_of(host, number).group.lights]
 
 
-def boxes(host: Host, number: int) -> list[Any]:
-    """Answer with the box about a light's lamps."""
-    transform = light_of(host, number).transform
-    return [[list(transform[:3]), [0.2, 0.2, 0.5], list(transform[3:]), number]]
+async def boxes(host: Host, number: int) -> list[Any]:
+    """Answer with the boxes about a light's lamps, in the world's axes."""
+    light = light_of(host, number)
+    of_lights = (await asyncio.to_thread(host.stage.town.level_boxes)).of_lights
+    return [[*box, number] for box in of_lights.get(light.signal, ())]

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from scenario_compiler.carla_server.answers import lights
 from scenario_compiler.carla_server.host import Host
+from scenario_compiler.carla_server.level_boxes import NO_ACTOR
 from scenario_compiler.carla_server.sensors.rays import Rays
 from scenario_compiler.frames import carla_axes
-from scenario_compiler.perception.labels import Tag
 
 MOST_HITS = 64
 BEYOND = 0.05
@@ -75,18 +74,18 @@ def _met(host: Host, begin: Any, direction: Any, reach: float, most: int = 1) ->
     return found
 
 
-def level_boxes(host: Host, tag: int) -> list[Any]:
-    """Answer with the boxes of vehicles, walkers, props and traffic lights of a semantic tag, in the world's axes."""
+async def level_boxes(host: Host, tag: int) -> list[Any]:
+    """Answer with the boxes of vehicles, walkers, props and things beside the roads of a semantic tag, world's axes."""
+    of_map = (await asyncio.to_thread(host.stage.town.level_boxes)).by_tag
     found: list[Any] = []
     for body in host.stage.bodies():
         if tag in (ANY_TAG, body.tag):
             x, y, z, pitch, yaw, roll = host.stage.transform_of(body)
             up = np.array(carla_axes(pitch, yaw, roll)[2]) * (body.box[2] - body.up)
             found.append([(np.array([x, y, z]) + up).tolist(), list(body.box), [pitch, yaw, roll], body.id])
-    if tag in (ANY_TAG, Tag.TRAFFIC_LIGHT):
-        for group in host.stage.groups:
-            for light in group.lights:
-                found += lights.boxes(host, light.actor)
+    for of, boxes in of_map.items():
+        if tag in (ANY_TAG, of):
+            found += [[*box, NO_ACTOR] for box in boxes]
     return found
 
 

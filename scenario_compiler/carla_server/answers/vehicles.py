@@ -32,7 +32,7 @@ def control(host: Host, number: int, wire: list[Any]) -> None:
     elif car.control[5]:
         car.gear = -1 if reverse else 1
     car.control, car.ackermann = wire, None
-    host.stage.command(car)
+    host.stage.driving.command(car)
 
 
 def ackermann(host: Host, number: int, wire: list[float]) -> None:
@@ -54,7 +54,7 @@ def walk(host: Host, number: int, wire: list[Any]) -> None:
     """Let a walker walk."""
     walker = walker_of(host, number)
     walker.control = wire
-    host.stage.walk(walker)
+    host.stage.driving.walk(walker)
 
 
 def walk_state(host: Host, number: int, transform: list[Any], speed: float) -> None:
@@ -64,7 +64,7 @@ def walk_state(host: Host, number: int, transform: list[Any], speed: float) -> N
     host.stage.put(walker, placed)
     yaw = math.radians(placed.yaw)
     walker.control = [[math.cos(yaw), math.sin(yaw), 0.0], speed, False]
-    host.stage.walk(walker)
+    host.stage.driving.walk(walker)
 
 
 def bones(host: Host, number: int) -> list[Any]:
@@ -107,7 +107,7 @@ def set_physics(host: Host, number: int, wire: list[Any]) -> None:
         raise CallError(f"a physics control has {len(car.physics_control()[15])} wheels, not {len(wheels)}")
     car.physics, car.mass = wire, mass
     car.weigh_up()
-    host.stage.command(car)
+    host.stage.driving.command(car)
 
 
 def turn_wheel(host: Host, number: int, wheel: int, angle: float) -> None:

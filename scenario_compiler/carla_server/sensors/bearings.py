@@ -104,7 +104,7 @@ class Imu(Simple):
         parent = stage.actors.get(sensor.parent)
         gained, turning = np.zeros(3), np.zeros(3)
         if parent is not None and parent.row >= 0:
-            row = stage.rows.every[parent.row]
+            row = stage.measured.rows.every[parent.row]
             gained, turning = row["acceleration"].astype(np.float64), np.radians(row["angular"].astype(np.float64))
             arm = np.array(at[:3]) - np.array(stage.transform_of(parent)[:3])
             gained += self._swing(turning, arm, dt)

@@ -248,7 +248,7 @@ class Radar(RayCaster):
         rays = Rays(stage, origin, directions, sensor.number("range"), sensor.parent)
         met = np.isfinite(rays.distance)
         own, self._before = (origin - self._before) / dt, origin
-        velocities = stage.rows.every["velocity"]
+        velocities = stage.measured.rows.every["velocity"]
         still = np.zeros(3)
         others = [velocities[body.row].astype(np.float64) if body.row >= 0 else still for body in rays.bodies]
         relative = np.array([*others, still, still])[rays.target] - own

@@ -67,6 +67,12 @@ def is_clear_of(p: Program, st: State, i: int, j: int, v: float, moved: float) -
 
 
 @compiled
+def half_with_clearance(p: Program, i: int) -> float:
+    """Return half the width of i, m, with the distance that its driver keeps on both sides."""
+    return 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH] + CLEARANCE
+
+
+@compiled
 def is_beside(low: float, high: float, rear: float, nose: float, half: float) -> int:
     """Return 1 if a box from offset `low` to `high` has no lateral overlap with the ego, whose ends are at two offsets.
 
@@ -90,8 +96,9 @@ def moving_over(begin: float, target: float, out: float, gone: float) -> tuple[f
 
 
 @compiled
-def coming_back(target: float, over: float, share: float) -> tuple[float, float]:
-    """Return (offset, slope) after a share of the move back from an offset over a distance, m."""
+def coming_back(target: float, over: float, gone: float) -> tuple[float, float]:
+    """Return (offset, slope) after `gone` metres of the move back from an offset over a distance, all in m."""
+    share = clip(ratio(gone, over, 1.0), 0.0, 1.0)
     off = 0.5 * (1.0 + cos(pi * share)) * target
     return off, -0.5 * pi * sin(pi * share) * ratio(target, over, 0.0)
 
@@ -151,6 +158,37 @@ def comes_near(
 
 
 @compiled
+def has_passed(p: Program, st: State, i: int, around: int, time: float, gone: float, v: float) -> int:
+    """Return 1 if i is clear of the moving vehicle that it passes, or passes only standing objects.
+
+    That is after a time, s, in which i drives `gone` metres and reaches the speed v, m/s.
+    """
+    return 1 if around < 0 else is_clear_of(p, st, i, around, v, st.along[around] * time - gone)
+
+
+@compiled
+def meets_any(
+    p: Program,
+    st: State,
+    i: int,
+    time: float,
+    gone: float,
+    v: float,
+    spare: float,
+    known: int,
+    rear: float,
+    nose: float,
+) -> int:
+    """Return 1 if an oncoming vehicle `comes_near` and overlaps i, whose rear and nose are at two offsets, m."""
+    half = half_with_clearance(p, i)
+    for j in range(p.entity_count[0]):
+        near = comes_near(p, st, i, j, time, gone, v, spare, known) == 1
+        if near and is_beside(st.low[j], st.high[j], rear, nose, half) == 0:
+            return 1
+    return 0
+
+
+@compiled
 def meets_oncoming(
     p: Program,
     st: State,
@@ -185,55 +223,40 @@ def meets_oncoming(
     if high <= low and any_approaching(p, st, i) == 0:
         return 0
     front = front_of(p, i)
-    half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH] + CLEARANCE
     usual = max(st.target_speed[0], 1.0)
     begin = st.path_off[0]
     off = begin
-    slope = 0.0
-    nose = begin
     v = st.v[i]
     gone = 0.0
     back_from = op.FAR
     back_over = 1.0
-    share = 0.0
     fastest = max(v, usual) + p.const[p.entity_const[i] + slot.E_ACCELERATION] * HORIZON_STEP
     earliest = earliest_near(p, st, i, fastest, spare)
     for k in range(PASSING_STEPS):
         time = (k + 1) * HORIZON_STEP
-        a = idm_acceleration(p, i, v, usual, op.FAR, 0.0)
-        if gone < out and braking > 0.0:
-            a = -braking
+        slows = gone < out and braking > 0.0
+        a = -braking if slows else idm_acceleration(p, i, v, usual, op.FAR, 0.0)
         faster = max(v + a * HORIZON_STEP, 0.0)
         before = gone
         gone += 0.5 * (v + faster) * HORIZON_STEP
         v = faster
-        ahead = 0.0 if around < 0 else st.along[around] * time - gone
-        passed = 1 if around < 0 or is_clear_of(p, st, i, around, v, ahead) == 1 else 0
-        if back_from >= op.FAR and gone >= until and passed == 1:
-            back_from = gone
+        if back_from >= op.FAR and gone >= until and has_passed(p, st, i, around, time, gone, v) == 1:
             if k > 0:
                 off, slope = moving_over(begin, target, out, before)
+            back_from = gone
             back_over = shift_distance(v, off, RETURN_ACCELERATION)
+        if ratio(gone - back_from, back_over, 1.0) >= 1.0:
+            return 0
+        entered = high > low and PASSING_SIGHT - usual * time - gone < spare * (v + usual)
+        if not entered and time < earliest:
+            continue  # nothing is near enough to be met
         if back_from < op.FAR:
-            share = clip(ratio(gone - back_from, back_over, 1.0), 0.0, 1.0)
-            if share >= 1.0:
-                return 0
-        presumed = PASSING_SIGHT - usual * time - gone
-        entered = high > low and presumed < spare * (v + usual)
-        placed = 0  # the lateral position is worked out only where something is near enough to be met
-        for j in range(-1, p.entity_count[0] if time >= earliest else 0):
-            near = entered
-            if j >= 0:
-                near = comes_near(p, st, i, j, time, gone, v, spare, known) == 1
-            if not near:
-                continue
-            if placed == 0:
-                placed = 1
-                if back_from < op.FAR:
-                    off, slope = coming_back(target, back_over, share)
-                else:
-                    off, slope = moving_over(begin, target, out, gone)
-                nose = nose_offset(off, slope, front)
-            if is_beside(low if j < 0 else st.low[j], high if j < 0 else st.high[j], off, nose, half) == 0:
-                return 1
+            off, slope = coming_back(target, back_over, gone - back_from)
+        else:
+            off, slope = moving_over(begin, target, out, gone)
+        nose = nose_offset(off, slope, front)
+        if entered and is_beside(low, high, off, nose, half_with_clearance(p, i)) == 0:
+            return 1
+        if time >= earliest and meets_any(p, st, i, time, gone, v, spare, known, off, nose) == 1:
+            return 1
     return 1 if high > low else 0

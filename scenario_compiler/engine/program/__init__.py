@@ -5,6 +5,6 @@ actions and conditions are made by their entries (`moves.table`, `story.table`).
 """
 
 from scenario_compiler.engine.columns.program import Program
-from scenario_compiler.engine.program.build import Numbers, build_program, rows
+from scenario_compiler.engine.program.build import Numbers, build_program
 
-__all__ = ["Numbers", "Program", "build_program", "rows"]
+__all__ = ["Numbers", "Program", "build_program"]

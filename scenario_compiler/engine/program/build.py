@@ -60,12 +60,6 @@ def lowered(plan: Plan, network: Network, *, posed: bool = False) -> Lowered:
     return Lowered(draft.program, tuple(draft.signals), tuple(draft.texts))
 
 
-def rows(plan: Plan, network: Network, samples: Sequence[Mapping[str, Value]]) -> list[list[float]]:
-    """Return a row of `Program.const` for each sample of the parameters; missing ones have their default values."""
-    found: list[list[float]] = Numbers(plan, network).rows(samples).tolist()
-    return found
-
-
 class Numbers:
     """The numbers of a plan: those that depend on parameters are evaluated for each variant, the others once."""
 

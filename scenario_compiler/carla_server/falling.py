@@ -1,0 +1,33 @@
+"""The fall of a vehicle onto the road, from where it has been spawned or put."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scenario_compiler.roads import Pose
+
+GRAVITY = 9.81
+
+SETTLES = 0.2
+"""For how long a vehicle that has been put somewhere is on its springs before it leans as the road does, s."""
+
+
+@dataclass(frozen=True)
+class Fall:
+    """A fall: the pose of the vehicle's reference point when it began, OpenDRIVE axes, and the time then, s."""
+
+    begin: Pose
+    since: float
+
+    def height(self, time: float) -> float:
+        """Return how high the vehicle is at a time while nothing is below it, m."""
+        return self.begin.z - 0.5 * GRAVITY * (time - self.since) ** 2
+
+    def is_over(self, ground: float, time: float) -> bool:
+        """Return whether the vehicle stands on the ground at a height, m, and leans as that does."""
+        return self.height(time) <= ground and time > self.since + SETTLES
+
+    def pose(self, on_ground: Pose, time: float) -> Pose:
+        """Return the vehicle's pose over its pose on the ground; it leans as when the fall began."""
+        height = max(on_ground.z, self.height(time))
+        return on_ground._replace(z=height, pitch=self.begin.pitch, roll=self.begin.roll)
