@@ -76,7 +76,7 @@ def answered() -> Recording:
         ("minimum_time_headway", 1.0),
         ("maximum_drac", 10.0 * 10.0 / (2 * 10.0)),
         ("lateral_offset_at_response", 0.0),
-        ("time_off_lanes", math.nan),
+        ("time_off_lanes", 0.0),
         ("requests", 1.0),
         ("minimum_distance", 10.0),
         ("maximum_longitudinal_acceleration", 0.0),
@@ -129,6 +129,8 @@ def test_without_a_request_there_is_no_time_nor_distance() -> None:
     run = record(("ego",), 5, lambda t: {"x": (t,), "v": (1.0,)})
     assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {
         "final_speed",
+        "requests",
+        "time_off_road",
         "time_off_lanes",
         "lane_departures",
         "longest_lane_departure",
