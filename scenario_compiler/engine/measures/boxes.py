@@ -8,7 +8,7 @@ its values rule out most of those before it. The order of the rows does not chan
 
 from __future__ import annotations
 
-from math import atan2, cos, pi, sin, sqrt
+from math import atan2, copysign, cos, pi, sin, sqrt
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -86,33 +86,44 @@ def squared_distance_to_corners(
 
 
 @compiled
-def lay_along_circle(m: Totals, k: int) -> None:
-    """Write the other box's corners, relative to the circle that the ego drives, to `corner_along` and `corner_across`.
+def on_circle(ahead: float, left: float, bend: float) -> tuple[float, float]:
+    """Return a point's distance along the circle that the ego drives, and across it, m, positive to the left.
 
-    `k` is the waiting pair. Both are in m; across is positive to the left.
+    The point is given relative to the ego's reference point, where the circle of curvature `bend` begins.
     """
-    bend = m.pair_bend[k]
+    if abs(bend) <= STRAIGHT:
+        return ahead, left
     side = -1.0 if bend < 0.0 else 1.0
-    bent = 1 if abs(bend) > STRAIGHT else 0
-    radius = 1.0 / max(abs(bend), STRAIGHT)
+    radius = 1.0 / abs(bend)
+    inward = radius - side * left
+    return atan2(ahead, inward) * radius, side * (radius - length_of(ahead, inward))
+
+
+@compiled
+def lay_along_circle(m: Totals, k: int) -> None:
+    """Write the other box's corners relative to the ego and to the circle that it drives; `k` is the waiting pair."""
     c = m.own_cos[k]
     s = m.own_sin[k]
     for corner in range(4):
         dx = m.corner_x[OTHER + corner] - m.own_x[k]
         dy = m.corner_y[OTHER + corner] - m.own_y[k]
-        along = c * dx + s * dy
-        across = c * dy - s * dx
-        if bent == 1:
-            inward = radius - side * across
-            across = side * (radius - length_of(along, inward))
-            along = atan2(along, inward) * radius
+        m.corner_ahead[corner] = c * dx + s * dy
+        m.corner_left[corner] = c * dy - s * dx
+        along, across = on_circle(m.corner_ahead[corner], m.corner_left[corner], m.pair_bend[k])
         m.corner_along[corner] = along
         m.corner_across[corner] = across
 
 
 @compiled
-def least_along(m: Totals, half: float) -> float:
-    """Return the least distance along the circle of the part of the box within `half` of the circle, m, or FAR."""
+def least_along(m: Totals, bend: float, half: float) -> float:
+    """Return the least distance along the circle of the part of the box within `half` of the circle, m, or FAR.
+
+    The angle grows or falls all along a side of the box. The least one is therefore at a corner, or where a side
+    crosses a border of the strip. At the share u of a side, square u^2 + 2 slope u + start is 0 on the border at the
+    offset e; it is 2 (left - e) - bend (ahead^2 + left^2 - e^2). A side is nearest to the circle's centre where slope +
+    square u is 0.
+    """
+    curved = bend if abs(bend) > STRAIGHT else 0.0
     least = op.FAR
     low = op.FAR
     high = -op.FAR
@@ -122,19 +133,33 @@ def least_along(m: Totals, half: float) -> float:
         high = max(high, across)
         if abs(across) <= half:
             least = min(least, m.corner_along[k])
-    if low >= half or high <= -half:
-        return op.FAR
     for k in range(4):
         following = (k + 1) % 4
-        for side in range(2):
-            edge = half if side == 1 else -half
-            here = m.corner_across[k] - edge
-            there = m.corner_across[following] - edge
-            if (here < 0.0) != (there < 0.0):
-                share = here / (here - there)
-                along = m.corner_along[k] + share * (m.corner_along[following] - m.corner_along[k])
+        ahead = m.corner_ahead[k]
+        left = m.corner_left[k]
+        long = m.corner_ahead[following] - ahead
+        wide = m.corner_left[following] - left
+        square = -curved * (long * long + wide * wide)
+        slope = wide - curved * (ahead * long + left * wide)
+        if square != 0.0 and 0.0 < -slope / square < 1.0:
+            foot = -slope / square
+            _, across = on_circle(ahead + foot * long, left + foot * wide, bend)
+            low = min(low, across)
+            high = max(high, across)
+        for number in range(4):
+            edge = half if number >= 2 else -half
+            start = 2.0 * (left - edge) - curved * (ahead * ahead + left * left - edge * edge)
+            root = slope * slope - square * start
+            if root < 0.0:
+                continue
+            both = -(slope + copysign(sqrt(root), slope))
+            over = start if number % 2 == 0 else both
+            under = both if number % 2 == 0 else square
+            share = over / under if under != 0.0 else -1.0
+            if 0.0 <= share <= 1.0:
+                along, _ = on_circle(ahead + share * long, left + share * wide, bend)
                 least = min(least, along)
-    return least
+    return op.FAR if low >= half or high <= -half else least
 
 
 @compiled
@@ -144,7 +169,7 @@ def add_ahead(p: Program, m: Totals, ego: int, k: int) -> None:
     A box on the far side of the circle, where ahead and behind meet, and one around its centre do not count as ahead.
     """
     lay_along_circle(m, k)
-    along = least_along(m, 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH])
+    along = least_along(m, m.pair_bend[k], 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH])
     gap = along - front_of(p, ego)
     if along >= op.FAR or gap < 0.0:
         return
