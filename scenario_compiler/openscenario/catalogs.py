@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from scenario_compiler.diagnostics import Severity, did_you_mean
+from scenario_compiler.expressions import names_in
+from scenario_compiler.markup.names import UNKNOWN_ARGUMENT
 from scenario_compiler.openscenario.catalog_files import CatalogFolders
 from scenario_compiler.openscenario.codes import NO_CATALOG_FOLDER, UNKNOWN_CATALOG_ENTRY
 from scenario_compiler.openscenario.files import (
@@ -11,7 +13,12 @@ from scenario_compiler.openscenario.files import (
     is_folder,
 )
 from scenario_compiler.openscenario.node import FileContext, Node
-from scenario_compiler.openscenario.parameters import assigned_parameters, with_parameters
+from scenario_compiler.openscenario.parameters import (
+    assigned_name,
+    assigned_parameters,
+    declared_name,
+    with_parameters,
+)
 
 MOST_NESTED = 8
 """Greatest depth of nested catalog references."""
@@ -56,7 +63,22 @@ def referred(reference: Node, severity: Severity | None = None) -> Node | None:
     within = reading.of(catalog.document, catalog.version, reference.origin)
     entry = Node(element, within, reference.scope)
     reading.known.entries.setdefault(element, entry)
+    _report_idle_assignments(reference, entry)
     return with_parameters(entry.inner(assigned), assigned)
+
+
+def _report_idle_assignments(reference: Node, entry: Node) -> None:
+    """Report values that are assigned to parameters which the entry neither declares nor uses."""
+    declared = [declared_name(one) for group in entry.children("ParameterDeclarations") for one in group.elements()]
+    texts = [str(text) for element in entry.element.iter() for text in element.attrib.values() if "$" in str(text)]
+    used = {name for text in texts for name, _ in names_in(text)}
+    for group in reference.children("ParameterAssignments"):
+        for one in group.children("ParameterAssignment"):
+            name = assigned_name(one)
+            if name not in declared and name not in used:
+                hint = did_you_mean(name, declared)
+                message = f"the entry has no parameter '{name}', so this value has no effect"
+                one.report(UNKNOWN_ARGUMENT, message, "parameterRef", hint, Severity.WARNING)
 
 
 def given(node: Node, *tags: str, severity: Severity | None = None) -> Node | None:

@@ -62,10 +62,14 @@ def assigned_parameters(reference: Node) -> dict[str, Bound]:
     found: dict[str, Bound] = {}
     for group in reference.children("ParameterAssignments"):
         for one in group.children("ParameterAssignment"):
-            name = str(one.element.get("parameterRef", "")).lstrip("$")
-            one.has("parameterRef")
-            found[name] = replace(bound("", one, "value"), place=one.origin)
+            found[assigned_name(one)] = replace(bound("", one, "value"), place=one.origin)
     return found
+
+
+def assigned_name(assignment: Node) -> str:
+    """Return the name in a <ParameterAssignment>; some files write it with a $."""
+    assignment.has("parameterRef")
+    return str(assignment.element.get("parameterRef", "")).lstrip("$")
 
 
 def bound(kind: str, node: Node, attribute: str) -> Bound:

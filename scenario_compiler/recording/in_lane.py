@@ -180,9 +180,8 @@ def heading_error_at_response(traces: Traces) -> Floats:
 
 
 def time_off_road(traces: Traces) -> Floats:
-    """Return the duration for which the reference point was off the road, s, (...); NaN if it never was."""
-    count = (~traces.on_road & traces.present[..., 0]).sum(axis=-1)
-    return np.where(count > 0, count * traces.step, np.nan)
+    """Return the duration for which the reference point was off the road, s, (...)."""
+    return np.asarray((~traces.on_road & traces.present[..., 0]).sum(axis=-1) * traces.step)
 
 
 def lane_departures_total(totals: RunTotals) -> Floats:
@@ -203,4 +202,4 @@ def mean_time_to_crossing_total(totals: RunTotals) -> Floats:
 
 def time_off_road_total(totals: RunTotals) -> Floats:
     """Return the same as `time_off_road`, (runs,)."""
-    return totals.column("rows_off_road") * totals.step
+    return totals.raw("rows_off_road") * totals.step

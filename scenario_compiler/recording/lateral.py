@@ -60,15 +60,14 @@ def lateral_offset_at_response(traces: Traces) -> Floats:
 
 
 def time_off_lanes(traces: Traces) -> Floats:
-    """Return the duration for which the reference point was on no lane, s, (...); NaN if it never was."""
+    """Return the duration for which the reference point was on no lane, s, (...)."""
     off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
-    count = (off & traces.present[..., 0]).sum(axis=-1)
-    return np.where(count > 0, count * traces.step, np.nan)
+    return np.asarray((off & traces.present[..., 0]).sum(axis=-1) * traces.step)
 
 
 def time_off_lanes_total(totals: RunTotals) -> Floats:
     """Return the same as `time_off_lanes`, (runs,)."""
-    return totals.column("rows_off_lanes") * totals.step
+    return totals.raw("rows_off_lanes") * totals.step
 
 
 def lane_position_deviation(traces: Traces) -> Floats:

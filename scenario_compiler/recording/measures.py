@@ -282,7 +282,11 @@ def _collision_speed_total(totals: RunTotals) -> Floats:
 
 def requests(traces: Traces) -> Floats:
     """Number of requests of the run."""
-    return np.where(traces.requests > 0, traces.requests, np.nan)
+    return np.asarray(traces.requests, dtype=np.float64)
+
+
+def _requests_total(totals: RunTotals) -> Floats:
+    return totals.raw("requests")
 
 
 def _time_of(kind: EventKind, what: str) -> Measure:
@@ -638,7 +642,7 @@ MEASURES: tuple[Measure, ...] = (
         "s",
         "Time for which the reference point was off the road: off every lane, or on a lane that is neither for motor "
         "traffic nor a shoulder or parking lane. It is the number of such rows times the step.",
-        "the vehicle was on the road throughout",
+        "never",
         time_off_road,
         time_off_road_total,
     ),
@@ -646,7 +650,7 @@ MEASURES: tuple[Measure, ...] = (
         "time_off_lanes",
         "s",
         "Time for which the reference point was off every lane: the number of such rows times the step.",
-        "the vehicle was on a lane throughout",
+        "never",
         time_off_lanes,
         time_off_lanes_total,
         of_takeover=False,
@@ -681,9 +685,9 @@ MEASURES: tuple[Measure, ...] = (
         "requests",
         "1",
         "Number of takeover requests in the run.",
-        "there was no request",
+        "never",
         requests,
-        total("requests"),
+        _requests_total,
     ),
     _time_of("warning", "warning"),
     _time_of("request", "request"),

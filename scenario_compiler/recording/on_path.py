@@ -8,7 +8,7 @@ import numpy as np
 
 from scenario_compiler.engine.measures.boxes import STRAIGHT
 from scenario_compiler.recording.boxes import Places, boxes_at, by_libm, exact_at, least_by_bounds, touching
-from scenario_compiler.recording.recording import Floats
+from scenario_compiler.recording.recording import Floats, Integers
 from scenario_compiler.recording.traces import ROUNDING, SINGLE, Singles, Traces
 from scenario_compiler.vocabulary.horizon import HORIZON
 
@@ -91,31 +91,71 @@ def ahead_at(traces: Traces, places: Places) -> tuple[Floats, Floats]:
 
     A box on the far side of the circle, where ahead and behind meet, and one around its middle count as not ahead.
     """
-    along, across, speed = along_path(traces, places)
-    gap = least_along(along, across, 0.5 * traces.width[0]) - _front(traces)
-    one_way = np.ptp(along, axis=0) * np.abs(traces.curvature[places[1:]]) < np.pi
+    rows = tuple(places[1:])
+    bend = traces.curvature[rows]
+    ahead, left = seen_from_ego(traces, places)
+    along, _ = on_circle(ahead, left, bend)
+    gap = least_along(ahead, left, bend, 0.5 * traces.width[0]) - _front(traces)
+    one_way = np.ptp(along, axis=0) * np.abs(bend) < np.pi
+    place = (*rows, places[0] + 1)
+    tangent = traces.h[(*rows, np.zeros_like(places[0]))] + bend * ((along[0] + along[1] + along[2] + along[3]) / 4.0)
+    speed = traces.v[place] * by_libm(math.cos, traces.h[place] - tangent)
     counts = one_way & (gap >= 0) & np.isfinite(gap)
-    return np.where(counts, gap, np.inf), traces.v[..., 0][places[1:]] - speed
+    return np.where(counts, gap, np.inf), traces.v[..., 0][rows] - speed
 
 
-def least_along(along: Floats, across: Floats, half: float) -> Floats:
-    """Return how near the parts of boxes come that lie within a strip, m, (k,); infinite where none does.
+def least_along(ahead: Floats, left: Floats, bend: Floats, half: float) -> Floats:
+    """Return how near the parts of boxes are that lie in a strip along a circle, m, (k,); infinite without such a part.
+
+    `engine.measures.boxes.least_along` explains the formulas.
 
     Args:
-        along: The boxes' corners in turn along the strip, m, (4, k), joined by straight edges.
-        across: The corners' distance from the strip's middle, m, (4, k).
+        ahead: The boxes' corners in turn ahead of the circle's start, m, (4, k), joined by straight edges.
+        left: The same to the left.
+        bend: The circles' curvatures, 1/m, (k,).
         half: Half the strip's width, m.
     """
+    along, across = on_circle(ahead, left, bend)
+    curved = np.where(np.abs(bend) > STRAIGHT, bend, 0.0)
     least = np.where(np.abs(across) <= half, along, np.inf).min(axis=0)
-    for side in (-half, half):
-        beyond = across - side
-        edge, box = np.nonzero((beyond < 0.0) != (np.roll(beyond, -1, axis=0) < 0.0))
-        following = (edge + 1) % len(along)
-        here, there = beyond[edge, box], beyond[following, box]
-        share = here / (here - there)
-        np.minimum.at(least, box, along[edge, box] + share * (along[following, box] - along[edge, box]))
-    inside = (across.min(axis=0) < half) & (across.max(axis=0) > -half)
-    return np.where(inside, least, np.inf)
+    low, high = across.min(axis=0), across.max(axis=0)
+    long, wide = np.roll(ahead, -1, axis=0) - ahead, np.roll(left, -1, axis=0) - left
+    square = -curved * (long * long + wide * wide)
+    slope = wide - curved * (ahead * long + left * wide)
+
+    def at(share: Floats) -> tuple[Floats, Floats, tuple[Integers, ...]]:
+        inside = np.nonzero((share >= 0.0) & (share <= 1.0))
+        part = share[inside]
+        reached = ahead[inside] + part * long[inside], left[inside] + part * wide[inside]
+        return *on_circle(*reached, bend[inside[1]]), inside
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        foot = -slope / square
+        _, beside, (_, box) = at(np.where((square != 0.0) & (foot > 0.0) & (foot < 1.0), foot, -1.0))
+        np.minimum.at(low, box, beside)
+        np.maximum.at(high, box, beside)
+        for edge in (-half, half):
+            start = 2.0 * (left - edge) - curved * (ahead * ahead + left * left - edge * edge)
+            both = -(slope + np.copysign(np.sqrt(slope * slope - square * start), slope))
+            for share in (start / both, both / square):
+                nearest, _, (_, box) = at(np.where(np.isfinite(share), share, -1.0))
+                np.minimum.at(least, box, nearest)
+    return np.where((low < half) & (high > -half), least, np.inf)
+
+
+def on_circle(ahead: Floats, left: Floats, bend: Floats) -> tuple[Floats, Floats]:
+    """Return points' distances along circles from where they begin, and across them, m, positive to the left.
+
+    All are (..., k), the circles' curvatures `bend`, 1/m, (k,); circles of less than `STRAIGHT` are straight.
+    """
+    along, across = ahead.copy(), left.copy()
+    bent = np.broadcast_to(np.abs(bend) > STRAIGHT, ahead.shape)
+    curvature = np.broadcast_to(bend, ahead.shape)[bent]
+    side, radius = np.where(curvature < 0, -1.0, 1.0), 1.0 / np.abs(curvature)
+    forward, inward = ahead[bent], radius - side * left[bent]
+    along[bent] = by_libm(math.atan2, forward, inward) * radius
+    across[bent] = side * (radius - np.sqrt(forward * forward + inward * inward))
+    return along, across
 
 
 def _front(traces: Traces) -> float:
@@ -123,33 +163,17 @@ def _front(traces: Traces) -> float:
     return float(traces.center[0] + 0.5 * traces.length[0])
 
 
-def along_path(traces: Traces, places: Places) -> tuple[Floats, Floats, Floats]:
-    """Return other entities' boxes as seen along the circle that the ego vehicle is driving on.
+def seen_from_ego(traces: Traces, places: Places) -> tuple[Floats, Floats]:
+    """Return the corners of other entities' boxes at k places, ahead of the ego's reference point and to its left, m.
 
-    Args:
-        traces: The runs.
-        places: The k places that are asked for.
-
-    Returns:
-        (along, across, speed): for each box's corners the distance along the circle from the ego's reference point and
-        the distance to the left of it, m, (4, k); and each entity's speed along the circle, m/s, (k,).
+    Both are (4, k).
     """
-    other, *within = places
-    rows = tuple(within)
-    ego, place = (*rows, np.zeros_like(other)), (*rows, other + 1)
+    other, *rows = places
+    ego = (*rows, np.zeros_like(other))
     _, (x, y) = boxes_at(traces, places)
     c, s = by_libm(math.cos, traces.h[ego]), by_libm(math.sin, traces.h[ego])
     dx, dy = x - traces.x[ego], y - traces.y[ego]
-    along, across = c * dx + s * dy, c * dy - s * dx
-    curvature = traces.curvature[rows]
-    bent = np.nonzero(np.abs(curvature) > STRAIGHT)[0]
-    side, radius = np.where(curvature[bent] < 0, -1.0, 1.0), 1.0 / np.abs(curvature[bent])
-    for k in range(len(along)):
-        forward, inward = along[k, bent], radius - side * across[k, bent]
-        along[k, bent] = by_libm(math.atan2, forward, inward) * radius
-        across[k, bent] = side * (radius - np.sqrt(forward * forward + inward * inward))
-    tangent = traces.h[ego] + curvature * ((along[0] + along[1] + along[2] + along[3]) / 4.0)
-    return along, across, traces.v[place] * by_libm(math.cos, traces.h[place] - tangent)
+    return c * dx + s * dy, c * dy - s * dx
 
 
 def time_bounds(traces: Traces) -> Singles:

@@ -236,13 +236,14 @@ class Traces:
     def curvature(self) -> Floats:
         """The curvature of the ego's motion, 1/m, positive to the left, (..., n).
 
-        It is computed from the change of heading since the row before; 0 at a standstill, NaN in the first row.
+        It is the change of heading since the row before, divided by the way, which the speed of the later row gives:
+        a step first changes the speed, then the place. It is 0 at a standstill and NaN in the first row.
         """
         turned = np.diff(self.h[..., 0], axis=-1)
         turned -= (2 * np.pi) * (turned >= np.pi)
         turned += (2 * np.pi) * (turned < -np.pi)
-        v = self.v[..., :-1, 0]
-        moving = np.abs(v) > STILL
+        v = self.v[..., 1:, 0]
+        moving = (np.abs(v) > STILL) & np.isfinite(turned)
         way = np.where(moving, v * np.diff(self.t, axis=-1), 1.0)
         curvature = np.where(moving, turned / way, 0.0)
         return np.concatenate([np.full_like(self.t[..., :1], np.nan), curvature], axis=-1)

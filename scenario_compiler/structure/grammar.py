@@ -28,6 +28,7 @@ class Faults:
         blank: Blanks in an element that must be empty; None if they are allowed.
         other_version: A word of another version; None if that is a fault like any other.
         loose: A value that only looks different from what it should be; None as above.
+        out_of_range: A number beyond its range; None if the format has no ranges.
     """
 
     unknown_element: Code
@@ -42,6 +43,7 @@ class Faults:
     blank: Code | None = None
     other_version: Code | None = None
     loose: Code | None = None
+    out_of_range: Code | None = None
 
 
 @dataclass(eq=False)

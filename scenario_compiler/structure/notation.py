@@ -4,6 +4,8 @@ A declaration is a name at the start of a line and indented lines below it:
 
 - `name? length:positive rule?:traffic_rule@1.5-` are attributes: `?` optional, `:` the kind of value (none: any text),
   `@` the versions that know it: `@1.4`, `@1.4-`, `@-1.5`, `@1.4-1.6`.
+- `delay:Double[0,inf)` is a number with the range that the format's text gives, which its schemas do not have: a square
+  bracket includes the limit, a round one does not; `pi` and `2pi` are numbers.
 - `= link=road_link? type* (width+ | border+) ...` are the children in their order: `tag` or `tag=declaration`, `? * +
   {2,4} {2,}` how often, `|` one of, `text` or `text:kind` text instead of children, `anything` any children; a format
   may have words of its own for groups of children (`...`). `= & Position Orientation?` are children in any order.
@@ -16,6 +18,7 @@ A declaration without children and text is empty.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -24,11 +27,43 @@ from scenario_compiler.structure.content import AnyOrder, Choice, Content, Model
 
 
 @dataclass(frozen=True, slots=True)
+class Range:
+    """A range of numbers, as the notation writes it."""
+
+    text: str
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The least and the greatest number."""
+        low, high = (_NUMBERS[limit] if limit in _NUMBERS else float(limit) for limit in self.text[1:-1].split(","))
+        return low, high
+
+    def contains(self, number: float) -> bool:
+        """Return whether a number is in the range."""
+        low, high = self.limits
+        above = number > low or (number == low and self.text[0] == "[")
+        return above and (number < high or (number == high and (self.text[-1] == "]" or math.isinf(high))))
+
+    @property
+    def described(self) -> str:
+        """The range in words, after "must be"."""
+        low, high = self.text[1:-1].split(",")
+        least = f"at least {low}" if self.text[0] == "[" else f"more than {low}"
+        if high == "inf":
+            return least
+        return f"{least} and {'at most' if self.text[-1] == ']' else 'less than'} {high}"
+
+
+_NUMBERS = {"inf": math.inf, "pi": math.pi, "-pi": -math.pi, "2pi": 2.0 * math.pi}
+
+
+@dataclass(frozen=True, slots=True)
 class Attribute:
-    """An attribute in one version: the kind of its value ("" any text) and whether it must be there."""
+    """An attribute in one version: the kind of its value ("" any text), whether it must be there, and its range."""
 
     kind: str
     required: bool
+    range: Range | None = None
 
 
 @dataclass(slots=True)
@@ -72,7 +107,7 @@ def in_versions(span: str, minor: int) -> bool:
 
 _SPAN = r"(?:\d\.\d+(?:-(?:\d\.\d+)?)?|-\d\.\d+)"
 _LEAF = re.compile(rf"(?P<tag>\w+)(?:=(?P<declaration>\w+))?(?P<count>[?*+]|{{[\d,]+}})?(?P<optional>{_SPAN})?")
-_ATTRIBUTE = re.compile(rf"(?P<name>\w+)(?P<count>\??)(?P<optional>{_SPAN})?(?::(?P<kind>\w+))?")
+_ATTRIBUTE = re.compile(rf"(?P<name>\w+)(?P<count>\??)(?P<optional>{_SPAN})?(?::(?P<kind>\w+)(?P<range>[\[(].+)?)?")
 _CONTENTS = re.compile(r"(?:^|(?<=\s))=(@\S+)? ")
 _TOKEN = re.compile(r"[()|]|[^\s()|]+")
 
@@ -124,7 +159,8 @@ class Notation:
         if in_versions(span, self.minor):
             optional = bool(match["count"]) and in_versions(match["optional"] or "", self.minor)
             required = self.required and not optional
-            declaration.attributes[match["name"]] = Attribute(match["kind"] or "", required)
+            limits = Range(match["range"]) if match["range"] else None
+            declaration.attributes[match["name"]] = Attribute(match["kind"] or "", required, limits)
 
     def _content(self, declaration: Declaration, text: str) -> None:
         self.tokens = []

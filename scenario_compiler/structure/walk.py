@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import cast
@@ -13,7 +14,8 @@ from scenario_compiler.document import written_name
 from scenario_compiler.structure.content import Content, State
 from scenario_compiler.structure.findings import Findings
 from scenario_compiler.structure.grammar import Grammar
-from scenario_compiler.structure.notation import Attribute, Declaration
+from scenario_compiler.structure.notation import Attribute, Declaration, Range
+from scenario_compiler.structure.values import is_number
 
 _XSI = "{http://www.w3.org/2001/XMLSchema-instance}"
 
@@ -78,6 +80,8 @@ class _Walk:
                     self._unknown_attribute(element, name, declaration)
             elif attribute.kind and (attribute.kind, value, minor) not in self._fine:
                 self.value(element, name, value, attribute, minor)
+            if attribute is not None and attribute.range is not None:
+                self._range(element, name, value, attribute.range)
         for name, attribute in declaration.attributes.items():
             if attribute.required and name not in given:
                 self._missing_attribute(element, name, declaration)
@@ -126,6 +130,16 @@ class _Walk:
             hint = did_you_mean(value[:80], words)
         where = f"the text of <{local_name(element)}>" if name is None else f"{name} of <{local_name(element)}>"
         self.findings.report(code, f"{where} is '{value[:40]}', {expected}", element, name, hint=hint)
+
+    def _range(self, element: etree._Element, name: str, value: str, allowed: Range) -> None:
+        """Report a number that is beyond the attribute's range; parameters and expressions are not evaluated."""
+        code = self.faults.out_of_range
+        if code is None or not is_number(value.strip()):
+            return
+        number = float(value)
+        if not math.isnan(number) and not allowed.contains(number):
+            message = f"{name} of <{local_name(element)}> is {value.strip()[:40]}, but must be {allowed.described}"
+            self.findings.report(code, message, element, name)
 
     def no_text(self, element: etree._Element, declaration: Declaration) -> None:
         """Report text in an element that must not have any."""

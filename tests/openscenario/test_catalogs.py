@@ -67,6 +67,17 @@ def test_entries_have_parameters_with_defaults_and_assigned_values(tmp_path: Pat
     assert [(one.length, one.width) for one in scenario.vehicles] == [(4.0, 2.0), (6.0, 3.0)]
 
 
+def test_a_value_for_a_parameter_that_the_entry_lacks_is_reported(tmp_path: Path) -> None:
+    sized = CAR.replace("<BoundingBox>", declarations("long:double=4") + "<BoundingBox>")
+    sized = sized.replace('length="4.5" width="1.8"', 'length="$long" width="$undeclared"')
+    _write(tmp_path, "a.xosc", sized)
+    reference = _reference("car", "Things", "lang=6", "undeclared=2")
+    text = scenario_text(entities=entity(inside=reference), catalogs=VEHICLES.format("."))
+    scenario, codes = expanded(text, tmp_path / "made.xosc")
+    assert codes == ["SC211"]
+    assert (scenario.vehicles[0].length, scenario.vehicles[0].width) == (4.0, 2.0)
+
+
 def test_a_maneuver_comes_from_a_catalog(tmp_path: Path) -> None:
     inside = declarations("to:double=1", "who:string=nobody") + event(action=speed("$to"))
     _write(tmp_path, "a.xosc", f'<Maneuver name="slow">{inside}</Maneuver>')

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.recording.boxes import distance_at, least_box_distance, touching
@@ -76,7 +77,7 @@ def answered() -> Recording:
         ("minimum_time_headway", 1.0),
         ("maximum_drac", 10.0 * 10.0 / (2 * 10.0)),
         ("lateral_offset_at_response", 0.0),
-        ("time_off_lanes", math.nan),
+        ("time_off_lanes", 0.0),
         ("requests", 1.0),
         ("minimum_distance", 10.0),
         ("maximum_longitudinal_acceleration", 0.0),
@@ -129,6 +130,8 @@ def test_without_a_request_there_is_no_time_nor_distance() -> None:
     run = record(("ego",), 5, lambda t: {"x": (t,), "v": (1.0,)})
     assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {
         "final_speed",
+        "requests",
+        "time_off_road",
         "time_off_lanes",
         "lane_departures",
         "longest_lane_departure",
@@ -290,6 +293,40 @@ def test_time_to_collision_follows_the_curve_that_is_driven() -> None:
     assert value("minimum_time_to_collision", run) == pytest.approx((ahead - 4.0) / 6.0, abs=0.02)
 
 
+def test_the_gap_ends_where_the_bent_path_meets_the_straight_side_of_a_box() -> None:
+    radius, speed, place = 50.0, 10.0, 20.0
+    turn = place / radius - 0.03
+    middle = complex(radius * math.sin(place / radius), radius * (1 - math.cos(place / radius)))
+    middle += 2j * np.exp(1j * place / radius)
+
+    def row(t: float) -> Row:
+        angle = speed * t / radius
+        x, y = radius * math.sin(angle), radius * (1 - math.cos(angle))
+        return {"x": (x, middle.real), "y": (y, middle.imag), "h": (angle, turn), "v": (speed, 0.0)}
+
+    corners = np.array([3 + 1j, -1 + 1j, -1 - 1j, 3 - 1j]) * np.exp(1j * turn) + middle
+    sides = np.roll(corners, -1) - corners
+    outline = (corners[:, None] + sides[:, None] * np.linspace(0, 1, 20_001)).ravel() - 1j * radius
+    in_path = np.abs(np.abs(outline) - radius) < 1.0
+    first = radius * (np.angle(outline[in_path]) + math.pi / 2).min()
+    front = 4 * STEP * speed + 3.0
+    assert first > radius * (np.angle(corners - 1j * radius) + math.pi / 2).min() + 0.3
+    assert value("minimum_time_to_collision", record(IDS, 5, row)) == pytest.approx((first - front) / speed, abs=1e-4)
+
+
+def test_the_way_between_two_rows_is_that_of_the_speed_after_the_step() -> None:
+    radius = 40.0
+    speeds = [20.0 - 2.0 * k for k in range(6)]
+
+    def row(t: float) -> Row:
+        k = round(t / STEP)
+        return {"h": (STEP * sum(speeds[1 : k + 1]) / radius,), "v": (speeds[k],), "x": (t,)}
+
+    run = record(("ego",), 6, row, [(STEP, "request", "")])
+    assert traces(run).curvature[1:] == pytest.approx(1 / radius)
+    assert value("maximum_lateral_acceleration", run) == pytest.approx(speeds[1] ** 2 / radius)
+
+
 def test_lateral_acceleration_is_speed_squared_over_radius() -> None:
     run = record(("ego",), 20, lambda t: {"h": (6.2 + 0.2 * t,), "v": (10.0,), "x": (t,)}, [(0.5, "request", "")])
     assert value("maximum_lateral_acceleration", run) == pytest.approx(2.0)
@@ -410,7 +447,7 @@ def _stacked(parts: list[Traces]) -> Traces:
 def _sampled_ahead(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats, Floats]:
     """Return gaps from points on the boxes' outlines, how much less they may be between points, m, and closing speeds.
 
-    The corners are taken to the circle that is driven one by one and joined there by straight edges.
+    The points lie on the boxes' straight edges and are taken to the circle that is driven one by one.
     """
     number, *rows = places
     ego, other = (*rows, 0 * number), (*rows, number + 1)
@@ -421,17 +458,21 @@ def _sampled_ahead(runs: Traces, places: tuple[Any, ...], points: int = 60) -> t
     curvature = runs.curvature[tuple(rows)]
     bent = np.abs(curvature) > 1e-6
     k = np.where(bent, curvature, 1.0)
-    turned = 1 + 1j * k * outline
-    outline = np.where(bent, (np.angle(turned) + 1j * (1 - np.abs(turned))) / k, outline)
+
+    def on_circle(plane: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        turned = 1 + 1j * k * plane
+        return np.where(bent, (np.angle(turned) + 1j * (1 - np.abs(turned))) / k, plane)
+
+    sides = np.roll(outline, -1, axis=0) - outline
+    sampled = on_circle(outline[:, None] + sides[:, None] * (np.arange(points) / points)[:, None])
+    outline = on_circle(outline)
     tangent = runs.h[ego] + curvature * outline.real.mean(axis=0)
     closing = runs.v[ego] - runs.v[other] * np.cos(runs.h[other] - tangent)
-    edges = np.roll(outline, -1, axis=0) - outline
-    sampled = outline[:, None] + edges[:, None] * (np.arange(points) / points)[:, None]
     within = np.abs(sampled.imag) < 0.5 * runs.width[0]
     gap = np.where(within, sampled.real, np.inf).min(axis=(0, 1)) - runs.center[0] - 0.5 * runs.length[0]
     half_way = np.ptp(outline.real, axis=0) * np.abs(curvature) >= np.pi
     counts = np.isfinite(gap) & (gap >= 0) & ~half_way & np.isfinite(curvature)
-    return np.where(counts, gap, np.inf), np.abs(edges).max(axis=0) / points, closing
+    return np.where(counts, gap, np.inf), np.abs(np.diff(sampled, axis=1)).max(axis=(0, 1)), closing
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -9,7 +9,7 @@ from scenario_compiler.document import parse_document
 from scenario_compiler.openscenario.structure import codes
 from scenario_compiler.structure.findings import Findings
 from scenario_compiler.structure.grammar import Faults, Grammar
-from scenario_compiler.structure.notation import Declaration, in_versions
+from scenario_compiler.structure.notation import Declaration, Range, in_versions
 from scenario_compiler.structure.values import Kind, is_date_time, is_integer, is_integer_within, is_number
 from scenario_compiler.structure.walk import check_elements
 
@@ -211,3 +211,21 @@ def test_dates(text: str) -> None:
 )
 def test_texts_that_are_not_dates(text: str) -> None:
     assert not is_date_time(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "inside", "outside", "described"),
+    [
+        ("[0,inf)", (0.0, 1e300, float("inf")), (-1e-9, float("-inf")), "at least 0"),
+        ("(0,inf)", (1e-300,), (0.0, -1.0), "more than 0"),
+        ("[-pi,pi]", (-3.1415, 3.1415), (3.1416, 45.0), "at least -pi and at most pi"),
+        ("[0,2pi)", (0.0, 6.28), (6.2831853072,), "at least 0 and less than 2pi"),
+    ],
+)
+def test_a_range_contains_its_limits_by_its_brackets(
+    text: str, inside: tuple[float, ...], outside: tuple[float, ...], described: str
+) -> None:
+    numbers = Range(text)
+    assert all(numbers.contains(one) for one in inside)
+    assert not any(numbers.contains(one) for one in outside)
+    assert numbers.described == described

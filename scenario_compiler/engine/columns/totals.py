@@ -344,11 +344,12 @@ class Totals(Columns):
     corner_x: list[float] = column(CORNERS)
     """Corners of the ego's box, then of another one, m."""
     corner_y: list[float] = column(CORNERS)
+    corner_ahead: list[float] = column(CORNER)
+    """Corners of the other box ahead of the ego's reference point and to its left, m."""
+    corner_left: list[float] = column(CORNER)
     corner_along: list[float] = column(CORNER)
-    """Corners of the other box along and across the circle on which the ego drives, m."""
+    """The same corners along and across the circle on which the ego drives, m."""
     corner_across: list[float] = column(CORNER)
-    corner_inward: list[float] = column(CORNER)
-    """The same corners across the ego's heading, measured from the circle's centre, m."""
 
 
 SUMMARY: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is RUN)

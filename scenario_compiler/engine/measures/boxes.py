@@ -8,7 +8,7 @@ its values rule out most of those before it. The order of the rows does not chan
 
 from __future__ import annotations
 
-from math import atan2, cos, pi, sin, sqrt
+from math import atan2, copysign, cos, pi, sin, sqrt
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -86,68 +86,126 @@ def squared_distance_to_corners(
 
 
 @compiled
-def lay_across_circle(m: Totals, k: int) -> None:
-    """Write how far the other box's corners are from the circle that the ego drives, m, positive to the left.
+def across_circle(ahead: float, left: float, bend: float) -> float:
+    """Return how far a point is from the circle that the ego drives, m, positive to the left.
 
-    `k` is the waiting pair. `corner_along` and `corner_inward` receive the corners in the axes of the ego, m; the latter
-    from the circle's centre.
+    The point is given relative to the ego's reference point, where the circle of curvature `bend` begins.
     """
-    bend = m.pair_bend[k]
+    if abs(bend) <= STRAIGHT:
+        return left
     side = -1.0 if bend < 0.0 else 1.0
-    bent = 1 if abs(bend) > STRAIGHT else 0
-    radius = 1.0 / max(abs(bend), STRAIGHT)
+    radius = 1.0 / abs(bend)
+    return side * (radius - length_of(ahead, radius - side * left))
+
+
+@compiled
+def along_circle(ahead: float, left: float, bend: float) -> float:
+    """Return the distance along that circle to the place beside a point, m."""
+    if abs(bend) <= STRAIGHT:
+        return ahead
+    side = -1.0 if bend < 0.0 else 1.0
+    radius = 1.0 / abs(bend)
+    return atan2(ahead, radius - side * left) * radius
+
+
+@compiled
+def lay_across_circle(m: Totals, k: int) -> None:
+    """Write the other box's corners relative to the ego, and across the circle that it drives.
+
+    `k` is the waiting pair.
+    """
     c = m.own_cos[k]
     s = m.own_sin[k]
     for corner in range(4):
         dx = m.corner_x[OTHER + corner] - m.own_x[k]
         dy = m.corner_y[OTHER + corner] - m.own_y[k]
-        along = c * dx + s * dy
-        across = c * dy - s * dx
-        m.corner_along[corner] = along
-        if bent == 1:
-            inward = radius - side * across
-            m.corner_inward[corner] = inward
-            across = side * (radius - length_of(along, inward))
-        m.corner_across[corner] = across
+        ahead = c * dx + s * dy
+        left = c * dy - s * dx
+        m.corner_ahead[corner] = ahead
+        m.corner_left[corner] = left
+        m.corner_across[corner] = across_circle(ahead, left, m.pair_bend[k])
 
 
 @compiled
-def is_off_circle(m: Totals, half: float) -> int:
-    """Return 1 if all corners of the other box are on one side of the circle, `half` or more away from it, m."""
+def curved_by(bend: float) -> float:
+    """Return a path's curvature, 0 if it counts as straight, 1/m."""
+    return bend if abs(bend) > STRAIGHT else 0.0
+
+
+@compiled
+def side_at(m: Totals, k: int, bend: float) -> tuple[float, float, float, float, float, float]:
+    """Return where the side of the box behind corner k begins and how far it leads, ahead and to the left, m.
+
+    The last two are square and slope, m: up to the share u of the side, 2 left - bend (ahead^2 + left^2) changes by
+    square u^2 + 2 slope u. It tells on which side of the circle a place is, and the side of the box is nearest to the
+    circle's centre where slope + square u is 0.
+    """
+    curved = curved_by(bend)
+    following = (k + 1) % 4
+    ahead = m.corner_ahead[k]
+    left = m.corner_left[k]
+    long = m.corner_ahead[following] - ahead
+    wide = m.corner_left[following] - left
+    square = -curved * (long * long + wide * wide)
+    slope = wide - curved * (ahead * long + left * wide)
+    return ahead, left, long, wide, square, slope
+
+
+@compiled
+def is_off_circle(m: Totals, bend: float, half: float) -> int:
+    """Return 1 if the whole box is on one side of the circle, `half` or more away from it, m.
+
+    Its corners must have been written by `lay_across_circle`.
+    """
     low = op.FAR
     high = -op.FAR
     for k in range(4):
         low = min(low, m.corner_across[k])
         high = max(high, m.corner_across[k])
+    for k in range(4):
+        ahead, left, long, wide, square, slope = side_at(m, k, bend)
+        if square != 0.0 and 0.0 < -slope / square < 1.0:
+            foot = -slope / square
+            across = across_circle(ahead + foot * long, left + foot * wide, bend)
+            low = min(low, across)
+            high = max(high, across)
     return 1 if low >= half or high <= -half else 0
 
 
 @compiled
 def lay_along_circle(m: Totals, bend: float) -> None:
-    """Let `corner_along` be the distances along the circle of the corners that `lay_across_circle` wrote, m."""
-    if abs(bend) > STRAIGHT:
-        radius = 1.0 / max(abs(bend), STRAIGHT)
-        for corner in range(4):
-            m.corner_along[corner] = atan2(m.corner_along[corner], m.corner_inward[corner]) * radius
+    """Write the corners that `lay_across_circle` wrote along the circle."""
+    for k in range(4):
+        m.corner_along[k] = along_circle(m.corner_ahead[k], m.corner_left[k], bend)
 
 
 @compiled
-def least_along(m: Totals, half: float) -> float:
-    """Return the least distance along the circle of the part of the box within `half` of the circle, m, or FAR."""
+def least_along(m: Totals, bend: float, half: float) -> float:
+    """Return the least distance along the circle of the part of the box within `half` of the circle, m, or FAR.
+
+    The angle grows or falls all along a side of the box. The least one is therefore at a corner, or where a side
+    crosses a border of the strip. At the share u of a side, square u^2 + 2 slope u + start is 0 on the border at the
+    offset e; it is 2 (left - e) - bend (ahead^2 + left^2 - e^2).
+    """
+    curved = curved_by(bend)
     least = op.FAR
     for k in range(4):
         if abs(m.corner_across[k]) <= half:
             least = min(least, m.corner_along[k])
     for k in range(4):
-        following = (k + 1) % 4
-        for side in range(2):
-            edge = half if side == 1 else -half
-            here = m.corner_across[k] - edge
-            there = m.corner_across[following] - edge
-            if (here < 0.0) != (there < 0.0):
-                share = here / (here - there)
-                along = m.corner_along[k] + share * (m.corner_along[following] - m.corner_along[k])
-                least = min(least, along)
+        ahead, left, long, wide, square, slope = side_at(m, k, bend)
+        for number in range(4):
+            edge = half if number >= 2 else -half
+            start = 2.0 * (left - edge) - curved * (ahead * ahead + left * left - edge * edge)
+            root = slope * slope - square * start
+            if root < 0.0:
+                continue
+            both = -(slope + copysign(sqrt(root), slope))
+            over = start if number % 2 == 0 else both
+            under = both if number % 2 == 0 else square
+            share = over / under if under != 0.0 else -1.0
+            if 0.0 <= share <= 1.0:
+                least = min(least, along_circle(ahead + share * long, left + share * wide, bend))
     return least
 
 
@@ -159,11 +217,12 @@ def add_ahead(p: Program, m: Totals, ego: int, k: int) -> None:
     Most boxes that wait are beside the path, so their places along it are not needed.
     """
     half = 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH]
+    bend = m.pair_bend[k]
     lay_across_circle(m, k)
-    if is_off_circle(m, half) == 1:
+    if is_off_circle(m, bend, half) == 1:
         return
-    lay_along_circle(m, m.pair_bend[k])
-    along = least_along(m, half)
+    lay_along_circle(m, bend)
+    along = least_along(m, bend, half)
     gap = along - front_of(p, ego)
     if along >= op.FAR or gap < 0.0:
         return

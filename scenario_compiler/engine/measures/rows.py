@@ -20,15 +20,18 @@ STILL = 0.5
 
 @compiled
 def curvature_driven(st: State, m: Totals, ego: int) -> float:
-    """Return the curvature driven from the previous row to this one, 1/m; 0 at standstill."""
-    if m.row_present[0] == 0 or abs(m.row_v[0]) <= STILL:
+    """Return the curvature driven from the previous row to this one, 1/m; 0 at standstill.
+
+    The way between the rows is that of the speed in this row: a step first changes the speed, then the place.
+    """
+    if m.row_present[0] == 0 or abs(st.v[ego]) <= STILL:
         return 0.0
     turned = m.seen_h[ego] - m.row_h[0]
     if turned >= pi:
         turned = turned - 2.0 * pi
     if turned < -pi:
         turned = turned + 2.0 * pi
-    return ratio(turned, m.row_v[0] * (st.clock[0] - m.row_time[0]), 0.0)
+    return ratio(turned, st.v[ego] * (st.clock[0] - m.row_time[0]), 0.0)
 
 
 @compiled

@@ -1,6 +1,6 @@
 """The codes of structural faults of a scenario file in OpenSCENARIO XML (SC701 to SC713)."""
 
-from scenario_compiler.diagnostics import Code
+from scenario_compiler.diagnostics import Code, Severity
 
 _WHY = (
     "\n\nThe file is checked against the version that its <FileHeader> names; programs that trust it may reject the "
@@ -91,4 +91,15 @@ LOOSE_VALUE = Code(
     "beside a word, a date without a time:\n\n"
     '    <FileHeader date="2020-02-20" .../>     write 2020-02-20T00:00:00\n\n'
     "The help gives the right form. A run accepts the value; other programs may not.",
+)
+OUT_OF_RANGE = Code(
+    "SC713",
+    "number-out-of-range",
+    "The number is beyond the range that OpenSCENARIO's documentation gives for this attribute. The schemas do not "
+    "have these ranges, so the file is valid; a run uses the number as far as it can be used:\n\n"
+    '    <Condition name="start" delay="-1" .../>     a delay is at least 0 s\n'
+    '    <Sun elevation="45" .../>     angles are in radians, not in degrees\n\n'
+    "The range is that of the class model, which ASAM's reference implementation checks too. Values of parameters are "
+    "not checked.",
+    Severity.WARNING,
 )

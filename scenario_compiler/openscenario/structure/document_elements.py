@@ -69,10 +69,10 @@ UsedArea
 TrafficSignals
     = TrafficSignalController*
 TrafficSignalController
-    delay?:Double name reference?
+    delay?:Double[0,inf) name reference?
     = Phase*
 Phase
-    duration:Double name
+    duration:Double[0,inf) name
     = TrafficSignalState* TrafficeSignalGroupState=TrafficSignalGroupState?@1.2 TrafficSignalGroupState?@1.3-
 TrafficSignalState
     state trafficSignalId

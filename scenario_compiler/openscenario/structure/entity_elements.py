@@ -35,21 +35,23 @@ Pedestrian
     mass:Double model?1.1- name pedestrianCategory:PedestrianCategory model3d?@1.1- role?:Role@1.2-
     = & ParameterDeclarations? BoundingBox Properties?1.3-
 MiscObject
-    mass:Double miscObjectCategory:MiscObjectCategory name model3d?@1.1-
+    mass:Double[0,inf) miscObjectCategory:MiscObjectCategory name model3d?@1.1-
     = & ParameterDeclarations? BoundingBox Properties?1.3-
 BoundingBox
     = & Center Dimensions
 Center
     x:Double y:Double z:Double
 Dimensions
-    height:Double length:Double width:Double
+    height:Double[0,inf) length:Double[0,inf) width:Double[0,inf)
 Performance
-    maxAcceleration:Double maxDeceleration:Double maxSpeed:Double maxAccelerationRate?:Double@1.2-
-    maxDecelerationRate?:Double@1.2-
+    maxAcceleration:Double[0,inf) maxDeceleration:Double[0,inf) maxSpeed:Double[0,inf)
+    maxAccelerationRate?:Double[0,inf)@1.2-
+    maxDecelerationRate?:Double[0,inf)@1.2-
 Axles
     = FrontAxle=Axle?1.3- RearAxle=Axle AdditionalAxle=Axle*
 Axle
-    maxSteering:Double positionX:Double positionZ:Double trackWidth:Double wheelDiameter:Double
+    maxSteering:Double[0,pi] positionX:Double positionZ:Double[0,inf) trackWidth:Double[0,inf)
+    wheelDiameter:Double(0,inf)
 TrailerHitch
     dx:Double dz?:Double
 TrailerCoupler

@@ -57,23 +57,23 @@ Environment
 TimeOfDay
     animation:Boolean dateTime:DateTime
 Weather
-    cloudState?1.1-:CloudState atmosphericPressure?:Double@1.1- temperature?:Double@1.1-
+    cloudState?1.1-:CloudState atmosphericPressure?:Double[80000,120000]@1.1- temperature?:Double[170,340]@1.1-
     fractionalCloudCover?:FractionalCloudCover@1.2-
     = & Sun?1.1- Fog?1.1- Precipitation?1.1- Wind?@1.1- DomeImage?@1.2-
 Sun
-    azimuth:Double elevation:Double intensity?1.2-:Double illuminance?:Double@1.2-
+    azimuth:Double[0,2pi] elevation:Double[-pi,pi] intensity?1.2-:Double[0,inf) illuminance?:Double[0,inf)@1.2-
 Fog
-    visualRange:Double
+    visualRange:Double[0,inf)
     = BoundingBox?
 Precipitation
-    intensity?1.1-:Double precipitationType:PrecipitationType precipitationIntensity?:Double@1.1-
+    intensity?1.1-:Double[0,1] precipitationType:PrecipitationType precipitationIntensity?:Double@1.1-
 Wind
-    direction:Double speed:Double
+    direction:Double[0,2pi) speed:Double[0,inf)
 DomeImage
-    azimuthOffset?:Double
+    azimuthOffset?:Double[0,2pi]
     = DomeFile=File
 RoadCondition
-    frictionScaleFactor:Double wetness?:Wetness@1.2-
+    frictionScaleFactor:Double[0,inf) wetness?:Wetness@1.2-
     = Properties?
 """
 
@@ -94,20 +94,21 @@ TrafficAction
     = (TrafficSourceAction | TrafficSinkAction | TrafficSwarmAction | TrafficAreaAction@1.3- |
       TrafficStopAction@1.1-)?-1.2
 TrafficSourceAction
-    radius:Double rate:Double velocity?:Double speed?:Double@1.2-
+    radius:Double[0,inf) rate:Double[0,inf) velocity?:Double[0,inf) speed?:Double@1.2-
     = & Position TrafficDefinition?1.3- TrafficDistribution?@1.3-
 TrafficSinkAction
-    radius:Double rate?:Double
+    radius:Double[0,inf) rate?:Double[0,inf)
     = & Position TrafficDefinition?
 TrafficSwarmAction
-    innerRadius:Double numberOfVehicles:UnsignedInt offset:Double semiMajorAxis:Double semiMinorAxis:Double
-    velocity?:Double
+    innerRadius:Double[0,inf) numberOfVehicles:UnsignedInt offset:Double semiMajorAxis:Double[0,inf)
+    semiMinorAxis:Double[0,inf)
+    velocity?:Double[0,inf)
     = & CentralObject=CentralSwarmObject TrafficDefinition?1.3- TrafficDistribution?@1.3-
       InitialSpeedRange=Range?@1.2- DirectionOfTravelDistribution?@1.2-
 CentralSwarmObject
     entityRef
 DirectionOfTravelDistribution
-    same:Double opposite:Double
+    same:Double[0,inf) opposite:Double[0,inf)
 TrafficAreaAction
     numberOfEntities:UnsignedInt continuous:Boolean
     = & TrafficDistribution TrafficArea
@@ -130,15 +131,15 @@ TrafficDefinition
 VehicleCategoryDistribution
     = VehicleCategoryDistributionEntry+
 VehicleCategoryDistributionEntry
-    category:VehicleCategory weight:Double
+    category:VehicleCategory weight:Double[0,inf)
 VehicleRoleDistribution
     = VehicleRoleDistributionEntry+
 VehicleRoleDistributionEntry
-    role:Role weight:Double
+    role:Role weight:Double[0,inf)
 ControllerDistribution
     = ControllerDistributionEntry+
 ControllerDistributionEntry
-    weight:Double
+    weight:Double(0,inf)
     = (Controller | CatalogReference)?-1.2
 TrafficDistribution
     = TrafficDistributionEntry+

@@ -63,6 +63,7 @@ OPENSCENARIO = Grammar(
         blank=codes.BLANKS,
         other_version=codes.OTHER_VERSION,
         loose=codes.LOOSE_VALUE,
+        out_of_range=codes.OUT_OF_RANGE,
     ),
     stands_for_word=is_parameter,
     loosely=loosely,

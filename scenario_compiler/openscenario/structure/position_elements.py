@@ -13,13 +13,13 @@ RelativeObjectPosition
     entityRef dx:Double dy:Double dz?:Double
     = Orientation?
 RoadPosition
-    roadId s:Double t:Double
+    roadId s:Double[0,inf) t:Double
     = Orientation?
 RelativeRoadPosition
     entityRef ds:Double dt:Double
     = Orientation?
 LanePosition
-    laneId offset?:Double roadId s:Double
+    laneId offset?:Double roadId s:Double[0,inf)
     = Orientation?
 RelativeLanePosition
     entityRef dLane:Int ds?1.1-:Double offset?:Double dsLane?:Double@1.1-
@@ -54,7 +54,7 @@ PositionOfCurrentEntity
 PositionInRoadCoordinates
     pathS:Double t:Double
 PositionInLaneCoordinates
-    laneId laneOffset?:Double pathS:Double
+    laneId laneOffset?:Double pathS:Double[0,inf)
 """
 
 TRAJECTORY_ELEMENTS = """
@@ -71,7 +71,7 @@ Vertex
     time?1.1-:Double
     = Position
 Clothoid
-    curvature:Double curvatureDot?1.1-:Double length:Double startTime?:Double stopTime?:Double
+    curvature:Double curvatureDot?1.1-:Double length:Double startTime?:Double[0,inf) stopTime?:Double(0,inf)
     curvaturePrime?:Double@1.1-
     = Position
 ClothoidSpline
@@ -84,7 +84,7 @@ Nurbs
     order:UnsignedInt
     = ControlPoint{2,} Knot{2,}
 ControlPoint
-    time?:Double weight?:Double
+    time?:Double[0,inf) weight?:Double
     = Position
 Knot
     value:Double

@@ -21,7 +21,8 @@ LongitudinalAction
 SpeedAction
     = & SpeedActionDynamics=TransitionDynamics SpeedActionTarget
 TransitionDynamics
-    dynamicsDimension:DynamicsDimension dynamicsShape:DynamicsShape value:Double followingMode?:FollowingMode@1.2-
+    dynamicsDimension:DynamicsDimension dynamicsShape:DynamicsShape value:Double[0,inf)
+    followingMode?:FollowingMode@1.2-
 SpeedActionTarget
     = (RelativeTargetSpeed | AbsoluteTargetSpeed)?-1.2
 AbsoluteTargetSpeed
@@ -29,17 +30,18 @@ AbsoluteTargetSpeed
 RelativeTargetSpeed
     entityRef continuous:Boolean speedTargetValueType:SpeedTargetValueType value:Double
 LongitudinalDistanceAction
-    entityRef continuous:Boolean distance?:Double freespace:Boolean timeGap?:Double
+    entityRef continuous:Boolean distance?:Double[0,inf) freespace:Boolean timeGap?:Double[0,inf)
     displacement?:LongitudinalDisplacement@1.1- coordinateSystem?:CoordinateSystem@1.1-
     = DynamicConstraints?
 DynamicConstraints
-    maxAcceleration?:Double maxDeceleration?:Double maxSpeed?:Double maxAccelerationRate?:Double@1.2-
-    maxDecelerationRate?:Double@1.2-
+    maxAcceleration?:Double[0,inf) maxDeceleration?:Double[0,inf) maxSpeed?:Double[0,inf)
+    maxAccelerationRate?:Double[0,inf)@1.2-
+    maxDecelerationRate?:Double[0,inf)@1.2-
 SpeedProfileAction
     entityRef? followingMode:FollowingMode
     = DynamicConstraints? SpeedProfileEntry+
 SpeedProfileEntry
-    speed:Double time?:Double
+    speed:Double time?:Double[0,inf)
 """
 
 LATERAL_ACTION_ELEMENTS = """
@@ -58,7 +60,7 @@ LaneOffsetAction
     continuous:Boolean
     = & LaneOffsetActionDynamics LaneOffsetTarget
 LaneOffsetActionDynamics
-    dynamicsShape:DynamicsShape maxLateralAcc?:Double
+    dynamicsShape:DynamicsShape maxLateralAcc?:Double[0,inf)
 LaneOffsetTarget
     = (RelativeTargetLaneOffset | AbsoluteTargetLaneOffset)?-1.2
 AbsoluteTargetLaneOffset
@@ -66,7 +68,7 @@ AbsoluteTargetLaneOffset
 RelativeTargetLaneOffset
     entityRef value:Double
 LateralDistanceAction
-    entityRef continuous:Boolean distance?:Double freespace:Boolean displacement?:LateralDisplacement@1.1-
+    entityRef continuous:Boolean distance?:Double[0,inf) freespace:Boolean displacement?:LateralDisplacement@1.1-
     coordinateSystem?:CoordinateSystem@1.1-
     = DynamicConstraints?
 """
@@ -78,7 +80,7 @@ SynchronizeAction
 FinalSpeed
     = (AbsoluteSpeed | RelativeSpeedToMaster)?-1.2
 AbsoluteSpeed
-    value:Double
+    value:Double[0,inf)
     = (TargetDistanceSteadyState | TargetTimeSteadyState)?@1.1-
 RelativeSpeedToMaster
     speedTargetValueType:SpeedTargetValueType value:Double
@@ -101,7 +103,7 @@ TimeReference
     = (None | Timing)?-1.2
 None
 Timing
-    domainAbsoluteRelative:ReferenceContext offset:Double scale:Double
+    domainAbsoluteRelative:ReferenceContext offset:Double scale:Double(0,inf)
 TrajectoryFollowingMode
     followingMode:FollowingMode
 AcquirePositionAction
@@ -126,19 +128,19 @@ OverrideControllerValueAction
       ParkingBrake=OverrideParkingBrakeAction?1.1- SteeringWheel=OverrideSteeringWheelAction?1.1-
       Gear=OverrideGearAction?1.1-
 OverrideThrottleAction
-    active:Boolean value:Double maxRate?:Double@1.2-
+    active:Boolean value:Double[0,1] maxRate?:Double@1.2-
 OverrideBrakeAction
-    active:Boolean value?1.2-:Double
+    active:Boolean value?1.2-:Double[0,1]
     = (BrakePercent=Brake | BrakeForce=Brake)?@1.2-
 Brake
     value:Double maxRate?:Double
 OverrideClutchAction
-    active:Boolean value:Double maxRate?:Double@1.2-
+    active:Boolean value:Double[0,1] maxRate?:Double(0,inf)@1.2-
 OverrideParkingBrakeAction
-    active:Boolean value?1.2-:Double
+    active:Boolean value?1.2-:Double[0,1]
     = (BrakePercent=Brake | BrakeForce=Brake)?@1.2-
 OverrideSteeringWheelAction
-    active:Boolean value:Double maxRate?:Double@1.2- maxTorque?:Double@1.2-
+    active:Boolean value:Double maxRate?:Double(0,inf)@1.2- maxTorque?:Double(0,inf)@1.2-
 OverrideGearAction
     active:Boolean number?1.2-:Double
     = (ManualGear | AutomaticGear)?@1.2-
@@ -153,7 +155,7 @@ AppearanceAction
     =@1.2 LightStateAction AnimationAction
     =@1.3- LightStateAction | AnimationAction
 LightStateAction
-    transitionTime?:Double
+    transitionTime?:Double[0,inf)
     = LightType LightState
 LightType
     =@1.2 VehicleLight UserDefinedLight
@@ -163,22 +165,22 @@ VehicleLight
 UserDefinedLight
     userDefinedLightType
 LightState
-    mode:LightMode luminousIntensity?:Double flashingOnDuration?:Double flashingOffDuration?:Double
+    mode:LightMode luminousIntensity?:Double[0,inf) flashingOnDuration?:Double[0,inf) flashingOffDuration?:Double[0,inf)
     = Color?
 Color
     colorType:ColorType
     = ColorRgb | ColorCmyk
 ColorRgb
-    red:Double green:Double blue:Double
+    red:Double[0,1] green:Double[0,1] blue:Double[0,1]
 ColorCmyk
-    cyan:Double magenta:Double yellow:Double key:Double
+    cyan:Double[0,1] magenta:Double[0,1] yellow:Double[0,1] key:Double[0,1]
 AnimationAction
-    loop?:Boolean animationDuration?:Double
+    loop?:Boolean animationDuration?:Double[0,inf)
     = AnimationType AnimationState?
 AnimationType
     = ComponentAnimation | PedestrianAnimation | AnimationFile | UserDefinedAnimation
 AnimationState
-    state:Double
+    state:Double[0,1]
 ComponentAnimation
     =@1.2 VehicleComponent UserDefinedComponent
     =@1.3- VehicleComponent | UserDefinedComponent
@@ -192,7 +194,7 @@ PedestrianAnimation
 PedestrianGesture
     gesture:PedestrianGestureType
 AnimationFile
-    timeOffset?:Double
+    timeOffset?:Double[0,inf)
     = File
 UserDefinedAnimation
     userDefinedAnimationType

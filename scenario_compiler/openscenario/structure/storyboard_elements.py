@@ -17,7 +17,7 @@ Act
     name
     = ManeuverGroup+ StartTrigger=Trigger?1.3- StopTrigger=Trigger?
 ManeuverGroup
-    maximumExecutionCount:UnsignedInt name
+    maximumExecutionCount:UnsignedInt[1,inf) name
     = Actors CatalogReference* Maneuver*
 Actors
     selectTriggeringEntities:Boolean
@@ -26,7 +26,7 @@ Maneuver
     name
     = ParameterDeclarations? Event+
 Event
-    maximumExecutionCount?:UnsignedInt name priority:Priority
+    maximumExecutionCount?:UnsignedInt[1,inf) name priority:Priority
     = Action+ StartTrigger=Trigger?1.1-
 Action
     name
@@ -39,7 +39,7 @@ Trigger
 ConditionGroup
     = Condition+
 Condition
-    conditionEdge:ConditionEdge delay:Double name
+    conditionEdge:ConditionEdge delay:Double[0,inf) name
     = (ByEntityCondition | ByValueCondition)?-1.2
 ByEntityCondition
     = & TriggeringEntities EntityCondition
@@ -55,19 +55,20 @@ EntityCondition
       TraveledDistanceCondition | ReachPositionCondition | DistanceCondition | RelativeDistanceCondition |
       RelativeClearanceCondition@1.2- | AngleCondition@1.3- | RelativeAngleCondition@1.3-)?-1.2
 EndOfRoadCondition
-    duration:Double
+    duration:Double[0,inf)
 CollisionCondition
     = (EntityRef | ByType=ByObjectType)?-1.2
 ByObjectType
     type:ObjectType
 OffroadCondition
-    duration:Double
+    duration:Double[0,inf)
 TimeHeadwayCondition
-    entityRef alongRoute?1.1-:Boolean freespace:Boolean rule:Rule value:Double
+    entityRef alongRoute?1.1-:Boolean freespace:Boolean rule:Rule value:Double[0,inf)
     coordinateSystem?:CoordinateSystem@1.1- relativeDistanceType?:RelativeDistanceType@1.1-
     routingAlgorithm?:RoutingAlgorithm@1.2-
 TimeToCollisionCondition
-    alongRoute?1.1-:Boolean freespace:Boolean rule:Rule value:Double relativeDistanceType?:RelativeDistanceType@1.1-
+    alongRoute?1.1-:Boolean freespace:Boolean rule:Rule value:Double[0,inf)
+    relativeDistanceType?:RelativeDistanceType@1.1-
     coordinateSystem?:CoordinateSystem@1.1- routingAlgorithm?:RoutingAlgorithm@1.2-
     = TimeToCollisionConditionTarget
 TimeToCollisionConditionTarget
@@ -75,25 +76,25 @@ TimeToCollisionConditionTarget
 AccelerationCondition
     rule:Rule value:Double direction?:DirectionalDimension@1.2-
 StandStillCondition
-    duration:Double
+    duration:Double[0,inf)
 SpeedCondition
     rule:Rule value:Double direction?:DirectionalDimension@1.2-
 RelativeSpeedCondition
     entityRef rule:Rule value:Double direction?:DirectionalDimension@1.2-
 TraveledDistanceCondition
-    value:Double
+    value:Double[0,inf)
 ReachPositionCondition
-    tolerance:Double
+    tolerance:Double[0,inf)
     = Position
 DistanceCondition
-    alongRoute?1.1-:Boolean freespace:Boolean rule:Rule value:Double coordinateSystem?:CoordinateSystem@1.1-
+    alongRoute?1.1-:Boolean freespace:Boolean rule:Rule value:Double[0,inf) coordinateSystem?:CoordinateSystem@1.1-
     relativeDistanceType?:RelativeDistanceType@1.1- routingAlgorithm?:RoutingAlgorithm@1.2-
     = Position
 RelativeDistanceCondition
-    entityRef freespace:Boolean relativeDistanceType:RelativeDistanceType rule:Rule value:Double
+    entityRef freespace:Boolean relativeDistanceType:RelativeDistanceType rule:Rule value:Double[0,inf)
     coordinateSystem?:CoordinateSystem@1.1- routingAlgorithm?:RoutingAlgorithm@1.2-
 RelativeClearanceCondition
-    oppositeLanes:Boolean distanceForward?:Double distanceBackward?:Double freeSpace:Boolean
+    oppositeLanes:Boolean distanceForward?:Double[0,inf) distanceBackward?:Double[0,inf) freeSpace:Boolean
     = RelativeLaneRange* EntityRef*
 RelativeLaneRange
     from?:Int to?:Int
