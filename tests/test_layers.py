@@ -85,7 +85,7 @@ KEPT_APART = {
 
 HEAVY: dict[str, tuple[str, ...]] = {
     "av": ("report.video",),
-    "carla": ("worlds.carla",),
+    "carla": ("worlds.carla_session",),
     "cv2": ("perception",),
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
