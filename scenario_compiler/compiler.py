@@ -24,7 +24,7 @@ from scenario_compiler.languages import (
     read_scenario_document,
 )
 from scenario_compiler.markup.codes import UNKNOWN_ROOT
-from scenario_compiler.openscenario.held import OpenScenario
+from scenario_compiler.openscenario.contents import OpenScenario
 from scenario_compiler.plan.lower import lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan

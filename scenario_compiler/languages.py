@@ -15,7 +15,7 @@ from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, Severi
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.markup import codes, names
 from scenario_compiler.markup.environment import Environment, ReadingContext
-from scenario_compiler.openscenario.held import OpenScenario, parameter_kinds
+from scenario_compiler.openscenario.contents import OpenScenario, parameter_kinds
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.aisa_file import AisaConfig, read_aisa
 from scenario_compiler.source.catalogs import CatalogElement, load_catalogs, read_catalog

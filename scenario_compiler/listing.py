@@ -11,7 +11,7 @@ from scenario_compiler.compiler import read_source
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.markup.environment import Environment
 from scenario_compiler.markup.reading import read_word
-from scenario_compiler.openscenario.held import OpenScenario
+from scenario_compiler.openscenario.contents import OpenScenario
 from scenario_compiler.resources import template_folders
 from scenario_compiler.source.aisa import KNOWN
 from scenario_compiler.source.aisa_file import AisaConfig

@@ -17,9 +17,11 @@ from scenario_compiler import (
     Failure,
     Overrides,
     Parameter,
+    SweepSpec,
     Takeover,
     compile_built,
     compile_scenario,
+    run_sweep,
 )
 from scenario_compiler.compiler import compile_target
 from scenario_compiler.diagnostics import Diagnostics
@@ -151,6 +153,9 @@ def test_a_conflict_of_the_library_compiles_by_its_name(tmp_path: Path, monkeypa
     monkeypatch.chdir(tmp_path)
     file = library_folder() / "conflicts" / "obstacle_ahead.xml"
     assert compile_scenario("obstacle_ahead") == compile_scenario(file)
+    spec = SweepSpec(vary=("distance=uniform(100, 120)",), samples=2, perception="ideal")
+    tally = run_sweep("obstacle_ahead", spec, tmp_path / "out", workers=1, report=False).tally
+    assert (tally.passed + tally.failed, tally.broken_off) == (2, 0)
     (tmp_path / "obstacle_ahead").write_text(CONFLICT, encoding="utf-8")
     assert compile_scenario("obstacle_ahead").name == "straight"
 

@@ -75,7 +75,7 @@ def add(commands: Commands) -> None:
 
 def study_command(options: argparse.Namespace) -> int:
     """Run, plan, pilot or export a study."""
-    from scenario_compiler.study.keeping import StudyError
+    from scenario_compiler.study.folder import StudyError
 
     try:
         if options.action == "export":
@@ -143,7 +143,7 @@ def _plan(compilation: StudyCompilation, options: argparse.Namespace) -> int:
 
 def _pilot(compilation: StudyCompilation, options: argparse.Namespace) -> int:
     from scenario_compiler.study.effects import write_effects
-    from scenario_compiler.study.keeping import study_folder
+    from scenario_compiler.study.folder import study_folder
     from scenario_compiler.study.pilot import run_pilot
 
     stay_small()
@@ -157,7 +157,7 @@ def _pilot(compilation: StudyCompilation, options: argparse.Namespace) -> int:
 
 
 def _serve(compilation: StudyCompilation, options: argparse.Namespace, of_world: dict[str, object]) -> int:
-    from scenario_compiler.study.keeping import study_folder
+    from scenario_compiler.study.folder import study_folder
 
     with serving():
         from scenario_compiler.study.server import serve_study

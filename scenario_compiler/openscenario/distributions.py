@@ -16,7 +16,7 @@ from typing import TypeAlias
 from scenario_compiler.diagnostics import Place
 from scenario_compiler.expressions import format_value
 from scenario_compiler.openscenario.codes import BAD_DISTRIBUTION
-from scenario_compiler.openscenario.held import Variation
+from scenario_compiler.openscenario.contents import Variation
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.vocabulary.variation import (
     Constraint,

@@ -12,10 +12,10 @@ from scenario_compiler.markup.codes import WRONG_VALUE
 from scenario_compiler.markup.values import COMMAND_LINE
 from scenario_compiler.openscenario.catalogs import read_catalog_locations
 from scenario_compiler.openscenario.codes import NO_SCENARIO_FILE, NOT_READ
+from scenario_compiler.openscenario.contents import OpenScenario, Variation
 from scenario_compiler.openscenario.distributions import read_variation
 from scenario_compiler.openscenario.entities import read_entities
 from scenario_compiler.openscenario.files import VERSIONS, beside, is_file, read_forgiving, read_version
-from scenario_compiler.openscenario.held import OpenScenario, Variation
 from scenario_compiler.openscenario.node import FileContext, Node
 from scenario_compiler.openscenario.parameters import (
     declared_name,

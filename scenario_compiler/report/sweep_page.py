@@ -239,58 +239,86 @@ def _pictures(page: SweepPage) -> Pictures:
     left_out = []
     if runs < len(sound):
         left_out.append(f"{len(sound) - runs} of {len(sound)} variants broke off and are in no picture.")
-    measures: list[sweep_plots.Panel] = []
-    for measure in MEASURES:
-        if measure.name in SHOWN:
-            values = _numbers(rows[measure.name])[sound]
-            if np.isfinite(values).any():
-                measures.append((measure.name.replace("_", " "), measure.unit, values))
-            else:
-                left_out.append(f"No run has a {measure.name.replace('_', ' ')}.")
+    measures = _measures(rows, sound, left_out)
     collided = np.array([time is not None for time in rows["collision_time"]], dtype=np.float64)[sound]
-    requested = np.array([end not in WITHOUT_REQUEST for end in rows["resolution"]], dtype=np.float64)[sound]
-    asked = [row if row is not None else "" for row in np.array(rows["avoided_by"], dtype=object)[sound]]
-    references = [
-        (
-            f"collision, {name.replace('_', ' ')} in its place",
-            np.array([name not in row.split() for row in asked], dtype=np.float64),
-        )
-        for name in page.references
-    ]
-    hits = [("collision", collided), *([("takeover request", requested)] if page.automated else []), *references]
     axes, conditions = _axes(page, sound, left_out)
-    shown = dict(list(conditions.items())[:MOST_CONDITIONS]) if measures else {}
-    boxes = [
-        (
-            name,
-            sweep_plots.boxes_plot(measures, one.names, one.taken, f"boxes-{name}"),
-            [] if sweep_plots.names_in_lines(one.names) else one.names,
-        )
-        for name, one in shown.items()
-    ]
-    points, picked = _thinned(runs)
+    compared = dict(list(conditions.items())[:MOST_CONDITIONS]) if measures else {}
     clouds = {name: values for name, values in axes.items() if name not in conditions}
     scattered = dict(list(clouds.items())[:MOST_CONDITIONS]) if measures else {}
-    some = [(name, unit, values[picked]) for name, unit, values in measures]
-    scatter = [
-        (name, sweep_plots.scatter_plot((page.titled(name), values[picked]), some, collided[picked], f"scatter-{name}"))
-        for name, values in scattered.items()
-    ]
-    if scatter and points < runs:
+    points, picked = _thinned(runs)
+    if scattered and points < runs:
         left_out.append(f"Scatter shows {points} of {runs} runs, evenly chosen.")
-    for kind, drawn, there in (("boxes", shown, conditions), ("scatter", scattered, clouds)):
+    for kind, drawn, there in (("boxes", compared, conditions), ("scatter", scattered, clouds)):
         if len(drawn) < len(there):
             left_out.append(f"Without {kind}: {', '.join(name for name in there if name not in drawn)}.")
-    along = [
-        (name, sweep_plots.rate_plot((page.titled(name), values), hits, f"rate-{name}"))
-        for name, values in axes.items()
-    ]
     pairs = list(combinations(axes, 2))
     if len(pairs) > MOST_MAPS:
         left_out.append(f"Two parameters at a time: {MOST_MAPS} of {len(pairs)} pairs are shown.")
-    maps = [(first, second, _heat_maps(page, (first, second), axes, collided, sound)) for first, second in pairs]
-    distributions = sweep_plots.distributions_plot(measures, "measures") if measures else ""
-    return Pictures(distributions, boxes, scatter, along, maps[:MOST_MAPS], left_out)
+    hits = [("collision", collided), *_further_hits(page, sound)]
+    return Pictures(
+        distributions=sweep_plots.distributions_plot(measures, "measures") if measures else "",
+        boxes=[_boxes(name, one, measures) for name, one in compared.items()],
+        scatter=[
+            (name, _scatter(page.titled(name), values[picked], measures, collided, picked, f"scatter-{name}"))
+            for name, values in scattered.items()
+        ],
+        along=[
+            (name, sweep_plots.rate_plot((page.titled(name), values), hits, f"rate-{name}"))
+            for name, values in axes.items()
+        ],
+        maps=[
+            (first, second, _heat_maps(page, (first, second), axes, collided, sound))
+            for first, second in pairs[:MOST_MAPS]
+        ],
+        left_out=left_out,
+    )
+
+
+def _measures(rows: Rows, sound: Booleans, left_out: list[str]) -> list[sweep_plots.Panel]:
+    """Return the shown measures of the sound runs; one that no run has is named in `left_out`."""
+    measures: list[sweep_plots.Panel] = []
+    for measure in MEASURES:
+        if measure.name in SHOWN:
+            title, values = measure.name.replace("_", " "), _numbers(rows[measure.name])[sound]
+            if np.isfinite(values).any():
+                measures.append((title, measure.unit, values))
+            else:
+                left_out.append(f"No run has a {title}.")
+    return measures
+
+
+def _further_hits(page: SweepPage, sound: Booleans) -> list[tuple[str, Floats]]:
+    """Return which sound runs requested a takeover, and in which a reference driver collided: 1 or 0 a run."""
+    rows = page.rows
+    requested = np.array([end not in WITHOUT_REQUEST for end in rows["resolution"]], dtype=np.float64)[sound]
+    avoided = [row if row is not None else "" for row in np.array(rows["avoided_by"], dtype=object)[sound]]
+    references = [
+        (
+            f"collision, {name.replace('_', ' ')} in its place",
+            np.array([name not in row.split() for row in avoided], dtype=np.float64),
+        )
+        for name in page.references
+    ]
+    return [*([("takeover request", requested)] if page.automated else []), *references]
+
+
+def _boxes(name: str, one: Condition, measures: Sequence[sweep_plots.Panel]) -> tuple[str, str, Sequence[str]]:
+    """Return the measures by condition, with the names of the conditions if they are numbered in the picture."""
+    drawn = sweep_plots.boxes_plot(measures, one.names, one.taken, f"boxes-{name}")
+    return name, drawn, [] if sweep_plots.names_in_lines(one.names) else one.names
+
+
+def _scatter(
+    title: str,
+    values: Floats,
+    measures: Sequence[sweep_plots.Panel],
+    collided: Floats,
+    picked: Integers,
+    identity: str,
+) -> str:
+    """Return the measures of the picked runs over the values of a parameter."""
+    some = [(name, unit, of_runs[picked]) for name, unit, of_runs in measures]
+    return sweep_plots.scatter_plot((title, values), some, collided[picked], identity)
 
 
 def _axes(page: SweepPage, sound: Booleans, left_out: list[str]) -> tuple[dict[str, Floats], dict[str, Condition]]:

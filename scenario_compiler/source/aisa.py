@@ -34,7 +34,7 @@ from scenario_compiler.vocabulary.scenario import Classification, Parameter, Sce
 from scenario_compiler.vocabulary.sensors import Camera
 from scenario_compiler.vocabulary.storyboard import Do, When
 from scenario_compiler.vocabulary.takeover import Cause, Message, Takeover
-from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, weather_preset
+from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_preset
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
 MODEL = "vehicle.audi.tt"
@@ -203,19 +203,7 @@ def filed_scenario(
     waypoints = _waypoints(element, values, reading)
     start = waypoints["start"].position() if "start" in waypoints else usual_start
     _note_unused(element, values, reading)
-    weather_id = str(values.get("WeatherId", "1"))
-    weather = weather_preset(weather_id)
-    if weather is None:
-        place = _place_of("WeatherId", element, arguments, reading)
-        hint = did_you_mean(weather_id, WEATHER_PRESETS)
-        sink.add(names.UNKNOWN_WEATHER, f"there is no weather '{weather_id}'", place, hint=hint)
-    elif weather.preset == "Default":
-        sink.add(
-            names.MAPS_OWN_WEATHER,
-            f"WeatherId {weather_id} is the preset Default, the map's own weather, which is read as a clear noon",
-            _place_of("WeatherId", element, arguments, reading),
-            hint="WeatherId 10 is HardRainSunset" if name == "vanishinglanes_weather" else "",
-        )
+    weather = _weather(name, element, values, arguments, reading)
     if start is None:
         sink.add(
             names.NO_START,
@@ -250,6 +238,30 @@ def filed_scenario(
         storyboard=storyboard_of([ego.id, *(one.id for one in actors)], happenings),
         takeover=_takeover(catalogs, origin, sink),
     ).written_at(origin)
+
+
+def _weather(
+    name: str,
+    element: etree._Element,
+    values: Mapping[str, Value],
+    arguments: Mapping[str, str],
+    reading: ReadingContext,
+) -> Weather | None:
+    """Return the weather of a scenario's id of CARLA's presets, None if there is none with this id."""
+    number = str(values.get("WeatherId", "1"))
+    weather = weather_preset(number)
+    place = _place_of("WeatherId", element, arguments, reading)
+    if weather is None:
+        hint = did_you_mean(number, WEATHER_PRESETS)
+        reading.sink.add(names.UNKNOWN_WEATHER, f"there is no weather '{number}'", place, hint=hint)
+    elif weather.preset == "Default":
+        reading.sink.add(
+            names.MAPS_OWN_WEATHER,
+            f"WeatherId {number} is the preset Default, the map's own weather, which is read as a clear noon",
+            place,
+            hint="WeatherId 10 is HardRainSunset" if name == "vanishinglanes_weather" else "",
+        )
+    return weather
 
 
 def _attributes(element: etree._Element, arguments: Mapping[str, str], reading: ReadingContext) -> dict[str, Value]:

@@ -322,31 +322,8 @@ def write_dataset(compilation: StudyCompilation, root: Path, *, pilot: bool) -> 
     """
     study = compilation.study
     make_folder(root)
-    kind = "a pilot by driver models, no data of people" if pilot else "people at the wheel"
-    about = {
-        "Name": study.summary or study.name,
-        "BIDSVersion": BIDS_VERSION,
-        "DatasetType": "raw",
-        "GeneratedBy": [{"Name": "scenario-compiler", "Version": version("scenario-compiler"), "Description": kind}],
-    }
-    _write_json(root / "dataset_description.json", about)
-    write_whole(root / ".bidsignore", "codebook.tsv\nexpected.html\n*.lock\n")
-    write_whole(root / "README", README.format(summary=study.summary or study.name, kind=kind))
-    people: list[Row] = []
-    answers: dict[tuple[str, Seat], list[Row]] = {}
-    for participant in range(1, study.participants + 1):
-        done = 0
-        for session in range(1, study.sessions + 1):
-            seat = Seat(root, participant, session)
-            steps = procedure(study, participant, session)
-            records = read_journal(seat.journal)
-            done += bool(records) and step_reached(records) >= len(steps) - 1
-            for file, row in _answered(seat, steps, records):
-                answers.setdefault((file, seat), []).append(row)
-        people.append({"participant_id": f"sub-{participant:02d}", "sessions_done": done})
-    columns = (TRIAL_COLUMNS[0], Column("sessions_done", "integer", "", "Number of sessions that are finished."))
-    write_table(root / "participants.tsv", columns, people)
-    _write_json(root / "participants.json", sidecar(columns))
+    _write_description(study, root, pilot=pilot)
+    answers = _write_participants(study, root)
     task = {"TaskName": study.name, "TaskDescription": study.summary or study.name}
     shown = {"SoftwareName": "scenario-compiler", "SoftwareVersion": version("scenario-compiler")}
     events = task | {"StimulusPresentation": shown}
@@ -363,6 +340,39 @@ def write_dataset(compilation: StudyCompilation, root: Path, *, pilot: bool) -> 
         _write_json(root / f"task-{asked.name}_beh.json", about | {"MeasurementToolMetadata": term} | sidecar(own))
         book += _book(f"task-{asked.name}_beh", own)
     write_table(root / "codebook.tsv", BOOK_COLUMNS, book)
+
+
+def _write_description(study: StudyElement, root: Path, *, pilot: bool) -> None:
+    kind = "a pilot by driver models, no data of people" if pilot else "people at the wheel"
+    about = {
+        "Name": study.summary or study.name,
+        "BIDSVersion": BIDS_VERSION,
+        "DatasetType": "raw",
+        "GeneratedBy": [{"Name": "scenario-compiler", "Version": version("scenario-compiler"), "Description": kind}],
+    }
+    _write_json(root / "dataset_description.json", about)
+    write_whole(root / ".bidsignore", "codebook.tsv\nexpected.html\n*.lock\n")
+    write_whole(root / "README", README.format(summary=study.summary or study.name, kind=kind))
+
+
+def _write_participants(study: StudyElement, root: Path) -> dict[tuple[str, Seat], list[Row]]:
+    """Write the table of participants; return the rows of answers by questionnaire and session."""
+    people: list[Row] = []
+    answers: dict[tuple[str, Seat], list[Row]] = {}
+    for participant in range(1, study.participants + 1):
+        done = 0
+        for session in range(1, study.sessions + 1):
+            seat = Seat(root, participant, session)
+            steps = procedure(study, participant, session)
+            records = read_journal(seat.journal)
+            done += bool(records) and step_reached(records) >= len(steps) - 1
+            for file, row in _answered(seat, steps, records):
+                answers.setdefault((file, seat), []).append(row)
+        people.append({"participant_id": f"sub-{participant:02d}", "sessions_done": done})
+    columns = (TRIAL_COLUMNS[0], Column("sessions_done", "integer", "", "Number of sessions that are finished."))
+    write_table(root / "participants.tsv", columns, people)
+    _write_json(root / "participants.json", sidecar(columns))
+    return answers
 
 
 def _answered(seat: Seat, steps: Sequence[Step], records: Iterable[Record]) -> Iterable[tuple[str, Row]]:

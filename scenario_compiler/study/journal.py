@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from scenario_compiler.outputs import make_folder
-from scenario_compiler.study.keeping import StudyError
+from scenario_compiler.study.folder import StudyError
 
 Record = dict[str, Any]
 """A line of a journal: `kind` is the kind of event, `step` the step of the session."""

@@ -12,7 +12,7 @@ from typing import Any
 from scenario_compiler.batch.codebook import Column
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.recording.cells import text_cell
-from scenario_compiler.study.keeping import StudyError, kept_manifest
+from scenario_compiler.study.folder import StudyError, kept_manifest
 
 PLACES = ("", "before.", "trial.", "after.")
 """Prefixes for the columns of a questionnaire in the tidy table, if it is asked at several places."""

@@ -14,8 +14,8 @@ from scenario_compiler.listing import SUFFIXES, list_library, list_templates
 from scenario_compiler.recording.resolution import WITHOUT_REQUEST
 from scenario_compiler.source.conflict import Library, Use
 from scenario_compiler.survey.duplicates import differences
+from scenario_compiler.survey.examining import Examined, examine_all
 from scenario_compiler.survey.odd import TERMS
-from scenario_compiler.survey.studying import Studied, study_all
 from scenario_compiler.vocabulary.taxonomies import TAXONOMIES
 
 
@@ -66,7 +66,7 @@ class Survey(_Part):
     )
     folder: str = Field(description="The library.")
     runs: int = Field(description="Number of runs of each scenario, with ideal perception.")
-    scenarios: tuple[Studied, ...] = Field(description="Its scenarios.")
+    scenarios: tuple[Examined, ...] = Field(description="Its scenarios.")
     taxonomies: tuple[TaxonomyCoverage, ...] = Field(description="Its situations by taxonomy.")
     conditions: tuple[ConditionCoverage, ...] = Field(description="Its conditions.")
     alike: tuple[Alike, ...] = Field(description="Near-duplicates.")
@@ -97,18 +97,18 @@ def survey(
         progress: Called with how many scenarios are done, and of how many.
     """
     targets = [one.target for one in list_library(folder, sink) if one.kind == "conflict"]
-    studied = tuple(study_all(targets, runs=runs, processes=processes, maps=maps, progress=progress))
+    examined = tuple(examine_all(targets, runs=runs, processes=processes, maps=maps, progress=progress))
     templates = used_templates(folder)
-    taxonomies, conditions = tuple(_taxonomies(studied)), tuple(_conditions(studied))
-    broken = tuple(one.target for one in studied if one.fault or any(ran.result == "error" for ran in one.runs))
-    sound = [one for one in studied if one.runs and one.target not in broken]
+    taxonomies, conditions = tuple(_taxonomies(examined)), tuple(_conditions(examined))
+    broken = tuple(one.target for one in examined if one.fault or any(ran.result == "error" for ran in one.runs))
+    sound = [one for one in examined if one.runs and one.target not in broken]
     found = Survey(
         folder=str(folder),
         runs=runs,
-        scenarios=studied,
+        scenarios=examined,
         taxonomies=taxonomies,
         conditions=conditions,
-        alike=tuple(_alike(studied)),
+        alike=tuple(_alike(examined)),
         never_ask=tuple(
             one.target for one in sound if one.automated and all(ran.resolution in WITHOUT_REQUEST for ran in one.runs)
         ),
@@ -148,13 +148,13 @@ def used_templates(folder: Path) -> dict[str, tuple[str, ...]]:
     return {name: tuple(sorted(uses.get(name, ()))) for name in sorted(names)}
 
 
-def _taxonomies(studied: Sequence[Studied]) -> Iterator[TaxonomyCoverage]:
-    named = dict.fromkeys(scheme for one in studied for scheme, _ in one.places)
+def _taxonomies(examined: Sequence[Examined]) -> Iterator[TaxonomyCoverage]:
+    named = dict.fromkeys(scheme for one in examined for scheme, _ in one.places)
     for scheme in dict.fromkeys((*TAXONOMIES, *named)):
         taxonomy = TAXONOMIES.get(scheme)
         known = {} if taxonomy is None else taxonomy.situations
         shown: dict[str, list[str]] = {place: [] for place in known}
-        for one in studied:
+        for one in examined:
             for place in (place for where, place in one.places if where == scheme):
                 shown.setdefault(place or "not named", []).append(one.target)
         yield TaxonomyCoverage(
@@ -169,9 +169,9 @@ def _taxonomies(studied: Sequence[Studied]) -> Iterator[TaxonomyCoverage]:
         )
 
 
-def _conditions(studied: Sequence[Studied]) -> Iterator[ConditionCoverage]:
+def _conditions(examined: Sequence[Examined]) -> Iterator[ConditionCoverage]:
     for term in TERMS:
-        having = [one for one in studied if term.tag in one.tags]
+        having = [one for one in examined if term.tag in one.tags]
         values: dict[str, list[float]] = {}
         for one in having:
             for name, value in one.tags[term.tag]:
@@ -181,9 +181,9 @@ def _conditions(studied: Sequence[Studied]) -> Iterator[ConditionCoverage]:
         yield ConditionCoverage(tag=term.tag, words=term.words, group=term.group, scenarios=targets, values=ranges)
 
 
-def _alike(studied: Iterable[Studied]) -> Iterator[Alike]:
-    groups: dict[str, list[Studied]] = {}
-    for one in studied:
+def _alike(examined: Iterable[Examined]) -> Iterator[Alike]:
+    groups: dict[str, list[Examined]] = {}
+    for one in examined:
         if one.likeness:
             groups.setdefault(one.likeness, []).append(one)
     for group in groups.values():

@@ -7,27 +7,23 @@ actors destroyed.
 
 from __future__ import annotations
 
-import contextlib
 import math
 import queue
-from collections.abc import Iterator, Sequence
-from itertools import pairwise
-from pathlib import Path
+from collections.abc import Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from pydantic import Field
 from typing_extensions import Self
 
 from scenario_compiler.controllers.model import SensorData
-from scenario_compiler.diagnostics import Code, Diagnostics, Severity
-from scenario_compiler.document import read_document
+from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.frames import carla_from_pose, pose_from_carla
 from scenario_compiler.plan.model import Entity, Plan
 from scenario_compiler.roads import Network, Pose
-from scenario_compiler.roads.export_carla import export_for_carla
 from scenario_compiler.vocabulary.entities import Category
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers
+from scenario_compiler.worlds.carla_lines import Lines
+from scenario_compiler.worlds.carla_session import CarlaOptions, CarlaSession
 from scenario_compiler.worlds.kinematic import KinematicWorld, degradation_of
 from scenario_compiler.worlds.model import (
     EgoCommand,
@@ -46,17 +42,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from scenario_compiler.perception.degradation import Sensor
-
-CANNOT_OPEN = Code(
-    "SC524",
-    "carla-cannot-be-used",
-    "CARLA cannot be used for this run: its client is not installed, no server answers at the address, the versions "
-    "of server and client differ, or the server's map is not the plan's. The versions must be equal because their "
-    "layouts differ.\n\n"
-    "    pip install 'scenario-compiler[carla]'\n"
-    "    scenario-compiler serve-carla &            or CarlaUE4.sh\n"
-    "    scenario-compiler run obstacle_ahead --world carla --carla-port 2000",
-)
 
 OTHER_BLUEPRINT = Code(
     "SC525",
@@ -92,17 +77,11 @@ STAND_INS: dict[Category, str] = {
 }
 """Blueprint by category that is used for one that the server's library does not have."""
 
-LONGEST_STEP = 0.1
-"""Longest time step of CARLA's physics, s."""
-
 LIFTED = 0.3
 """Height above its start at which the ego is spawned, so that it does not touch the road, m."""
 
 ASIDE = 5000.0
 """Position, far from all else, at which other entities are spawned before they are moved to their places, m."""
-
-SAME_PLACE = 0.25
-"""Greatest distance between the server's lanes and the plan's, m."""
 
 HAZARD = ("indicatorLeft", "indicatorRight")
 LIGHTS = {
@@ -121,35 +100,8 @@ LIGHTS = {
 SIGNALS = {"red": "Red", "yellow": "Yellow", "green": "Green", "off": "Off"}
 """CARLA's states of traffic lights by the words of scenarios."""
 
-YELLOW, PURPLE = (255, 200, 0), (190, 40, 210)
-"""Colours of the route and of the predicted path: red, green, blue."""
-
-LIFTED_LINE, LINE_WIDTH, DISPLAY_WIDTH = 0.3, 0.1, 2.0
-"""Height of drawn lines above the road, m, and their width in the world, m, and on the server's display, pixels."""
-
-PATH_STEP = 2.0
-"""Least length of the segments of the predicted path, m."""
-
-TAKEN: set[tuple[str, int]] = set()
-"""Addresses of the servers in use by runs of this program: each server serves one run at a time."""
-
 ONCE = 1.5
 """Lifetime of a line that is visible in one picture, time steps."""
-
-
-class CarlaOptions(WorldOptions):
-    """Options of the world `carla`."""
-
-    host: str = Field(default="127.0.0.1", description="Where the server is.")
-    port: int = Field(default=2000, ge=1, le=65535, description="Its port.")
-    timeout: float = Field(default=10.0, gt=0.0, description="How long an answer may take, s.")
-    ego: Literal["physics", "kinematic"] = Field(
-        default="physics", description="Whether CARLA's physics moves the ego, or the engine."
-    )
-    camera: Literal["carla", "built-in"] | None = Field(
-        default=None, description="Whose pictures the automation sees; CARLA's unless the paint is changed."
-    )
-    recording: str = Field(default="", description="Name of a recording that the server makes; none if empty.")
 
 
 class CarlaWorld:
@@ -168,22 +120,23 @@ class CarlaWorld:
         self.options = options if isinstance(options, CarlaOptions) else CarlaOptions()
         self.moves_ego = self.options.ego == "physics"
         self.findings: list[WorldFinding] = []
-        self.versions: dict[str, str] = {}
         self._built_in = KinematicWorld(plan, network)
         self._carla_sees = self._choose_camera()
         self._actors: dict[int, Any] = {}
         self._sensors: list[Any] = []
         self._images: queue.Queue[Any] = queue.Queue()
-        self._told: queue.Queue[WorldEvent] = queue.Queue()
+        self._reports: queue.Queue[WorldEvent] = queue.Queue()
         self._image: NDArray[np.uint8] | None = None
         self._degradation: Sensor | None = None
         self._lights: dict[int, int] = {}
         self._shown: dict[str, str] = {}
         self._weather: Weather | None = None
         self._clock = 0.0
-        self._before: Any = None
-        self._open = False
-        self._connect()
+        self._session = CarlaSession(plan, network, self.options)
+        self._carla, self._client, self._world = self._session.carla, self._session.client, self._session.world
+        self._library = self._session.library
+        self._lines = Lines(self._carla, self._world, on_display=self._carla_sees)
+        self.versions: dict[str, str] = self._session.versions
 
     def _choose_camera(self) -> bool:
         """Return whether the automation gets CARLA's images."""
@@ -200,98 +153,9 @@ class CarlaWorld:
             self.findings.append(WorldFinding(BUILT_IN_CAMERA, message, "scenario"))
         return not any(reasons.values())
 
-    # Opening and closing.
-
-    def _connect(self) -> None:
-        try:
-            import carla
-        except ModuleNotFoundError:
-            raise WorldError(
-                "CARLA's client is not installed: pip install 'scenario-compiler[carla]'", CANNOT_OPEN
-            ) from None
-        self._carla = carla
-        place = f"{self.options.host}:{self.options.port}"
-        if self.plan.step > LONGEST_STEP:
-            raise WorldError(
-                f"the time step is {self.plan.step:g} s; CARLA takes {LONGEST_STEP:g} s at most", CANNOT_OPEN
-            )
-        if (self.options.host, self.options.port) in TAKEN:
-            raise WorldError(f"another run is in the CARLA server at {place}: one at a time", CANNOT_OPEN)
-        TAKEN.add((self.options.host, self.options.port))
-        self._open = True
-        try:
-            self._client = carla.Client(self.options.host, self.options.port)
-            self._client.set_timeout(self.options.timeout)
-            client, server = self._client.get_client_version(), self._client.get_server_version()
-            if client.split("-")[0] != server.split("-")[0]:
-                raise WorldError(f"the client is CARLA {client}, the server at {place} is {server}", CANNOT_OPEN)
-            self._world = self._client.get_world()
-            self._before = self._world.get_settings()
-            self._before.synchronous_mode = False
-            self._load_map()
-            self._take_the_clock()
-        except RuntimeError as fault:
-            self.close()
-            raise WorldError(f"CARLA at {place}: {fault}", CANNOT_OPEN) from None
-        except BaseException:
-            self.close()
-            raise
-        self.versions |= {"carla_client": client, "carla_server": server, "carla_map": self._world.get_map().name}
-
-    def _load_map(self) -> None:
-        name = Path(self.plan.map.name).stem
-        known = {one.rpartition("/")[2] for one in self._client.get_available_maps()}
-        if name in known:
-            self._world = self._client.load_world(name)
-            if self._is_same_map():
-                return
-        document = read_document(Path(self.plan.map.file), Diagnostics())
-        if document is None:
-            raise WorldError(f"the map '{self.plan.map.file}' cannot be read", CANNOT_OPEN)
-        encoding = document.root.getroottree().docinfo.encoding or "utf-8"
-        text = export_for_carla(document, self.network).decode(encoding)
-        self._world = self._client.generate_opendrive_world(text)
-        if not self._is_same_map():
-            raise WorldError("the server's map has its lanes elsewhere than the plan's", CANNOT_OPEN)
-
-    def _is_same_map(self) -> bool:
-        """Return whether the entities' starts lie on lanes where the plan has them."""
-        map_ = self._world.get_map()
-        for start in self.plan.derived.values():
-            for place in self.network.locate(start.x, start.y)[:1]:
-                pose = self.network.lane_pose(place.road, place.lane, place.s)
-                there = carla_from_pose(pose)
-                at = self._carla.Location(*there[:3])
-                found = map_.get_waypoint(at, project_to_road=True, lane_type=self._carla.LaneType.Any)
-                if (
-                    found is None
-                    or math.dist((found.transform.location.x, found.transform.location.y), there[:2]) > SAME_PLACE
-                ):
-                    return False
-        return True
-
-    def _take_the_clock(self) -> None:
-        settings = self._world.get_settings()
-        settings.synchronous_mode, settings.fixed_delta_seconds = True, self.plan.step
-        self._world.apply_settings(settings)
-        self._library = self._world.get_blueprint_library()
-        if self.options.recording:
-            self._client.start_recorder(self.options.recording)
-
     def close(self) -> None:
         """Destroy the actors and restore the settings; a server that does not respond does so if it ever goes on."""
-        if not self._open:
-            return
-        self._open = False
-        TAKEN.discard((self.options.host, self.options.port))
-        if self._before is not None:
-            self._client.set_timeout(min(self.options.timeout, 2.0))
-            with contextlib.suppress(RuntimeError):
-                self._clear()
-                if self.options.recording:
-                    self._client.stop_recorder()
-            with contextlib.suppress(RuntimeError):
-                self._world.apply_settings(self._before)
+        self._session.close(self._clear)
         self._built_in.close()
 
     def __enter__(self) -> Self:
@@ -312,16 +176,6 @@ class CarlaWorld:
         self._client.apply_batch_sync([self._carla.command.DestroyActor(one) for one in gone], False)
         self._sensors, self._actors, self._lights, self._shown = [], {}, {}, {}
 
-    @contextlib.contextmanager
-    def _answering(self) -> Iterator[None]:
-        """Turn exceptions of the client into a WorldError."""
-        try:
-            yield
-        except RuntimeError as fault:
-            raise WorldError(f"CARLA at {self.options.host}:{self.options.port}: {fault}") from None
-
-    # A run.
-
     def reset(self, snapshot: Snapshot, seed: int) -> None:
         """Spawn all entities, and tick once without motion, so that there is a picture of t = 0."""
         from scenario_compiler.perception.degradation import Sensor
@@ -329,7 +183,7 @@ class CarlaWorld:
         self._built_in.reset(snapshot, seed)
         self._degradation = Sensor(seed, self._built_in.mounting.camera(), self.plan.ego.vehicle.center)
         self._drain()
-        with self._answering():
+        with self._session.answering():
             self._clear()
             self._set_weather(self.plan.weather if snapshot.weather is None else snapshot.weather)
             self._spawn_ego(snapshot.entities[0])
@@ -338,11 +192,11 @@ class CarlaWorld:
             self._look()
             if self.moves_ego:
                 self._give_speed(snapshot.entities[0].speed)
-            self._draw_route()
+            self._lines.draw_route(self.plan.route, self.network)
             self._follow_with_spectator()
 
     def _drain(self) -> None:
-        for one in (self._images, self._told):
+        for one in (self._images, self._reports):
             while not one.empty():
                 one.get_nowait()
 
@@ -384,11 +238,11 @@ class CarlaWorld:
         other = event.other_actor.id
         number = next((k for k, actor in self._actors.items() if actor.id == other), -1)
         entity = self.plan.entities[number].id if number > 0 else ""
-        self._told.put(WorldEvent("world_collision", self._clock, entity, event.other_actor.type_id))
+        self._reports.put(WorldEvent("world_collision", self._clock, entity, event.other_actor.type_id))
 
     def _note_lane(self, event: Any) -> None:
         kinds = ", ".join(sorted({str(mark.type) for mark in event.crossed_lane_markings}))
-        self._told.put(WorldEvent("lane_invasion", self._clock, message=kinds))
+        self._reports.put(WorldEvent("lane_invasion", self._clock, message=kinds))
 
     def _blueprint(self, entity: Entity) -> Any:
         wanted = entity.vehicle.name
@@ -398,9 +252,9 @@ class CarlaWorld:
         stand_in = STAND_INS[entity.vehicle.category]
         if not self._library.filter(stand_in):
             raise WorldError(f"CARLA's library has neither '{wanted}' nor '{stand_in}'")
-        told = f"CARLA's library has no '{wanted}', '{stand_in}' replaces it"
-        if all(one.message != told for one in self.findings):
-            self.findings.append(WorldFinding(OTHER_BLUEPRINT, told, f"entities/{entity.id}"))
+        message = f"CARLA's library has no '{wanted}', '{stand_in}' replaces it"
+        if all(one.message != message for one in self.findings):
+            self.findings.append(WorldFinding(OTHER_BLUEPRINT, message, f"entities/{entity.id}"))
         return self._library.find(stand_in)
 
     def _transform(self, number: int, pose: Pose) -> Any:
@@ -478,39 +332,6 @@ class CarlaWorld:
         ahead = self._actors[0].get_transform().get_forward_vector()
         self._actors[0].set_target_velocity(self._carla.Vector3D(ahead.x * speed, ahead.y * speed, ahead.z * speed))
 
-    def _draw_route(self) -> None:
-        for leg in self.plan.route:
-            count = max(math.ceil(abs(leg.s_to - leg.s_from) / 10.0), 1)
-            places = [leg.s_from + (leg.s_to - leg.s_from) * k / count for k in range(count + 1)]
-            points = [carla_from_pose(self.network.lane_pose(leg.road, leg.lane, s)) for s in places]
-            self._draw([(at.x, at.y, at.z) for at in points], YELLOW, 0.0)
-
-    def _draw_path(self, pose: Pose, path: Sequence[tuple[float, float]]) -> None:
-        """Draw the path that the controller predicts, points ahead and to the left of the ego's pose."""
-        points: list[tuple[float, float, float]] = []
-        last = (-math.inf, -math.inf)
-        c, s = math.cos(pose.heading), math.sin(pose.heading)
-        for x, y in path:
-            if math.isfinite(x + y) and math.dist((x, y), last) >= PATH_STEP:
-                last = (x, y)
-                at = (pose.x + c * x - s * y, pose.y + s * x + c * y, pose.z - math.tan(pose.pitch) * x)
-                points.append(carla_from_pose((*at, 0.0, 0.0, 0.0))[:3])
-        self._draw(points, PURPLE, ONCE * self.plan.step)
-
-    def _draw(self, points: Sequence[tuple[float, float, float]], colour: tuple[int, int, int], lasts: float) -> None:
-        """Draw a line; if the automation sees CARLA's images, only on the server's display.
-
-        Clients before 0.9.16 cannot draw on the display, and then no line is drawn.
-        """
-        carla, debug = self._carla, self._world.debug
-        draw = getattr(debug, "draw_hud_line", None) if self._carla_sees else debug.draw_line
-        if draw is None:
-            return
-        width = DISPLAY_WIDTH if self._carla_sees else LINE_WIDTH
-        for pair in pairwise(points):
-            begin, end = (carla.Location(x, y, z + LIFTED_LINE) for x, y, z in pair)
-            draw(begin, end, width, carla.Color(*colour), lasts)
-
     def _follow_with_spectator(self) -> None:
         at = self._actors[0].get_transform()
         behind = at.transform(self._carla.Location(x=-8.0, z=4.0))
@@ -522,7 +343,7 @@ class CarlaWorld:
         """Mirror the others, command the ego, tick, and return the ego's new state."""
         self._clock = snapshot.t
         ego = self.plan.entities[0]
-        with self._answering():
+        with self._session.answering():
             if snapshot.weather is not None:
                 self._set_weather(snapshot.weather)
             if self.moves_ego:
@@ -530,7 +351,7 @@ class CarlaWorld:
                 throttle, brake = self._pedals(ego, snapshot.entities[0].speed, command)
                 self._actors[0].apply_control(self._carla.VehicleControl(throttle, min(max(steer, -1.0), 1.0), brake))
             self._mirror(snapshot)
-            self._draw_path(snapshot.entities[0].pose, command.path)
+            self._lines.draw_path(snapshot.entities[0].pose, command.path, ONCE * self.plan.step)
             self._world.tick(self.options.timeout)
             self._look()
             self._follow_with_spectator()
@@ -586,6 +407,6 @@ class CarlaWorld:
     def events(self) -> Sequence[WorldEvent]:
         """Return the reports of the ego's collision and lane sensors since the last call."""
         found = []
-        while not self._told.empty():
-            found.append(self._told.get_nowait())
+        while not self._reports.empty():
+            found.append(self._reports.get_nowait())
         return found

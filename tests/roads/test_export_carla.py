@@ -102,7 +102,9 @@ def test_direct_junctions_become_default_ones_with_connecting_roads(corpus: Path
 def test_new_roads_lie_where_the_old_surface_was(corpus: Path, tmp_path: Path) -> None:
     before, data = export(corpus / CUSTOM_MAP)
     after = reload(tmp_path, data)
-    for road in [one for one in after.road_ids if one not in before.road_ids]:
+    added = [one for one in after.road_ids if one not in before.road_ids]
+    assert added
+    for road in added:
         for lane in after.lanes_at(road, 0.5 * JOINT_LENGTH):
             pose = after.lane_pose(road, lane.lane, 0.5 * JOINT_LENGTH)
             held = before.locate(pose.x, pose.y)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from scenario_compiler.study.folder import StudyError
 from scenario_compiler.study.journal import Journal, attempts_at, read_journal, step_reached
-from scenario_compiler.study.keeping import StudyError
 from tests.live.serving import file_sizes_limited
 
 

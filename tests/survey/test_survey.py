@@ -15,9 +15,9 @@ import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.resources import library_folder
+from scenario_compiler.survey.examining import Examined, examine, examine_all, given_up
 from scenario_compiler.survey.page import page_of
 from scenario_compiler.survey.spreading import spread
-from scenario_compiler.survey.studying import Studied, given_up, study, study_all
 from scenario_compiler.survey.survey import Survey, survey
 from tests.command import call
 
@@ -115,11 +115,11 @@ def test_many_processes_have_the_findings_of_one(folder: Path) -> None:
     assert done == [(number, 6) for number in range(1, 7)]
 
 
-def killed_by(target: str) -> Studied:
-    """End the process that studies one scenario, as the system does with one that takes too much memory."""
+def killed_by(target: str) -> Examined:
+    """End the process that examines one scenario, as the system does with one that takes too much memory."""
     if target.endswith("#nested"):
         os._exit(9)
-    return study(target)
+    return examine(target)
 
 
 @pytest.mark.slow
@@ -130,12 +130,12 @@ def test_a_process_that_dies_costs_only_its_own_scenario(folder: Path) -> None:
     assert "ended by the system" in found[1].fault
 
 
-def takes_long(target: str) -> Studied:
-    """Study a scenario for ten minutes."""
+def takes_long(target: str) -> Examined:
+    """Examine a scenario for ten minutes."""
     sys.stdout.write("begun\n")
     sys.stdout.flush()
     time.sleep(600.0)
-    return study(target)
+    return examine(target)
 
 
 def test_ctrl_c_ends_all_processes_at_once(repository: Path) -> None:
@@ -158,8 +158,8 @@ def test_ctrl_c_ends_all_processes_at_once(repository: Path) -> None:
 
 
 def test_scenarios_with_other_content_are_not_near_duplicates(folder: Path) -> None:
-    studied = list(study_all([f"{folder / 'good.xml'}#{name}" for name in ("blocked", "nested", "nothing_there")]))
-    assert len({one.likeness for one in studied}) == 3
+    examined = list(examine_all([f"{folder / 'good.xml'}#{name}" for name in ("blocked", "nested", "nothing_there")]))
+    assert len({one.likeness for one in examined}) == 3
 
 
 def test_the_command_writes_page_data_and_tags(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -19,7 +19,7 @@ from scenario_compiler.compiler import Overrides
 from scenario_compiler.recording.store import read_recording
 from scenario_compiler.vocabulary.sensors import Failure
 from scenario_compiler.worlds import WorldError
-from scenario_compiler.worlds.carla import PURPLE, YELLOW
+from scenario_compiler.worlds.carla_lines import PURPLE, YELLOW
 from tests.carla_server.conftest import PATIENCE, Served, client_version, served
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]

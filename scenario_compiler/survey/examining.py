@@ -31,7 +31,7 @@ class Ran(BaseModel):
     resolution: str = Field(description="How the first takeover request ended.")
 
 
-class Studied(BaseModel):
+class Examined(BaseModel):
     """The results for one scenario."""
 
     model_config = ConfigDict(frozen=True)
@@ -52,14 +52,14 @@ class Studied(BaseModel):
     numbers: dict[str, float] = Field(default={}, description="The numbers of its plan, by where they stand.")
 
 
-def study_all(
+def examine_all(
     targets: Sequence[str],
     *,
     runs: int = 0,
     processes: int = 1,
     maps: Sequence[Path] = (),
     progress: Callable[[int, int], None] | None = None,
-) -> Iterator[Studied]:
+) -> Iterator[Examined]:
     """Return the results for each scenario, in order.
 
     Args:
@@ -69,16 +69,16 @@ def study_all(
         maps: Folders in which maps are looked for first.
         progress: Called with the number of finished scenarios and the total.
     """
-    task = partial(study, runs=runs, maps=tuple(maps), templates=templates_given())
+    task = partial(examine, runs=runs, maps=tuple(maps), templates=templates_given())
     return results_of(targets, task, given_up, processes=processes, progress=progress)
 
 
-def given_up(target: str, fault: str) -> Studied:
+def given_up(target: str, fault: str) -> Examined:
     """Return the results for a scenario that could not be examined."""
-    return Studied(target=target, name=split_target(target)[1] or Path(target).stem, fault=fault)
+    return Examined(target=target, name=split_target(target)[1] or Path(target).stem, fault=fault)
 
 
-def study(target: str, runs: int = 0, maps: Sequence[Path] = (), templates: Sequence[Path] = ()) -> Studied:
+def examine(target: str, runs: int = 0, maps: Sequence[Path] = (), templates: Sequence[Path] = ()) -> Examined:
     """Return the results for one scenario; if it cannot be compiled, they have the reason."""
     sink = Diagnostics()
     with templates_from(templates):
@@ -92,7 +92,7 @@ def study(target: str, runs: int = 0, maps: Sequence[Path] = (), templates: Sequ
         return given_up(target, f"{first.code.id} {first.message} ({position_text(first.place)})")
     plan = compilation.plan
     same, numbers = likeness(plan)
-    return Studied(
+    return Examined(
         target=target,
         name=plan.name,
         summary=plan.summary,
