@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import chain
 from math import hypot, inf
 from operator import attrgetter, itemgetter
@@ -163,7 +163,7 @@ class Reader:
             found = list(map(float, chain.from_iterable(map(texts, map(ATTRIBUTES, records)))))
             s, a, b, c, d = BY_COLUMN(found)
             if hypot(*found) < LENGTH_LIMIT and s == sorted(s):
-                return append_cubics(n, map(origin.__add__, s), a, b, c, d)
+                return append_cubics(n, [origin + one for one in s], a, b, c, d)
         except (KeyError, ValueError):
             pass
         return append_cubics(n, *zip(*self._cubics_one_by_one(records, station, origin), strict=True))
@@ -187,7 +187,7 @@ Cubic = tuple[float, float, float, float, float]
 
 
 def append_cubics(
-    n: RoadTables, s: Iterable[float], a: Sequence[float], b: Sequence[float], c: Sequence[float], d: Sequence[float]
+    n: RoadTables, s: Sequence[float], a: Sequence[float], b: Sequence[float], c: Sequence[float], d: Sequence[float]
 ) -> tuple[int, int]:
     """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere."""
     first = len(n.cubic_s)

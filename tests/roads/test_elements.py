@@ -119,6 +119,30 @@ def test_a_read_file_is_not_kept() -> None:
         gc.enable()
 
 
+def test_the_garbage_collector_pauses_while_a_file_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "made.xodr"
+    path.write_text("<OpenDRIVE>" + "".join(road(str(i)) for i in range(1000)) + "</OpenDRIVE>", encoding="utf-8")
+    begun: list[str] = []
+
+    def collected(phase: str, _: dict[str, int]) -> None:
+        begun.append(phase)
+
+    usual = gc.get_threshold()
+    gc.callbacks.append(collected)
+    try:
+        gc.set_threshold(100)
+        load_network(path, cache=False)
+        assert gc.isenabled()
+        assert begun.count("start") < 20, "it was about 250 times"
+        gc.disable()
+        load_network(path, cache=False)
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+        gc.set_threshold(*usual)
+        gc.callbacks.remove(collected)
+
+
 def test_grandchildren_are_in_the_order_of_the_file() -> None:
     root = RoadFile("a.xodr", b"<a><b><c n='1'/><d/><c n='2'/></b><c n='4'/><b><c n='3'/></b></a>").parse(
         print, Diagnostics()
