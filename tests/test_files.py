@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import sys
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,17 @@ def test_a_file_is_read_up_to_its_limit(tmp_path: Path) -> None:
     assert read_file(file, len(content)) == content
     with pytest.raises(OSError, match=f"at most {len(content) - 1} are read"):
         read_file(file, len(content) - 1)
+
+
+def test_memory_for_a_file_is_reserved_once(tmp_path: Path) -> None:
+    size = 8 * 1024 * 1024
+    (tmp_path / "a").write_bytes(bytes(size))
+    tracemalloc.start()
+    try:
+        assert len(read_file(tmp_path / "a")) == size
+        assert tracemalloc.get_traced_memory()[1] < 1.5 * size
+    finally:
+        tracemalloc.stop()
 
 
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="a file of another size than it says")

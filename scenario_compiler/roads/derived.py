@@ -38,7 +38,7 @@ def _fill_cells(n: RoadTables) -> None:
     keys, chunks = _ints(room), _ints(room)
     while (count := _form(n).enter("list_cells", keys, chunks)) > len(keys):
         keys, chunks = _ints(count), _ints(count)
-    order = array("q", sorted(range(count), key=keys.__getitem__))
+    order = array("q", sorted(range(count), key=keys.tolist().__getitem__))
     wide = keys[:count].count(IN_NO_CELL)
     for of, size in ((CELL, count), (CELL_CHUNK, count - wide), (WIDE, wide)):
         _resize(n, of, size)

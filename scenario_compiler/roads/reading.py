@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import chain
 from math import hypot, inf
 from operator import attrgetter, itemgetter
@@ -158,18 +158,29 @@ class Reader:
             station: Name of the attribute for a record's start: "s", "t", "sOffset" or "ds".
             origin: Value to which that attribute is relative.
         """
-        texts = CUBICS[station].texts
-        try:
-            found = list(map(float, chain.from_iterable(map(texts, map(ATTRIBUTES, records)))))
-            s, a, b, c, d = BY_COLUMN(found)
-            if hypot(*found) < LENGTH_LIMIT and s == sorted(s):
-                return append_cubics(n, map(origin.__add__, s), a, b, c, d)
-        except (KeyError, ValueError):
-            pass
-        return append_cubics(n, *zip(*self._cubics_one_by_one(records, station, origin), strict=True))
+        if not records:
+            return len(n.cubic_s), len(n.cubic_s)
+        columns = self._cubics_at_once(records, station, origin) or self._cubics_one_by_one(records, station, origin)
+        return append_cubics(n, *columns)
 
-    def _cubics_one_by_one(self, records: Sequence[PlainElement], station: str, origin: float) -> list[Cubic]:
-        """Return cubics in ascending order, and report numbers that are wrong and records that are not in order."""
+    def _cubics_at_once(
+        self, records: Sequence[PlainElement], station: str, origin: float
+    ) -> tuple[list[float], ...] | None:
+        """Return the columns of cubics, None if a number is wrong or missing or a record is not in order."""
+        try:
+            texts = map(CUBICS[station].texts, map(ATTRIBUTES, records))
+            found = list(map(float, chain.from_iterable(texts)))
+        except (KeyError, ValueError):
+            return None
+        s, a, b, c, d = BY_COLUMN(found)
+        if hypot(*found) < NUMBER_LIMIT and s == sorted(s) and -LENGTH_LIMIT <= s[0] <= s[-1] <= LENGTH_LIMIT:
+            return [origin + one for one in s], a, b, c, d
+        return None
+
+    def _cubics_one_by_one(
+        self, records: Sequence[PlainElement], station: str, origin: float
+    ) -> tuple[tuple[float, ...], ...]:
+        """Return the columns of cubics, sorted, and report wrong numbers and records that are not in order."""
         rows: list[Cubic] = []
         last = -inf
         for record in records:
@@ -179,7 +190,7 @@ class Reader:
             last = s
             rows.append((origin + s, a, b, c, d))
         rows.sort(key=itemgetter(0))
-        return rows
+        return tuple(zip(*rows, strict=True))
 
 
 Cubic = tuple[float, float, float, float, float]
@@ -187,7 +198,7 @@ Cubic = tuple[float, float, float, float, float]
 
 
 def append_cubics(
-    n: RoadTables, s: Iterable[float], a: Sequence[float], b: Sequence[float], c: Sequence[float], d: Sequence[float]
+    n: RoadTables, s: Sequence[float], a: Sequence[float], b: Sequence[float], c: Sequence[float], d: Sequence[float]
 ) -> tuple[int, int]:
     """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere."""
     first = len(n.cubic_s)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import weakref
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,8 @@ from scenario_compiler.document import MAX_ATTRIBUTES, drop_namespace, parse_doc
 from scenario_compiler.roads import load_network
 from scenario_compiler.roads.elements import PlainElement, RoadFile, grandchildren
 from scenario_compiler.roads.parse import read_network
+from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
+from scenario_compiler.roads.tables import RoadTables
 from tests.roads.make import road
 
 PIECES = (
@@ -117,6 +120,56 @@ def test_a_read_file_is_not_kept() -> None:
         assert kept() is None
     finally:
         gc.enable()
+
+
+def test_the_garbage_collector_pauses_while_a_file_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "made.xodr"
+    path.write_text("<OpenDRIVE>" + "".join(road(str(i)) for i in range(1000)) + "</OpenDRIVE>", encoding="utf-8")
+    begun: list[str] = []
+
+    def collected(phase: str, _: dict[str, int]) -> None:
+        begun.append(phase)
+
+    usual = gc.get_threshold()
+    gc.callbacks.append(collected)
+    try:
+        gc.set_threshold(100)
+        load_network(path, cache=False)
+        assert gc.isenabled()
+        assert begun.count("start") < 20, "it was about 250 times"
+        gc.disable()
+        load_network(path, cache=False)
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+        gc.set_threshold(*usual)
+        gc.callbacks.remove(collected)
+
+
+NUMBERS = ("0", "-0.0", "1", "2.5e1", "1e7", "1.1e7", "-1e7", "-1.1e7", "1e12", "-2e12", "nan", "inf", "x", "")
+
+
+@given(
+    st.lists(st.fixed_dictionaries({}, optional=dict.fromkeys(("s", *"abcd"), st.sampled_from(NUMBERS))), max_size=4),
+    st.sampled_from([0.0, -0.0, 12.5]),
+)
+def test_cubics_are_the_same_at_once_and_one_by_one(records: list[dict[str, str]], origin: float) -> None:
+    """Each record is read alone, with its findings, and they are sorted by s."""
+    tags = "".join(f"<b {' '.join(f'{name}={text!r}' for name, text in one.items())}/>" for one in records)
+    file = RoadFile("a.xodr", f"<a>{tags}</a>".encode())
+    root = file.parse(print, Diagnostics())
+    assert root is not None
+    together, alone = RoadTables(), RoadTables()
+    found, expected = Diagnostics(), Diagnostics()
+    Reader(file, found).cubics(together, list(root), "s", origin)
+    for one in sorted(root, key=lambda one: Reader(file, Diagnostics()).number(one, "s", 0.0, limit=LENGTH_LIMIT)):
+        Reader(file, expected).cubics(alone, [one], "s", origin)
+    rows = [list(zip(n.cubic_s, n.cubic_a, n.cubic_b, n.cubic_c, n.cubic_d, strict=True)) for n in (together, alone)]
+    assert [row for row in rows[0] if any(row[1:])] == rows[1]
+    bad = [one.message for one in found if one.code.id == "SC305"]
+    assert sorted(bad) == sorted(one.message for one in expected)
+    starts = [Reader(file, Diagnostics()).number(one, "s", 0.0, limit=LENGTH_LIMIT) for one in root]
+    assert len(found.found) - len(bad) == sum(b < a for a, b in pairwise(starts))
 
 
 def test_grandchildren_are_in_the_order_of_the_file() -> None:
