@@ -16,7 +16,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 ROOT = Path(__file__).resolve().parent
 sys.path.insert(0, str(ROOT))
 
-from scenario_compiler.forms.making import NoCompilerError, compiler, make  # noqa: E402
+from scenario_compiler.forms.making import BuildError, NoCompilerError, compiler, make  # noqa: E402
 from scenario_compiler.forms.note import LIBRARY, NOTE  # noqa: E402
 
 COMPILER = "ziglang>=0.13"
@@ -43,6 +43,8 @@ class EngineBuildHook(BuildHookInterface):  # type: ignore[type-arg]
         except NoCompilerError as error:
             self.app.display_warning(f"the engine will run interpreted: {error}")
             return
+        except BuildError as error:
+            self.app.abort(f"the engine cannot be built: {error}")
         self.app.display_info(f"the engine is built as C by {note.made_by}")
         if version == "editable":
             return

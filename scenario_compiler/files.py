@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
+from typing import BinaryIO
 
 MAX_BYTES = 512 * 1024 * 1024
 """Largest file that is read, bytes; a bound on memory, far above any real road file (the largest known has 60 MB)."""
@@ -53,9 +54,6 @@ def split_target(target: str | Path) -> tuple[str, str | None]:
 def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:
     """Return the content of an ordinary file, or its unsaved content (see `unsaved`).
 
-    The kind of the file is read from the opened file, which nobody can replace any more. A pipe is opened without
-    waiting for its other end.
-
     Args:
         path: The file.
         limit: Greatest size of the file, bytes.
@@ -67,16 +65,33 @@ def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:
     standing_in = _UNSAVED.get()
     if standing_in is not None and (held := standing_in.get(os.path.realpath(path))) is not None:
         return held
+    with opened_file(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        if size > limit:
+            raise OSError(errno.EFBIG, f"it has {size} bytes; at most {limit} are read")
+        return _content(file.fileno(), size, limit)
+
+
+@contextmanager
+def opened_file(path: str | Path) -> Iterator[BinaryIO]:
+    """Open an ordinary file for reading while the context is open.
+
+    The kind of the file is read from the opened file, which nobody can replace any more. A pipe is opened without
+    waiting for its other end.
+
+    Raises:
+        OSError: The file is missing, cannot be opened, or is not an ordinary file.
+        ValueError: No file can have such a name.
+    """
     handle = os.open(path, os.O_RDONLY | _AT_ONCE)
     try:
-        status = os.fstat(handle)
-        if stat.S_ISDIR(status.st_mode):
+        kind = os.fstat(handle).st_mode
+        if stat.S_ISDIR(kind):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-        if not stat.S_ISREG(status.st_mode):
+        if not stat.S_ISREG(kind):
             raise OSError(errno.EINVAL, "it is a pipe, a socket or a device")
-        if status.st_size > limit:
-            raise OSError(errno.EFBIG, f"it has {status.st_size} bytes; at most {limit} are read")
-        return _content(handle, status.st_size, limit)
+        with os.fdopen(handle, "rb", closefd=False) as file:
+            yield file
     finally:
         os.close(handle)
 

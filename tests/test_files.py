@@ -11,11 +11,14 @@ from pathlib import Path
 
 import pytest
 
+from scenario_compiler.batch.distributions import SweepError
+from scenario_compiler.batch.results import read_results
 from scenario_compiler.cli.options import WrongUse, keep_inputs
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.files import read_file, split_target
 from scenario_compiler.languages import parse, read_scenario_document
 from scenario_compiler.plan.store import read_plan
+from scenario_compiler.recording.store import RecordingError, read_recording
 from scenario_compiler.recording.trajectory import read_trajectory
 from scenario_compiler.resources import find_map
 from scenario_compiler.roads import load_network
@@ -83,6 +86,15 @@ def test_a_schema_that_is_not_an_ordinary_file_is_ignored(tmp_path: Path, kind: 
     odd = _odd(tmp_path, kind)
     odd.rename(odd.with_name("OpenDRIVE_1.4.xsd"))
     assert find_schema(tmp_path, "OpenDRIVE", 4) is None
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder", "loop"])
+def test_tables_are_read_from_ordinary_files_only(tmp_path: Path, kind: str) -> None:
+    path = _odd(tmp_path, kind)
+    with pytest.raises(RecordingError, match="cannot be read: "):
+        read_recording(path)
+    with pytest.raises(SweepError, match="is not the table of a sweep"):
+        read_results(path)
 
 
 @pytest.mark.parametrize("kind", ["pipe", "device", "loop"])

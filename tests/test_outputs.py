@@ -143,6 +143,18 @@ def test_output_that_cannot_be_printed_is_reported_in_one_line(words: tuple[str,
     assert (done.returncode, done.stderr) == (2, "scenario-compiler: output: No space left on device\n")
 
 
+def test_a_current_folder_that_was_deleted_is_reported_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    assert call("run", "obstacle_ahead", "--perception", "ideal", "--duration", "0.2", "-o", "out") == 2
+    assert told_in_one_line(capsys) == "scenario-compiler: the current folder: No such file or directory"
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.mark.parametrize(
     ("words", "code"),
     [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
@@ -49,8 +50,12 @@ def suggestion(word: str, known: Iterable[str]) -> str:
 
 
 def reason_of(fault: OSError) -> str:
-    """Return in one line which file could not be read or written, and why; without a file it is the output."""
-    return f"{fault.filename or 'output'}: {fault.strerror or fault}"
+    """Return in one line which file could not be read or written, and why.
+
+    Without a file it is the output or, if something is missing, the current folder, which somebody has deleted.
+    """
+    unnamed = "the current folder" if fault.errno == errno.ENOENT else "output"
+    return f"{fault.filename or unnamed}: {fault.strerror or fault}"
 
 
 def keep_inputs(inputs: Iterable[str | Path], *outputs: Path | None) -> None:

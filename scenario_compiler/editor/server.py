@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 from lsprotocol import types as lsp
 from pygls import uris
@@ -364,12 +364,12 @@ def _add_pictures(server: ScenarioServer) -> None:
         return [] if analysis is None else [_lens(server, analysis.draft, uri, *one) for one in scenarios(analysis)]
 
     @server.command(PREVIEW)
-    async def preview(uri: Any, name: Any) -> str | None:
+    async def preview(uri: str, name: str) -> str | None:
         """Draw the plan of a scenario and show the picture; the answer is its file."""
-        picture = server.picture(re.sub(r"[^\w.-]", "_", str(name)))
+        picture = server.picture(re.sub(r"[^\w.-]", "_", name))
         loop = asyncio.get_running_loop()
         try:
-            await loop.run_in_executor(server.checker, server.open.preview, path_of(str(uri)), str(name), picture)
+            await loop.run_in_executor(server.checker, server.open.preview, path_of(uri), name, picture)
         except CompileError as fault:
             first = str(fault).partition("\n")[0]
             server.window_show_message(lsp.ShowMessageParams(lsp.MessageType.Error, f"no preview of '{name}': {first}"))

@@ -112,13 +112,20 @@ def make(*, noting_sources: bool = True) -> Note:
 
 
 def main() -> int:
-    """Make the library unless it is up to date, and write to stderr which form of the engine there is."""
+    """Make the library unless it is up to date, and write to stderr which form of the engine there is.
+
+    Returns:
+        The exit code: 1 if there is a C compiler and it fails.
+    """
     note = Note.read()
     try:
         if note is None or not note.is_fresh:
             note = make()
     except NoCompilerError as error:
         sys.stderr.write(f"the engine runs interpreted: {error}\n")
+    except BuildError as error:
+        sys.stderr.write(f"the engine cannot be built: {error}\n")
+        return 1
     else:
         sys.stderr.write(f"the engine runs as C, built by {note.made_by}\n")
     return 0

@@ -15,11 +15,18 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from scenario_compiler.files import opened_file
+
 
 @contextmanager
 def opened_parquet(path: Path, **options: Any) -> Iterator[pq.ParquetFile]:
-    """Open a Parquet file, whatever bytes its name has: pyarrow itself opens only files whose names are UTF-8."""
-    with path.open("rb") as content, pq.ParquetFile(content, **options) as file:
+    """Open a Parquet file; pyarrow itself opens only names in UTF-8, and waits for the other end of a pipe.
+
+    Raises:
+        OSError: The file is missing, cannot be opened, or is not an ordinary file.
+        ArrowException: It is not a Parquet file.
+    """
+    with opened_file(path) as content, pq.ParquetFile(content, **options) as file:
         yield file
 
 

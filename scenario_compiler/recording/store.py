@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import base64
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -86,8 +85,8 @@ def read_recording(path: Path) -> Recording:
     except RecordingError:
         raise
     except _UNREADABLE as problem:
-        if isinstance(problem, OSError) and problem.errno is not None:  # pyarrow's own text names the file again
-            raise RecordingError(f"{path} cannot be read: {os.strerror(problem.errno)}") from problem
+        if isinstance(problem, OSError) and problem.strerror is not None:
+            raise RecordingError(f"{path} cannot be read: {problem.strerror}") from problem
         raise RecordingError(f"{path} is not a recording: {problem}") from problem
 
 

@@ -85,10 +85,28 @@ def test_the_chosen_compiler_comes_first(tmp_path: Path, monkeypatch: pytest.Mon
     assert compiler() == [str(mine)]
 
 
-def test_the_interpreted_form_serves_without_a_library(repository: Path, tmp_path: Path) -> None:
+@pytest.fixture
+def copy(repository: Path, tmp_path: Path) -> Path:
+    """A copy of the checkout without machine code."""
     copy = tmp_path / "copy"
     for name in ("scenario_compiler", "schemas", "library", "maps"):
         shutil.copytree(repository / name, copy / name, ignore=shutil.ignore_patterns("engine.library", "__pycache__"))
+    return copy
+
+
+def test_a_compiler_that_fails_is_reported_without_a_traceback(copy: Path, tmp_path: Path) -> None:
+    """A machine has gcc, but not the headers of the C library, as small images of containers do."""
+    mine = tmp_path / "mycc"
+    mine.write_text("#!/bin/sh\necho 'fatal error: math.h: No such file' >&2\nexit 1\n", encoding="utf-8")
+    mine.chmod(0o755)
+    command = [sys.executable, "-m", "scenario_compiler.forms.making"]
+    environment = {**os.environ, "CC": str(mine)}
+    done = subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False, env=environment)
+    assert done.returncode == 1
+    assert done.stderr == f"the engine cannot be built: {mine} failed:\nfatal error: math.h: No such file\n\n"
+
+
+def test_the_interpreted_form_serves_without_a_library(copy: Path) -> None:
     command = [sys.executable, "-m", "scenario_compiler", "run", str(copy / "library/conflicts/obstacle_ahead.xml")]
     command += ["--perception", "ideal", "--duration", "1"]
     done = subprocess.run(command, cwd=copy, capture_output=True, text=True, check=True, env={**os.environ})

@@ -108,8 +108,8 @@ def test_blinkers_are_on_their_side() -> None:
 def test_lamps_have_carlas_numbers() -> None:
     carla = pytest.importorskip("carla")
     names = {"LOW_BEAM": "LowBeam", "HIGH_BEAM": "HighBeam", "RIGHT_BLINKER": "RightBlinker",
-             "LEFT_BLINKER": "LeftBlinker"}  # fmt: skip
-    for lamp in Lamp:
+             "LEFT_BLINKER": "LeftBlinker", "NONE": "NONE"}  # fmt: skip
+    for lamp in (Lamp.NONE, *Lamp):
         if lamp is not Lamp.AUTOMATIC:
             name = names.get(str(lamp.name), str(lamp.name).capitalize())
             assert int(getattr(carla.VehicleLightState, name)) == lamp
