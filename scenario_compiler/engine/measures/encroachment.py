@@ -4,7 +4,7 @@ Two vehicles were at the same place if the box of one overlaps the box that the 
 all entities in the last seconds are kept in columns that are not cleared between runs; `trail_count` says how many of
 them are valid. The search backwards skips the rows in which the other vehicle was too far away, and returns how far
 both may travel before there can be a result. A vehicle that drives straight on stays in one strip of the plane; the
-rows since which the ego has been beside that strip are skipped too, and while it stays there only the rows before count.
+rows since which the ego has been beside that strip are skipped too, and while it stays there only earlier rows count.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def is_beside_strip(p: Program, m: Totals, ego: int, j: int, x: float, y: float,
 
 @compiled
 def kept_rows_beside(p: Program, m: Totals, ego: int, j: int, last: int) -> int:
-    """Return for how many kept rows before the present one, at most `last`, j was in its strip and the ego beside it."""
+    """Return for how many kept rows before the present one, at most `last`, j was in its strip and the ego beside."""
     c = m.strip_cos[j]
     s = m.strip_sin[j]
     for k in range(1, last + 1):

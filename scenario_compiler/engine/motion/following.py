@@ -31,6 +31,15 @@ def free_pull(v: float, desired: float, least: float) -> float:
 
 
 @compiled
+def free_acceleration(p: Program, i: int, v: float, desired: float) -> float:
+    """Return what `idm_acceleration` returns without a leader, m/s2."""
+    base = p.entity_const[i]
+    a = p.const[base + slot.E_ACCELERATION]
+    pull = free_pull(v, desired, -p.const[base + slot.E_DECELERATION] / max(a, 0.1))
+    return clip(a * pull, -p.const[base + slot.E_MAX_DECELERATION], a)
+
+
+@compiled
 def idm_acceleration(p: Program, i: int, v: float, desired: float, gap: float, lead: float) -> float:
     """Return the model's acceleration for entity i, limited by its brakes, m/s2; `gap` is FAR if there is no leader."""
     base = p.entity_const[i]
