@@ -17,9 +17,9 @@ from scenario_compiler.recording.traces import TIMED_EVENTS
 
 def finite_or_none(values: Floats) -> list[float | None]:
     """Return numbers (n) as a list, with None for those that are NaN or infinite."""
-    found: list[float | None] = values.tolist()
-    for place in np.flatnonzero(~np.isfinite(values)):
-        found[place] = None
+    numbers = values.astype(object)
+    numbers[~np.isfinite(values)] = None
+    found: list[float | None] = numbers.tolist()
     return found
 
 

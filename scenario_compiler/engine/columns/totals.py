@@ -305,8 +305,9 @@ class Totals(Columns):
     beside_rows: list[int] = column(ENTITY)
     """Number of kept rows for which the ego has been beside that strip, and the last of them."""
     beside_at: list[int] = column(ENTITY, op.NONE)
-    needs_strip: list[int] = column(ENTITY)
-    """1 if `free_before` and `free_behind` are valid only as long as the ego stays beside that strip."""
+    strip_for: list[float] = column(ENTITY)
+    """Distance that both may still travel together while `free_before` and `free_behind` leave out the rows since which
+    the ego has been beside that strip, m; 0 if they leave out none."""
     trail_every: list[int] = column(RUN, 1)
     """Number of steps from one kept row to the next."""
     trail_limit: list[int] = column(RUN, 1)

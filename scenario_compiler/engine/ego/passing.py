@@ -18,7 +18,7 @@ from scenario_compiler.engine.columns.numbers import clip, ratio, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.foresight import HORIZON_STEP, ONCOMING, reacts_to
-from scenario_compiler.engine.motion.following import idm_acceleration
+from scenario_compiler.engine.motion.following import free_acceleration
 from scenario_compiler.engine.motion.steering import shift_distance
 from scenario_compiler.marker import compiled
 
@@ -235,7 +235,7 @@ def meets_oncoming(
     for k in range(PASSING_STEPS):
         time = (k + 1) * HORIZON_STEP
         slows = gone < out and braking > 0.0
-        a = -braking if slows else idm_acceleration(p, i, v, usual, op.FAR, 0.0)
+        a = -braking if slows else free_acceleration(p, i, v, usual)
         faster = max(v + a * HORIZON_STEP, 0.0)
         before = gone
         gone += 0.5 * (v + faster) * HORIZON_STEP

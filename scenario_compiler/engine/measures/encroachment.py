@@ -4,7 +4,7 @@ Two vehicles were at the same place if the box of one overlaps the box that the 
 all entities in the last seconds are kept in columns that are not cleared between runs; `trail_count` says how many of
 them are valid. The search backwards skips the rows in which the other vehicle was too far away, and returns how far
 both may travel before there can be a result. A vehicle that drives straight on stays in one strip of the plane; the
-rows since which the ego has been beside that strip are skipped too, and while it stays there only the rows before count.
+rows since which the ego has been beside that strip are skipped too, and while it stays there only earlier rows count.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def is_beside_strip(p: Program, m: Totals, ego: int, j: int, x: float, y: float,
 
 @compiled
 def kept_rows_beside(p: Program, m: Totals, ego: int, j: int, last: int) -> int:
-    """Return for how many kept rows before the present one, at most `last`, j was in its strip and the ego beside it."""
+    """Return for how many kept rows before the present one, at most `last`, j was in its strip and the ego beside."""
     c = m.strip_cos[j]
     s = m.strip_sin[j]
     for k in range(1, last + 1):
@@ -242,22 +242,23 @@ def look_back_where_due(p: Program, st: State, m: Totals, j: int, ego: int, limi
     m.free_before[j] -= driven
     m.free_behind[j] -= driven
     last = min(limit - 1, m.trail_count[0])
-    free = m.free_before[j] > 0.0 and m.free_behind[j] > 0.0
-    if free and (m.needs_strip[j] == 0 or rows_beside(p, st, m, ego, j, last) > 1):
-        return limit
-    if m.needs_strip[j] == 1:
-        m.needs_strip[j] = 0
-        m.free_before[j] = 0.0
-        m.free_behind[j] = 0.0
-    found = look_back_twice(p, st, m, j, ego, limit, 0)
+    apart = 0
+    if m.strip_for[j] > 0.0:
+        m.strip_for[j] -= driven
+        apart = rows_beside(p, st, m, ego, j, last)
+        if apart <= 1 or m.strip_for[j] <= 0.0:
+            apart = 0
+            m.strip_for[j] = 0.0
+            m.free_before[j] = 0.0
+            m.free_behind[j] = 0.0
     if m.free_before[j] > 0.0 and m.free_behind[j] > 0.0:
-        return found
-    apart = rows_beside(p, st, m, ego, j, last)
-    if apart > 1:
-        m.needs_strip[j] = 1
-        found = look_back_twice(p, st, m, j, ego, found, apart)
-        m.free_before[j] = min(m.free_before[j], ASK_AGAIN)
-        m.free_behind[j] = min(m.free_behind[j], ASK_AGAIN)
+        return limit
+    found = look_back_twice(p, st, m, j, ego, limit, apart)
+    if apart == 0 and (m.free_before[j] <= 0.0 or m.free_behind[j] <= 0.0):
+        apart = rows_beside(p, st, m, ego, j, last)
+        if apart > 1:
+            m.strip_for[j] = ASK_AGAIN
+            found = look_back_twice(p, st, m, j, ego, found, apart)
     return found
 
 

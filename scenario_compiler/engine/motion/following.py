@@ -22,16 +22,30 @@ FOLLOW_HORIZON = 200.0
 
 
 @compiled
+def free_pull(v: float, desired: float, least: float) -> float:
+    """Return the model's acceleration on a free road as a multiple of the usual one, at least `least`."""
+    free = ratio(v, desired, 2.0)
+    free = free * free
+    pull = 1.0 - free * free
+    return least if pull < least else pull
+
+
+@compiled
+def free_acceleration(p: Program, i: int, v: float, desired: float) -> float:
+    """Return what `idm_acceleration` returns without a leader, m/s2."""
+    base = p.entity_const[i]
+    a = p.const[base + slot.E_ACCELERATION]
+    pull = free_pull(v, desired, -p.const[base + slot.E_DECELERATION] / max(a, 0.1))
+    return clip(a * pull, -p.const[base + slot.E_MAX_DECELERATION], a)
+
+
+@compiled
 def idm_acceleration(p: Program, i: int, v: float, desired: float, gap: float, lead: float) -> float:
     """Return the model's acceleration for entity i, limited by its brakes, m/s2; `gap` is FAR if there is no leader."""
     base = p.entity_const[i]
     a = p.const[base + slot.E_ACCELERATION]
     b = p.const[base + slot.E_DECELERATION]
-    free = ratio(v, desired, 2.0)
-    free = free * free
-    pull = 1.0 - free * free
-    if pull < -b / max(a, 0.1):
-        pull = -b / max(a, 0.1)
+    pull = free_pull(v, desired, -b / max(a, 0.1))
     if gap < op.FAR:
         closing = ratio(v * (v - lead), 2.0 * safe_sqrt(a * b), 0.0)
         wanted = p.const[base + slot.E_MINIMUM_GAP] + max(0.0, v * p.const[base + slot.E_TIME_GAP] + closing)
