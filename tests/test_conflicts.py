@@ -158,6 +158,48 @@ def test_a_full_lane_beside_the_ramp_causes_a_request() -> None:
     assert first(recording, "request") < 9.0
 
 
+EXIT_ONLY = """<scenarios version="1"><scenario name="exit" map="highway_loop" duration="24" control_every="2">
+<ego speed="25"><start><lane road="12" lane="-3" s="185"/></start>{destination}</ego>{beside}
+<takeover budget="4"><cause kind="lane_ends"/><driver preset="absent"/></takeover></scenario></scenarios>"""
+STRAIGHT_ON = '<destination><lane road="14" lane="-2" s="250"/></destination>'
+OFF = '<destination><lane road="32" lane="-1" s="60"/></destination>'
+FULL = """<repeat count="9" as="k"><dynamic id="truck" speed="25">
+<start><ahead_of entity="ego" lanes="1" distance="${30 * $k - 120}"/></start></dynamic></repeat>"""
+
+
+def exit_only(folder: Path, destination: str, beside: str = "") -> tuple[Plan, Recording, Outcome]:
+    """Play a car on a deceleration lane of a motorway that nobody but those who exit uses."""
+    path = folder / "exit.xml"
+    path.write_text(EXIT_ONLY.format(destination=destination, beside=beside), encoding="utf-8")
+    sink = Diagnostics()
+    found = compile_target(path, {}, sink, overrides=Overrides(perception="ideal"))
+    assert found is not None, as_text(list(sink))
+    return played(found)
+
+
+def test_a_lane_that_leaves_the_route_is_left_in_time_if_the_lane_beside_is_free(tmp_path: Path) -> None:
+    _, recording, outcome = exit_only(tmp_path, STRAIGHT_ON)
+    assert outcome.resolution == "no_request"
+    assert outcome.stop_reason == "destination"
+    assert first(recording, "merge") < math.inf
+
+
+def test_a_lane_that_leaves_the_route_beside_a_full_one_causes_a_request(tmp_path: Path) -> None:
+    plan, recording, outcome = exit_only(tmp_path, STRAIGHT_ON, FULL)
+    assert outcome.cause == "lane_ends"
+    asked = int(np.argmin(np.abs(recording.t - first(recording, "request"))))
+    road_end = 378.0
+    assert recording.s[asked, 0] == pytest.approx(road_end - 4.0 * 25.0 - front(plan, recording)[0] + 185.0, abs=5.0)
+    assert recording.v[: asked + 60, 0].min() == pytest.approx(25.0, abs=0.1)  # the lane goes on: nothing to stop for
+
+
+def test_a_lane_that_leads_to_the_destination_does_not_end_at_the_exit(tmp_path: Path) -> None:
+    _, recording, outcome = exit_only(tmp_path, OFF)
+    assert outcome.stop_reason == "destination"
+    assert first(recording, "warning") == first(recording, "merge") == math.inf
+    assert np.isnan(recording.lane_end_distance).all()
+
+
 def test_the_same_seed_gives_the_same_recording_and_another_does_not() -> None:
     compilation = compiled("markings_missing", "ideal")
     one, again = played(compilation)[1], played(compilation)[1]

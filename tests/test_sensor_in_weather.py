@@ -57,3 +57,10 @@ def test_the_sensor_follows_the_weather_while_it_changes(tmp_path: Path) -> None
     assert request(tmp_path, then=fog) == pytest.approx(request(tmp_path, fog=80.0), abs=STEP + 1e-6)
     late = fog.replace('after="0.5"', 'after="13"')
     assert request(tmp_path, then=late) == pytest.approx(request(tmp_path), abs=1e-6)
+
+
+@pytest.mark.parametrize("change", ['cloudiness="50"', 'sun_azimuth_angle="90"', 'precipitation="0"'])
+def test_a_change_of_the_weather_keeps_the_numbers_that_it_leaves_out(tmp_path: Path, change: str) -> None:
+    """The fog stays when only the clouds or the sun's azimuth change; without its number it ended."""
+    then = f'<when><time after="0.5"/><do><weather {change} over_time="1"/></do></when>'
+    assert request(tmp_path, fog=80.0, then=then) == request(tmp_path, fog=80.0) > request(tmp_path) + 1.0

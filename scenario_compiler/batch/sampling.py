@@ -12,6 +12,7 @@ import math
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -40,7 +41,8 @@ class Sampler:
         repeats: Number of variants of each point, which have the seeds `seed`, `seed` + 1 and so on.
         where: Constraints.
         fixed: Values of the parameters that do not vary, which constraints may name.
-        chosen: Numbers of the points that fulfil the constraints; None when all do or points are drawn again.
+        chosen: Numbers of the points that fulfil the constraints which another draw cannot change; None without such
+            constraints.
     """
 
     crossed: dict[str, Distribution]
@@ -75,27 +77,33 @@ class Sampler:
         """
         number = index // self.repeats
         if self.chosen is not None:
-            return self._point(self.chosen[number], 0)
-        if not self.where:
-            return self._point(number, 0)
+            number = self.chosen[number]
         for attempt in range(ATTEMPTS):
             values = self._point(number, attempt)
-            if self._holds(values):
+            if not self._drawn_again or self._holds(values, self._drawn_again):
                 return values
         raise SweepError(f"no sample meets {self._shown} in {ATTEMPTS} draws for one variant")
 
     def choose(self) -> None:
-        """Keep the points that fulfil the constraints, where points are not drawn again.
+        """Keep the points that fulfil the constraints which another draw cannot change.
 
         Raises:
             SweepError: None does, or a constraint has no value.
         """
-        if not self.where or (self.units is None and self.drawn):
+        settled = tuple(one for one in self.where if one not in self._drawn_again)
+        if not settled:
             return
-        good = (number for number in range(self.points) if self._holds(self._point(number, 0)))
+        good = (number for number in range(self.points) if self._holds(self._point(number, 0), settled))
         self.chosen = array("q", good)
         if not len(self.chosen):
             raise SweepError(f"no sample meets {self._shown}")
+
+    @cached_property
+    def _drawn_again(self) -> tuple[Expression, ...]:
+        """The constraints on random axes: points that do not fulfil them are drawn again."""
+        if self.units is not None:
+            return ()
+        return tuple(one for one in self.where if any(name in self.drawn for name in one.names))
 
     @property
     def _shown(self) -> str:
@@ -115,9 +123,9 @@ class Sampler:
             values[name] = axis.quantile(unit)
         return values
 
-    def _holds(self, values: Sample) -> bool:
+    def _holds(self, values: Sample, constraints: tuple[Expression, ...]) -> bool:
         try:
-            return all(expression.evaluate({**self.fixed, **values}) for expression in self.where)
+            return all(expression.evaluate({**self.fixed, **values}) for expression in constraints)
         except ExpressionError as fault:
             raise SweepError(f"the constraint cannot be evaluated: {fault}") from None
 

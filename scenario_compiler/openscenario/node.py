@@ -20,7 +20,7 @@ from scenario_compiler.markup.names import UNKNOWN_ENTITY
 from scenario_compiler.markup.values import report_expression
 from scenario_compiler.openscenario.catalog_files import CatalogFolders
 from scenario_compiler.openscenario.codes import ONE_ENTITY
-from scenario_compiler.openscenario.scope import Bound, Scope, literal_number
+from scenario_compiler.openscenario.scope import Bound, Scope, described_number, literal_number
 from scenario_compiler.structure.walk import local_name
 
 _TRUE, _FALSE = ("true", "1"), ("false", "0")
@@ -199,7 +199,7 @@ class Node:
             report_expression(error, raw, self.reading.sink, self.place(attribute))
             return default or 0.0
         number = literal_number(found)
-        return self._wrong(attribute, found, "a number", default or 0.0) if number is None else number
+        return self._wrong(attribute, found, described_number(found), default or 0.0) if number is None else number
 
     def optional_number(self, attribute: str) -> Real | Expression | None:
         """Return a number as `number` does, or None if the attribute is missing."""
@@ -215,7 +215,7 @@ class Node:
             return default or 0.0
         number = literal_number(found)
         if number is None:
-            return self._wrong(attribute, found, "a number", default or 0.0, severity=severity)
+            return self._wrong(attribute, found, described_number(found), default or 0.0, severity=severity)
         return number
 
     def integer(self, attribute: str, default: int | None = None) -> int:

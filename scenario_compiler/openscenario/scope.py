@@ -143,6 +143,11 @@ def literal_number(text: str) -> float | None:
     return number if abs(number) <= MOST else None
 
 
+def described_number(text: str) -> str:
+    """Return what a text is not, if `literal_number` finds no number in it: one that is small enough, or any number."""
+    return f"a number of at most {MOST:g}" if _NUMBER.match(text.strip()) else "a number"
+
+
 LARGE = 1.0e10
 """Value for an infinite limit."""
 

@@ -65,7 +65,7 @@ def used_variables(
         parameter = scope.bound.get(name)
         if parameter is None:
             hint = did_you_mean(name, [*found, *scope.bound])
-            sink.add(UNKNOWN_VARIABLE, f"there is no variable or parameter '{name}'", _place(word), hint=hint)
+            sink.add(UNKNOWN_VARIABLE, f"there is no variable, monitor or parameter '{name}'", _place(word), hint=hint)
             found[name] = Variable.model_construct(name=name, type="string").written_at(word.origin)
             continue
         if parameter.expression is not None:

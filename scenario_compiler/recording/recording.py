@@ -191,7 +191,9 @@ class Recording:
             nothing=0.0,
         ),
     ]
-    lane_end_distance: Annotated[Floats, Column("run", "m", "Distance to the end of the ego vehicle's lane.", far=True)]
+    lane_end_distance: Annotated[
+        Floats, Column("run", "m", "Distance to where the ego vehicle's lane ends or leaves the route.", far=True)
+    ]
     limit_time: Annotated[
         Floats,
         Column("run", "s", "Time budget of the last request, if it was not about an obstacle.", far=True),

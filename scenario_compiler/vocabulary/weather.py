@@ -89,6 +89,9 @@ def weather_preset(name_or_index: str) -> Weather | None:
     return Weather.model_construct(preset=name_or_index, **numbers)
 
 
+KEPT = -1.0
+"""Number of a change of the weather that keeps its present value."""
+
 AnyWeather = TypeVar("AnyWeather", bound=Weather)
 
 CLEAR_NOON = (5.0, 0.0, 0.0, 10.0, 0.0, 45.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.03, 0.0331, 0.0)
@@ -102,15 +105,20 @@ def complete_weather(weather: AnyWeather) -> AnyWeather | None:
     preset = weather_preset(weather.preset)
     if preset is None:
         return None
-    usual = {name: Weather.model_fields[name].default for name in _NUMBERS}
+    usual = {name: type(weather).model_fields[name].default for name in _NUMBERS}
     numbers = {name: getattr(preset, name) for name in _NUMBERS if getattr(weather, name) == usual[name]}
     own = len(numbers) < len(_NUMBERS)
     return weather.model_copy(update={**numbers, "preset": CUSTOM if own else preset.preset})
 
 
+def written_numbers(weather: Weather) -> tuple[float, ...]:
+    """Return the 14 numbers as they are written, in CARLA's order."""
+    return tuple(getattr(weather, name) for name in _NUMBERS)
+
+
 def weather_numbers(weather: Weather) -> tuple[float, ...]:
     """Return the 14 numbers; those that are left to the map take their values of a clear noon."""
-    written = [getattr(weather, name) for name in _NUMBERS]
+    written = written_numbers(weather)
     return tuple(clear if number == -1.0 else number for number, clear in zip(written, CLEAR_NOON, strict=True))
 
 

@@ -193,6 +193,18 @@ def test_every_sample_fulfils_the_constraints(method: str) -> None:
         assert a > 2
 
 
+def test_listed_points_that_no_draw_can_save_are_left_out() -> None:
+    vary = ("a=values(1, 2, 3)", "b=grid(0, 2, 3)", "c=uniform(0, 1)")
+    spec = SweepSpec.model_validate({"vary": vary, "samples": 4, "where": ("a > b", "c > 0.5"), "seed": 3})
+    sampler = make_sampler(spec)
+    rows = [sampler.sample(index) for index in range(sampler.total)]
+    pairs = [(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (3.0, 0.0), (3.0, 1.0), (3.0, 2.0)]
+    assert [(row["a"], row["b"]) for row in rows] == 4 * pairs
+    assert all(float(row["c"]) > 0.5 for row in rows)
+    shorter = make_sampler(spec.model_copy(update={"samples": 2}))
+    assert [shorter.sample(index) for index in range(shorter.total)] == rows[: shorter.total]
+
+
 @pytest.mark.parametrize("where", ["a > 20", "a >", "a > nothing"])
 def test_an_impossible_constraint_is_refused(where: str) -> None:
     with pytest.raises(SweepError, match=r"constraint|no sample"):

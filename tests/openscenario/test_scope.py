@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from scenario_compiler.expressions import Expression, ExpressionError
-from scenario_compiler.openscenario.scope import LARGE, Bound, Scope, literal_number
+from scenario_compiler.openscenario.scope import LARGE, Bound, Scope, described_number, literal_number
 
 
 @pytest.fixture
@@ -66,3 +66,12 @@ def test_names_are_put_together(scope: Scope) -> None:
 )
 def test_numbers_are_the_standards(text: str, number: float | None) -> None:
     assert literal_number(text) == number
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [("1e308", "a number of at most 1e+300"), ("-1e400", "a number of at most 1e+300"), ("ten", "a number")],
+)
+def test_a_number_that_is_too_large_is_not_called_another_thing(text: str, expected: str) -> None:
+    assert literal_number(text) is None
+    assert described_number(text) == expected

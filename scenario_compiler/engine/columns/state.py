@@ -595,7 +595,9 @@ class State(Columns):
     clear_s: list[float] = column(RUN)
     """s on that row up to which this is known, m."""
     lane_end_distance: list[float] = column(RUN, op.FAR)
-    """Distance from the front bumper to the end of the driving lane, m; FAR if no end is near."""
+    """Distance from the front bumper to where the driving lane ends or leaves the route, m; FAR if neither is near."""
+    lane_leaves: list[int] = column(RUN)
+    """1 if the lane leaves the planned route there, and goes on."""
     through_lane: list[int] = column(RUN)
     """Neighbouring lane that continues when the path's lane ends; 0 if there is none."""
     through_side: list[int] = column(RUN)

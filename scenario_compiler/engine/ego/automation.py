@@ -18,7 +18,7 @@ from scenario_compiler.engine.ego.person import heed_person
 from scenario_compiler.engine.ego.progress import watch_progress
 from scenario_compiler.engine.ego.reach import look_with_sensor
 from scenario_compiler.engine.ego.reference import drive_by_reference
-from scenario_compiler.engine.ego.sensor import find_lane_end
+from scenario_compiler.engine.ego.sensor import find_lane_end, lane_closes
 from scenario_compiler.engine.ego.surrogate import drive_as_seen, seen_angle, surrogate_confidence
 from scenario_compiler.engine.ego.takeover import step_takeover
 from scenario_compiler.engine.ego.warning import warning_distance
@@ -83,8 +83,8 @@ def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
     if p.perception[0] == op.PERCEPTION_IDEAL:
         gap, lead = gap_to_keep(p, st, i)
         wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], gap, lead)
-        if st.lane_end_distance[0] < op.FAR and st.merging[0] == 0 and minds_limit(p, st, op.CAUSE_LANE_ENDS) == 1:
-            rest = st.lane_end_distance[0]
+        rest = lane_closes(st)
+        if rest < op.FAR and st.merging[0] == 0 and minds_limit(p, st, op.CAUSE_LANE_ENDS) == 1:
             wanted = min(wanted, idm_acceleration(p, i, st.v[i], st.target_speed[0], rest, 0.0))
         command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))
     elif p.perception[0] == op.PERCEPTION_SURROGATE:

@@ -38,6 +38,7 @@ from scenario_compiler.engine.ego.sensor import (
     gap_behind_free,
     gap_between,
     gap_is_free,
+    lane_closes,
     look_ahead,
     obstructs,
 )
@@ -629,8 +630,8 @@ def press_pedals(p: Program, st: State, i: int) -> None:
         wanted = min(wanted, -BOTH_SHARE * hardest)
     if st.manoeuvre[0] == op.MANOEUVRE_BRAKE and st.blocked_distance[0] < op.FAR:
         wanted = min(wanted, stop_before_block(p, st, i))
-    if st.lane_end_distance[0] < op.FAR and st.merging[0] == 0:
-        wanted = min(wanted, stop_within(p, st, i, st.lane_end_distance[0], 0.0))
+    if lane_closes(st) < op.FAR and st.merging[0] == 0:
+        wanted = min(wanted, stop_within(p, st, i, lane_closes(st), 0.0))
     if st.red_line[0] < op.FAR:
         front = front_of(p, i)
         wanted = min(wanted, stop_within(p, st, i, st.red_line[0] - front, 0.0))

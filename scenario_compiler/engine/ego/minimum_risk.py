@@ -11,6 +11,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.limits import behaviour, control_period
+from scenario_compiler.engine.ego.sensor import lane_closes
 from scenario_compiler.marker import compiled
 
 STOP_MARGIN = 3.0
@@ -38,5 +39,5 @@ def minimum_risk_due(p: Program, st: State, i: int) -> int:
     blocked = st.blocked_distance[0]
     if blocked < op.FAR and blocked <= stopping_distance(p, st.v[i], st.blocked_speed[0]) + STOP_MARGIN:
         return 1
-    end = st.lane_end_distance[0]
+    end = lane_closes(st)
     return 1 if end < op.FAR and end <= stopping_distance(p, st.v[i], 0.0) + STOP_MARGIN else 0

@@ -14,7 +14,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.ahead import measure_on_way, walk, walk_route
 from scenario_compiler.engine.motion.beside import neighbour_lane
 from scenario_compiler.engine.motion.collision import face
-from scenario_compiler.engine.motion.path import preferred_road
+from scenario_compiler.engine.motion.path import distance_on_route, preferred_road
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_type
@@ -244,9 +244,11 @@ def gap_between(
 def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Write the distance to the end of the path's lane, and which neighbouring lane continues further, if any.
 
-    The search covers LOOK_AGAIN more than needed; if the lane does not end there, no search is needed for a while.
+    A lane that leaves the planned route ends there: `lane_leaves` is then 1. The search covers LOOK_AGAIN more than
+    needed; if the lane does not end there, no search is needed for a while.
     """
     st.lane_end_distance[0] = op.FAR
+    st.lane_leaves[0] = 0
     st.through_lane[0] = 0
     st.through_side[0] = 0
     road = st.path_road[0]
@@ -257,8 +259,11 @@ def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
     if st.path_row[0] == st.clear_row[0] and direction * (st.clear_s[0] - s) > 0.0:
         return
     lane = st.path_lane[0]
-    turns = preferred_road(p, st, road)
-    rest = distance_to_lane_end(n, road, lane, s, LANE_END_HORIZON + LOOK_AGAIN, turns)
+    rest = distance_to_lane_end(n, road, lane, s, LANE_END_HORIZON + LOOK_AGAIN, preferred_road(p, st, road))
+    along = distance_on_route(n, p, st, road, lane, s, LANE_END_HORIZON + LOOK_AGAIN)
+    if along < rest:
+        rest = along
+        st.lane_leaves[0] = 1
     if rest >= LANE_END_HORIZON:
         st.clear_row[0] = st.path_row[0]
         st.clear_s[0] = s + direction * (rest - LANE_END_HORIZON)
@@ -271,10 +276,18 @@ def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
             continue
         if is_drivable(lane_type(n, road, beside, s)) == 0:
             continue
-        if distance_to_lane_end(n, road, beside, s, LANE_END_HORIZON, turns) > rest + THROUGH_MORE:
+        further = distance_to_lane_end(n, road, beside, s, LANE_END_HORIZON, preferred_road(p, st, road))
+        further = min(further, distance_on_route(n, p, st, road, beside, s, LANE_END_HORIZON))
+        if further > rest + THROUGH_MORE:
             st.through_lane[0] = beside
             st.through_side[0] = side
             return
+
+
+@compiled
+def lane_closes(st: State) -> float:
+    """Return the distance to the end of the lane, at which the ego must stop, m; FAR if it only leaves the route."""
+    return op.FAR if st.lane_leaves[0] == 1 else st.lane_end_distance[0]
 
 
 @compiled

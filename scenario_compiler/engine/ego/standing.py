@@ -14,7 +14,7 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.objects_ahead import nearest_ahead
-from scenario_compiler.engine.ego.sensor import SLOW
+from scenario_compiler.engine.ego.sensor import SLOW, lane_closes
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable, is_roadside
 from scenario_compiler.roads.lanes import lane_type, lane_width, row_width
@@ -70,7 +70,7 @@ def is_held(p: Program, st: State, i: int) -> int:
     front = front_of(p, i)
     leader, gap = nearest_ahead(p, st, i, op.AHEAD_FOLLOWED)
     _, blocked = nearest_ahead(p, st, i, op.AHEAD_BLOCKING)
-    nearest = min(min(blocked, st.red_line[0] - front), st.lane_end_distance[0])
+    nearest = min(min(blocked, st.red_line[0] - front), lane_closes(st))
     if leader >= 0 and st.along[leader] < SLOW:
         nearest = min(nearest, gap)
     return 1 if nearest <= HELD_WITHIN or st.crashed[0] == 1 else 0

@@ -1,4 +1,4 @@
-"""The present weather: CARLA's 14 numbers, each interpolated linearly during a change."""
+"""The present weather: CARLA's 14 numbers, each interpolated linearly during a change, or kept."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from scenario_compiler.engine.ego.brightness import note_brightness
 from scenario_compiler.engine.ego.failures import note_image
 from scenario_compiler.engine.ego.visibility import weather_visibility
 from scenario_compiler.marker import compiled
+from scenario_compiler.vocabulary.weather import KEPT
 
 
 @compiled
@@ -55,7 +56,8 @@ def update_weather(p: Program, st: State) -> None:
         share = clip((st.clock[0] - st.weather_since[0]) / over, 0.0, 1.0)
     base = p.weather_const[target]
     for k in range(op.WEATHER_SIZE):
-        st.weather[k] = st.weather_from[k] + share * (p.const[base + k] - st.weather_from[k])
+        if p.const[base + k] != KEPT:
+            st.weather[k] = st.weather_from[k] + share * (p.const[base + k] - st.weather_from[k])
     note_weather(st)
     if share >= 1.0:
         st.weather_to[0] = op.NONE

@@ -25,8 +25,11 @@ from scenario_compiler.roads.lanes import (
     row_width,
 )
 from scenario_compiler.roads.locate import project_on_piece, project_on_road, track
-from scenario_compiler.roads.tables import LINE, RoadTables
-from scenario_compiler.roads.travel import advance, stretch_at
+from scenario_compiler.roads.tables import AT_END, AT_START, LINE, RoadTables
+from scenario_compiler.roads.travel import HOP_LIMIT, advance, row_next, stretch_at
+
+REJOINS = 150.0
+"""Distance within which a lane that leaves the route may come back to it, m; chosen: the length of a large junction."""
 
 STEP_OVER = 0.001
 """Distance beyond a road's end at which the next road is looked up, m."""
@@ -51,6 +54,53 @@ def advance_route(p: Program, st: State, road: int) -> None:
         if p.route_road[k] == road:
             st.route_at[0] = k
             return
+
+
+@compiled
+def on_rest_of_route(p: Program, st: State, road: int) -> int:
+    """Return 1 if the rest of the route contains a road."""
+    for k in range(st.route_at[0], p.route_count[0]):
+        if p.route_road[k] == road:
+            return 1
+    return 0
+
+
+@compiled
+def distance_on_route(n: RoadTables, p: Program, st: State, road: int, lane: int, s: float, limit: float) -> float:
+    """Return how far a lane leads along the route, m, at most `limit`; `limit` if the road is off the route.
+
+    A lane that comes back to the route within `REJOINS` does not leave it: another connecting road of a junction.
+    """
+    row = lane_row(n, road, lane, s)
+    if row < 0 or on_rest_of_route(p, st, road) == 0:
+        return limit
+    gone = 0.0
+    left = -1.0
+    at = s
+    sense = n.lane_sense[row]
+    for _ in range(HOP_LIMIT):
+        section = n.lane_section[row]
+        here = n.section_road[section]
+        wanted = preferred_road(p, st, here)
+        if left < 0.0 and wanted < 0:
+            return limit
+        end = AT_END if sense == 1 else AT_START
+        gone += max(n.section_end[section] - at if sense == 1 else at - n.section_s[section], 0.0)
+        if left < 0.0 and gone >= limit:
+            return limit
+        if left >= 0.0 and gone - left > REJOINS:
+            return left
+        row, contact = row_next(n, row, end, 1, wanted)
+        if row < 0:
+            return limit if left < 0.0 else left
+        following = n.section_road[n.lane_section[row]]
+        if on_rest_of_route(p, st, following) == 1:
+            left = -1.0
+        elif left < 0.0:
+            left = gone
+        sense = 1 if contact == AT_START else -1
+        at = n.section_s[n.lane_section[row]] if sense == 1 else n.section_end[n.lane_section[row]]
+    return limit if left < 0.0 else left
 
 
 @compiled

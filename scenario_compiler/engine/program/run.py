@@ -6,8 +6,9 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.moves.camera import FAILURE_CODES
 from scenario_compiler.engine.program.builder import ProgramBuilder
+from scenario_compiler.vocabulary.actions import WeatherAction
 from scenario_compiler.vocabulary.sensors import Failure, Perception, SensorKind
-from scenario_compiler.vocabulary.weather import Weather, weather_numbers
+from scenario_compiler.vocabulary.weather import Weather, weather_numbers, written_numbers
 
 PERCEPTION_CODES: dict[Perception, int] = {
     "ideal": op.PERCEPTION_IDEAL,
@@ -79,9 +80,10 @@ def add_failure(draft: ProgramBuilder, failure: Failure, *, waits: bool) -> int:
 
 
 def add_weather(draft: ProgramBuilder, weather: Weather) -> int:
-    """Append a weather; return its row."""
+    """Append a weather; return its row. A change of the weather keeps the numbers that are `KEPT`."""
     p = draft.program
-    p.weather_const.append(draft.block(*weather_numbers(weather)))
+    numbers = written_numbers(weather) if isinstance(weather, WeatherAction) else weather_numbers(weather)
+    p.weather_const.append(draft.block(*numbers))
     p.weather_count[0] = len(p.weather_const)
     return p.weather_count[0] - 1
 

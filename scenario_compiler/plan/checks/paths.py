@@ -1,15 +1,18 @@
-"""Checks that either all points of a path have a time or none, and that the times increase."""
+"""Checks that either all points of a path have a time or none, and that times do not go back."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 from scenario_compiler.diagnostics import Code, Diagnostics
+from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import FollowPathAction
 from scenario_compiler.vocabulary.actions.path import Path
+from scenario_compiler.vocabulary.positions import Polyline
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.word import number_value
@@ -18,7 +21,8 @@ PATH_TIMES = Code(
     "SC384",
     "path-times",
     "The times of a path's points do not make a trajectory: some points have one and others none, or a time is not "
-    "later than the one before. Times count from the start of the path:\n\n"
+    "later than the one before; or the times of a trajectory's vertices fall. Times count from the start of the "
+    "path:\n\n"
     '    <path><point time="2"><lane road="1" lane="-1" s="40"/></point>\n'
     '          <point time="4"><lane road="1" lane="-1" s="55"/></point></path>\n\n'
     "Without times the actor moves at its own speed; <path speed=...> sets it.",
@@ -41,6 +45,20 @@ def check_paths(plan: Plan, network: Network, sink: Diagnostics) -> None:
             else:
                 continue
             sink.add(PATH_TIMES, message, point.place_of("time") if time is not None else point.origin)
+    for line in walk(plan.storyboard):
+        if isinstance(line, Polyline):
+            _check_vertices(line, values, sink)
+
+
+def _check_vertices(line: Polyline, values: Mapping[str, Value], sink: Diagnostics) -> None:
+    """Report each vertex that is due before an earlier one; equal times are a jump, which real files contain."""
+    latest = -math.inf
+    for vertex in line.vertices:
+        time = None if vertex.time is None else number_value(vertex.time, values)
+        if time is not None and time < latest:
+            message = f"the vertex is due at {time:g} s, but one before it at {latest:g} s"
+            sink.add(PATH_TIMES, message, vertex.place_of("time"))
+        latest = latest if time is None else max(latest, time)
 
 
 def _paths(plan: Plan) -> Iterator[Path | FollowPathAction]:
