@@ -1,4 +1,4 @@
-"""Results converge as the time step becomes shorter: what drives the ego decides at times that the step does not change.
+"""Results converge as the time step becomes shorter: the ego's decisions come at times that the step does not change.
 
 The conflicts are those of the library that depended on the step: failures of a camera, which are counted over control
 steps and images; a lane that is kept by dead reckoning with random errors; a driver who brakes.
@@ -18,6 +18,8 @@ from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.recording.outcome import judge
 
 LIBRARY = Path(__file__).parents[1] / "library" / "conflicts"
+
+BEHIND_A_TRUCK = "markings_variants.xml#behind_a_truck"
 
 PERIOD = 0.1
 """Time between two control steps in the library's conflicts, s."""
@@ -49,7 +51,7 @@ def test_another_step_keeps_the_time_between_control_steps(step: float | None, e
     assert plan.step == (0.05 if step is None else step)
 
 
-@pytest.mark.parametrize("conflict", ["camera_failures.xml#blackout", "camera_failures.xml#freeze", "markings_variants.xml#behind_a_truck"])
+@pytest.mark.parametrize("conflict", ["camera_failures.xml#blackout", "camera_failures.xml#freeze", BEHIND_A_TRUCK])
 @pytest.mark.parametrize("step", [0.05, 0.02, 0.0025])
 def test_requests_and_responses_come_at_the_same_time(conflict: str, step: float) -> None:
     found, finest = measured(conflict, step), measured(conflict, 0.005)

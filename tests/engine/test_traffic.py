@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -81,7 +82,7 @@ def test_a_driver_decides_twice_a_second_at_any_step(tmp_path: Path, step: float
             state.frame[0] = frame
             if thinks_now(program, state, vehicle) == 1:
                 decides.append(frame)
-        assert [later - earlier for earlier, later in zip(decides, decides[1:], strict=False)] == [frames] * 3
+        assert [later - earlier for earlier, later in pairwise(decides)] == [frames] * 3
 
 
 @pytest.mark.slow

@@ -87,8 +87,8 @@ def count_reversal(m: Totals, k: int, smooth: float) -> None:
 def add_steering(p: Program, m: Totals) -> None:
     """Add the last row if the driver of the first response drives; its inputs must have been added.
 
-    The wheel begins at its angle in the row of the response: the driver's first turn, which a long step completes within
-    the row after it, counts at any step.
+    The wheel begins at its angle in the row of the response, so that the driver's first turn counts at any step: a long
+    one completes it within the row after the response.
     """
     if m.driving[0] != 1 or m.row_present[0] == 0:
         return
