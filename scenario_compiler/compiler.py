@@ -60,7 +60,9 @@ class Overrides:
         perception: Source of the lane confidence: "camera", "ideal" or "surrogate".
         controller: Name of the ego vehicle's controller, package.module:Class or file.py:Class. The properties in the
             scenario belong to the controller that the scenario names; another one does not get them.
-        step: Length of a time step, s; 0.001 to 1.
+        step: Length of a time step, s; 0.001 to 1. The time between two control steps stays that of the scenario, as
+            nearly as whole time steps allow: how often the automation looks and decides does not depend on how finely
+            motion is computed.
         duration: Latest end of the run, s; above 0 and below 1e6.
         driven_by: Who takes over and drives: a "person", or the driver "model".
         messages: Messages of the automation to the driver.
@@ -94,6 +96,7 @@ class Overrides:
         changes: dict[str, object] = {}
         if self.step is not None:
             changes["step"] = self.step
+            changes["control_every"] = max(round(scenario.step * scenario.control_every / self.step), 1)
         if self.duration is not None:
             changes["duration"] = self.duration
         ego = scenario.ego

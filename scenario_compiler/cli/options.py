@@ -97,7 +97,9 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
         help="controller that drives the ego; your own code is trusted if you name it here",
     )
     add_trust(parser)
-    parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step, s")
+    parser.add_argument(
+        "--dt", type=step_length, metavar="S", help="length of a time step, s; control steps keep their times"
+    )
     parser.add_argument("--duration", type=positive, metavar="S", help="latest end of the run, s")
 
 

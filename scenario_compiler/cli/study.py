@@ -59,7 +59,12 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--pilot", action="store_true", help="let driver models take the place of the participants")
     parser.add_argument("--perception", choices=PERCEPTIONS, help="source of the lane confidence")
-    parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step, s (default: 0.02)")
+    parser.add_argument(
+        "--dt",
+        type=step_length,
+        metavar="S",
+        help="length of a time step, s; control steps keep their times (default: 0.02)",
+    )
     parser.add_argument("--size", choices=SIZES, default="1280x720", help="size of the view ahead in pixels")
     parser.add_argument(
         "--lsl", action="store_true", help="send events to the Lab Streaming Layer (needs the extra 'lsl')"

@@ -42,10 +42,13 @@ def fine_total(totals: RunTotals) -> Floats:
 def _rate(traces: Traces, variant: int) -> Floats:
     wheel = traces.steer[..., 0] * traces.inputs.steering_ratio
     shape = traces.t.shape[:-1]
-    angles = [wheel[index][traces.driven[index]].tolist() for index in np.ndindex(*shape)]
-    found = [reversals(smoothed(one, cut_off(variant), traces.step), least_gap(variant)) for one in angles]
-    counts, rows = (np.array(each, dtype=np.float64).reshape(shape) for each in (found, [len(one) for one in angles]))
-    return _a_minute(counts, rows, traces.step)
+    at_response = np.argmax(traces.between(traces.times["response"]) & traces.present[..., 0], axis=-1)
+    found, rows = np.zeros(shape), np.zeros(shape)
+    for index in np.ndindex(*shape):
+        angles, start = wheel[index][traces.driven[index]].tolist(), float(wheel[index][at_response[index]])
+        smooth = smoothed(angles, cut_off(variant), traces.step, start)
+        found[index], rows[index] = reversals(smooth, least_gap(variant), start), len(angles)
+    return _a_minute(found, rows, traces.step)
 
 
 def _a_minute(counts: Floats, rows: Floats, step: float) -> Floats:
@@ -53,13 +56,14 @@ def _a_minute(counts: Floats, rows: Floats, step: float) -> Floats:
     return np.where(lasts >= LEAST - 1e-6, counts / np.where(rows > 0, lasts, 1.0) * 60.0, np.nan)
 
 
-def smoothed(angles: Sequence[float], limit: float, step: float) -> list[float]:
-    """Return angles after a forward Butterworth low-pass filter of second order, at rest at the first angle.
+def smoothed(angles: Sequence[float], limit: float, step: float, start: float) -> list[float]:
+    """Return angles after a forward Butterworth low-pass filter of second order, at rest at a start angle.
 
     Args:
         angles: The angles, one per step.
         limit: The filter's cut-off frequency, Hz; below half the rate of the steps.
         step: Duration of a step, s.
+        start: The angle before the first of them.
     """
     turn = math.pi * limit * step
     warped = math.sin(turn) / math.cos(turn) if math.cos(turn) > 0.0 else 0.0
@@ -67,7 +71,7 @@ def smoothed(angles: Sequence[float], limit: float, step: float) -> list[float]:
     norm = 1.0 / max(1.0 + root * warped + square, 1.0)
     weight = square * norm
     found: list[float] = []
-    one = two = before = long_before = angles[0] if angles else 0.0
+    one = two = before = long_before = start
     for angle in angles:
         fed = weight * angle + 2.0 * weight * one + weight * two
         smooth = fed - 2.0 * (square - 1.0) * norm * before - (1.0 - root * warped + square) * norm * long_before
@@ -76,13 +80,13 @@ def smoothed(angles: Sequence[float], limit: float, step: float) -> list[float]:
     return found
 
 
-def reversals(angles: Sequence[float], gap: float) -> int:
+def reversals(angles: Sequence[float], gap: float, start: float) -> int:
     """Return the number of times that angles return by at least a gap from the farthest value since the last reversal.
 
-    The first change of at least the gap only sets the direction and is not a reversal.
+    They begin at a start angle. The first change of at least the gap only sets the direction and is not a reversal.
     """
     turning, sense = [], 0
-    low = high = angles[0] if angles else 0.0
+    low = high = start
     for angle in angles:
         low, high = min(low, angle), max(high, angle)
         if sense >= 0 and high - angle >= gap:

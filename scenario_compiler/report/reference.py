@@ -100,7 +100,21 @@ _OF_MEASURES = """The `value` of a measure is null if it is not defined; `undefi
 an automated vehicle has only the measures that do not concern a takeover. On five recordings, commonroad-crime 0.4.5
 finds the same times to collision and decelerations to avoid a crash within 1 %. On five others, its post-encroachment
 times are shorter by two steps, because it measures between steps in which the vehicles are outside the conflict area
-(`tests/recording/test_against_commonroad.py`). The measures are:
+(`tests/recording/test_against_commonroad.py`).
+
+Measures converge as the time step becomes shorter. The 62 conflicts of the library were run with three seeds and ideal
+perception, with steps of 0.05 s and of 0.005 s. Warnings, requests and responses came at the same times, except the
+request of one conflict, which came one control step earlier. With the shorter step, the median `steering_time` and
+`braking_time` were 0.045 s shorter, because an input shows in the row after it, and `standstill_time` 0.11 s. Half of
+the least times to collision differed by no more than 0.3 %, 95 of 100 by no more than 8 %; of the least distances 0.1 %
+and 5 %, of `maximum_drac` 0.2 % and 11 %. What remains is decided by thresholds, so that a difference of a centimetre
+can change it at any step: whether a box that the path grazes counts as ahead (`minimum_time_to_collision`,
+`minimum_time_headway`, `maximum_drac`), whether a departure ends or goes on (`longest_lane_departure`: by more than
+10 % in 4 of 73 runs), whether a turn of the wheel reaches the angle of a reversal (`steering_reversal_rate`: in 4 of 172
+runs), and whether a driver evades or waits. For such runs, look at `minimum_lane_time_to_collision` and
+`minimum_distance` too, and at more seeds.
+
+The measures are:
 """
 
 _OF_TRAJECTORIES = """`run --trajectory FILE.csv` writes one row per step for each entity that is present, for

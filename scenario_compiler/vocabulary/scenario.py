@@ -149,7 +149,11 @@ class Scenario(Word):
         "Latest end of the run, s.", default=None, quantity="time", minimum=0, exclusive=True
     )
     step: float = attribute("Length of a time step, s.", default=0.05, quantity="time", minimum=0.001, maximum=1)
-    control_every: int = attribute("Number of time steps between two control steps.", default=1, minimum=1)
+    control_every: int = attribute(
+        "Number of time steps between two control steps. `--dt` changes it, so that the time between them stays.",
+        default=1,
+        minimum=1,
+    )
     weather: Weather = child("The weather.")
     parameters: tuple[Parameter, ...] = child("Parameters that the scenario's numbers depend on.", default=())
     limits: tuple[NumberLimit, ...] = child("Limits of the numbers that depend on parameters.", default=())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from scenario_compiler.engine.columns.trace import TRACE_FIELDS, TRACE_HEAD, tra
 from scenario_compiler.engine.motion.collision import overlap
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.story.step import reset, step
+from scenario_compiler.engine.traffic.driving import thinks_now
 from tests.engine.both import run_both
 
 TOWN = """<scenarios version="1"><scenario name="town" map="town_grid" duration="120">
@@ -67,6 +69,20 @@ def started(done: Compilation, seed: int) -> tuple[Program, State]:
     state.draw[:] = make_draws(seed)
     reset(done.network.tables, program, state)
     return program, state
+
+
+@pytest.mark.parametrize(("step", "frames"), [(0.1, 5), (0.05, 10), (0.02, 25), (0.005, 100)])
+def test_a_driver_decides_twice_a_second_at_any_step(tmp_path: Path, step: float, frames: int) -> None:
+    done = compiled_text(tmp_path, TOWN)
+    program = build_program(done.plan.model_copy(update={"step": step}), done.network)
+    state = new_state(program)
+    for vehicle in (3, 17):
+        decides = []
+        for frame in range(1, 4 * frames + 1):
+            state.frame[0] = frame
+            if thinks_now(program, state, vehicle) == 1:
+                decides.append(frame)
+        assert [later - earlier for earlier, later in pairwise(decides)] == [frames] * 3
 
 
 @pytest.mark.slow

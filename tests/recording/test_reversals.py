@@ -30,8 +30,9 @@ from tests.recording.made import Row, added_up, plan_of, record
     ],
 )
 def test_a_reversal_is_a_turn_back_by_at_least_the_gap(angles: list[float], count: int) -> None:
-    assert reversals(angles, 1.0) == count
-    assert reversals([-angle for angle in angles], 1.0) == count
+    start = angles[0] if angles else 0.0
+    assert reversals(angles, 1.0, start) == count
+    assert reversals([-angle for angle in angles], 1.0, -start) == count
 
 
 @pytest.mark.parametrize("variant", [COARSE, FINE])
@@ -42,7 +43,22 @@ def test_the_filter_is_that_of_butterworth(variant: int, step: float) -> None:
     b, a = signal.butter(2, limit, fs=1 / step)
     rest = signal.lfilter_zi(b, a) * angles[0]
     expected, _ = signal.lfilter(b, a, angles, zi=rest)
-    assert smoothed(angles.tolist(), limit, step) == pytest.approx(expected, abs=1e-9)
+    assert smoothed(angles.tolist(), limit, step, float(angles[0])) == pytest.approx(expected, abs=1e-9)
+
+
+def test_the_first_turn_counts_although_one_step_completes_it() -> None:
+    """The wheel turns by 40 degrees in the step after the response, stays for 4 s, and turns back: one reversal."""
+
+    def row(t: float) -> Row:
+        angle = math.radians(40.0) / 16 if 1.05 < t < 5.05 else 0.0
+        state = opcodes.TAKEOVER_MANUAL if t > 1.05 else opcodes.TAKEOVER_REQUEST
+        return {"x": (t,), "v": (9.0,), "steer": (angle,), "takeover_state": (state,)}
+
+    events = [(1.0, "request", "path_blocked"), (1.0, "response", "")]
+    runs = traces_of(plan_of("ego"), record(("ego",), 111, row, events))
+    measure = next(one for one in MEASURES if one.name == "steering_reversal_rate")
+    assert float(measure.compute(runs)) == pytest.approx(6.0)
+    assert measure.total(added_up(runs))[0] == float(measure.compute(runs))
 
 
 @pytest.mark.parametrize(("degrees", "coarse", "fine"), [(4.0, 24.0, 24.0), (1.0, 0.0, 24.0), (0.02, 0.0, 0.0)])

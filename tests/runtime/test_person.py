@@ -63,6 +63,15 @@ def driven(compiled: Compilation, does: Callable[[float, str], PersonInput], *, 
         return run(compiled.plan, world, person=Scripted(does), interpreted=interpreted)
 
 
+def test_a_person_who_takes_over_between_two_control_steps_does_so_at_once(compiled: Compilation) -> None:
+    """The response is timed to the step, however rarely the automation looks."""
+    plan = compiled.plan.model_copy(update={"control_every": 50})
+    with open_world("kinematic", plan, compiled.network) as world:
+        recording = run(plan, world, person=Scripted(lambda t, _: PersonInput(wish="take_over" if t > 0.29 else "")))
+    assert first(recording, "override") == pytest.approx(0.3)
+    assert set(recording.control[recording.t > 0.31]) == {SOURCE["person"]}
+
+
 def brakes_when_asked(t: float, state: str) -> PersonInput:
     del t
     if state in ("automated", "warning"):

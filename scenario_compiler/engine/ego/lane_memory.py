@@ -60,9 +60,14 @@ def lose_lane(p: Program, st: State) -> None:
 
 @compiled
 def drift(p: Program, st: State, i: int) -> None:
-    """Let the errors grow over one control step."""
+    """Let the errors grow over one control step.
+
+    The draws are numbered by the control steps, so that the same walk is drawn at any time step. The odd numbers are
+    those of the frames at two frames per control step, as in the library.
+    """
     dt = control_period(p)
-    walk = random_normal(run_seed(st, op.NONE), op.STREAM_ODOMETRY, 4096 + st.lane_losses[0], st.frame[0])
+    draw = 2 * ((st.frame[0] - 1) // max(p.control_every[0], 1)) + 1
+    walk = random_normal(run_seed(st, op.NONE), op.STREAM_ODOMETRY, 4096 + st.lane_losses[0], draw)
     st.recall_heading[0] += st.recall_bias[0] * dt + p.const[slot.K_GYRO_NOISE] * safe_sqrt(dt) * walk
     st.recall_off[0] += st.v[i] * sin(st.recall_heading[0]) * dt
     st.recall_along[0] += st.recall_share[0] * st.v[i] * dt

@@ -26,6 +26,19 @@ def nothing_asks(p: Program, st: State) -> int:
 
 
 @compiled
+def takes_over(p: Program, st: State) -> int:
+    """Return 1 if a person wishes to take over, and the automation drives.
+
+    This begins a control step of its own, so that the response is not delayed to the automation's next one.
+    """
+    if p.person[0] == 0 or st.person_wish[0] != op.WISH_TAKE_OVER or st.crashed[0] == 1:
+        return 0
+    state = st.takeover_state[0]
+    ended = state in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK, op.TAKEOVER_STANDSTILL)
+    return 0 if ended else 1
+
+
+@compiled
 def heed_person(p: Program, st: State) -> None:
     """Carry out the person's wish: take over at any time, hand back if no cause requests, stop if the person has left.
 

@@ -35,7 +35,9 @@ def least_gap(k: int) -> float:
 
 @compiled
 def begin_filter(m: Totals, k: int, angle: float, step: float) -> None:
-    """Write the filter's weights; before the first row the wheel is taken to have stood still at an angle, rad."""
+    """Begin to measure: write the filter's weights; before the first row the wheel stood still at an angle, rad."""
+    m.wheel_high[k] = angle
+    m.wheel_low[k] = angle
     m.wheel_before[k] = angle
     m.wheel_long_before[k] = angle
     m.smooth_before[k] = angle
@@ -50,10 +52,8 @@ def begin_filter(m: Totals, k: int, angle: float, step: float) -> None:
 
 
 @compiled
-def filtered(m: Totals, k: int, angle: float, step: float) -> float:
+def filtered(m: Totals, k: int, angle: float) -> float:
     """Return the filtered angle of this row, rad."""
-    if m.driven_rows[0] == 0:
-        begin_filter(m, k, angle, step)
     weight = m.raw_weight[k]
     fed = weight * angle + 2.0 * weight * m.wheel_before[k] + weight * m.wheel_long_before[k]
     smooth = fed - m.smooth_weight[k] * m.smooth_before[k] - m.smooth_long_weight[k] * m.smooth_long_before[k]
@@ -71,9 +71,6 @@ def count_reversal(m: Totals, k: int, smooth: float) -> None:
     The first turn by the gap defines the direction and is not a reversal.
     """
     gap = least_gap(k)
-    if m.driven_rows[0] == 0:
-        m.wheel_high[k] = smooth
-        m.wheel_low[k] = smooth
     m.wheel_high[k] = max(m.wheel_high[k], smooth)
     m.wheel_low[k] = min(m.wheel_low[k], smooth)
     if m.wheel_sense[k] != -1 and m.wheel_high[k] - smooth >= gap:
@@ -88,12 +85,18 @@ def count_reversal(m: Totals, k: int, smooth: float) -> None:
 
 @compiled
 def add_steering(p: Program, m: Totals) -> None:
-    """Add the last row if the driver of the first response drives."""
+    """Add the last row if the driver of the first response drives; its inputs must have been added.
+
+    The wheel begins at its angle in the row of the response, so that the driver's first turn counts at any step: a long
+    one completes it within the row after the response.
+    """
     if m.driving[0] != 1 or m.row_present[0] == 0:
         return
     angle = m.row_steer[0] * p.const[slot.K_STEERING_RATIO]
     for k in range(2):
-        count_reversal(m, k, filtered(m, k, angle, p.const[slot.K_STEP]))
+        if m.driven_rows[0] == 0:
+            begin_filter(m, k, m.response_steer[0] * p.const[slot.K_STEERING_RATIO], p.const[slot.K_STEP])
+        count_reversal(m, k, filtered(m, k, angle))
     m.driven_rows[0] += 1
     m.coarse_reversals[0] = m.wheel_count[0]
     m.fine_reversals[0] = m.wheel_count[1]

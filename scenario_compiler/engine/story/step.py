@@ -1,10 +1,10 @@
 """One time step, split at the point where a world may move the ego.
 
 `reset` makes the row of t = 0, with a frame of duration 0 that ends the init. `step` then does the following at the
-time t_k: the stop trigger, the triggers of the storyboard, the actions; at control steps the ego's sensing, the
-takeover and the driving. Then it advances time and all entities by one step and takes stock. So a condition that is
-true at t_k has an effect in the row of t_k + dt. A world that moves the ego itself does so between `move_step`, after
-which all others are at their new places, and `end_step`, which takes stock of the ego too.
+time t_k: the stop trigger, the triggers of the storyboard, the actions; at control steps, and when a person takes over,
+the ego's sensing, the takeover and the driving. Then it advances time and all entities by one step and takes stock. So
+a condition that is true at t_k has an effect in the row of t_k + dt. A world that moves the ego itself does so between
+`move_step`, after which all others are at their new places, and `end_step`, which takes stock of the ego too.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.automation import control_ego, driven_by_hand
 from scenario_compiler.engine.ego.controllers import hold_inputs
 from scenario_compiler.engine.ego.failures import take_image, update_camera
-from scenario_compiler.engine.ego.person import drive_by_person
+from scenario_compiler.engine.ego.person import drive_by_person, takes_over
 from scenario_compiler.engine.ego.progress import CREEPING
 from scenario_compiler.engine.ego.standing import log_standstill
 from scenario_compiler.engine.ego.weather import update_weather
@@ -104,7 +104,7 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
     st.frame[0] += 1
     play_story(n, p, st, p.const[slot.K_STEP])
     if drives_ego(p) == 1:
-        if (st.frame[0] - 1) % max(p.control_every[0], 1) == 0:
+        if (st.frame[0] - 1) % max(p.control_every[0], 1) == 0 or takes_over(p, st) == 1:
             control_ego(n, p, st, p.ego[0])
         st.drag[p.ego[0]] = 0.0
         if p.person[0] == 1 and driven_by_hand(st) == 1 and st.crashed[0] == 0:

@@ -48,8 +48,11 @@ LOOK_AHEAD = 120.0
 LOOK_BEHIND = 60.0
 """Distance up to which a driver considers vehicles behind before a lane change, m."""
 
-THINK_EVERY = 10
-"""Number of frames between two decisions of a driver on speed, lane and turn."""
+THINK_TIME = 0.5
+THINK_SHIFT = 0.05
+"""Time between two decisions of a driver on speed, lane and turn, s, and by how much later than the vehicle with the
+index before each vehicle decides, so that not all decide in the same frame; chosen. Both are rounded to whole steps.
+"""
 
 UNLIMITED = 36.0
 """Desired speed without a speed limit, m/s: the 130 km/h recommended in Germany."""
@@ -307,6 +310,15 @@ def think(n: RoadTables, p: Program, st: State, i: int, gap: float, lead: float)
 
 
 @compiled
+def thinks_now(p: Program, st: State, i: int) -> int:
+    """Return 1 if a vehicle decides on speed, lane and turn in this frame."""
+    step = max(p.const[slot.K_STEP], op.TOLERANCE)
+    every = max(int(clip(THINK_TIME / step + 0.5, 1.0, 1.0e6)), 1)
+    shift = int(clip(THINK_SHIFT / step + 0.5, 0.0, 1.0e6))
+    return 1 if (st.frame[0] + i * shift) % every == 0 else 0
+
+
+@compiled
 def pull(n: RoadTables, p: Program, st: State, i: int, dt: float) -> float:
     """Return a vehicle's acceleration with its leader, the line at which it waits and the end of its lane, m/s2."""
     look(n, st, i, st.kept_lane[i], 1, LOOK_AHEAD)
@@ -316,7 +328,7 @@ def pull(n: RoadTables, p: Program, st: State, i: int, dt: float) -> float:
         line = wait_at_red(p, st, i, red)
     else:
         line = distance_to_line(n, p, st, i, gap, lead)
-    if (st.frame[0] + i) % THINK_EVERY == 0 or st.wish[i] < 0.0:
+    if thinks_now(p, st, i) == 1 or st.wish[i] < 0.0:
         think(n, p, st, i, gap, lead)
     st.lane_rest[i] -= st.v[i] * dt
     base = p.entity_const[i]
