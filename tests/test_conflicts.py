@@ -173,7 +173,7 @@ def exit_only(folder: Path, destination: str, beside: str = "") -> tuple[Plan, R
     path.write_text(EXIT_ONLY.format(destination=destination, beside=beside), encoding="utf-8")
     sink = Diagnostics()
     found = compile_target(path, {}, sink, overrides=Overrides(perception="ideal"))
-    assert found is not None, as_text(list(sink))
+    assert found is not None, "\n".join(as_text(d) for d in sink)
     return played(found)
 
 

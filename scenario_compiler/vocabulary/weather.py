@@ -89,9 +89,6 @@ def weather_preset(name_or_index: str) -> Weather | None:
     return Weather.model_construct(preset=name_or_index, **numbers)
 
 
-KEPT = -1.0
-"""Number of a change of the weather that keeps its present value."""
-
 AnyWeather = TypeVar("AnyWeather", bound=Weather)
 
 CLEAR_NOON = (5.0, 0.0, 0.0, 10.0, 0.0, 45.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.03, 0.0331, 0.0)

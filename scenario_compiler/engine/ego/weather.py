@@ -11,7 +11,7 @@ from scenario_compiler.engine.ego.brightness import note_brightness
 from scenario_compiler.engine.ego.failures import note_image
 from scenario_compiler.engine.ego.visibility import weather_visibility
 from scenario_compiler.marker import compiled
-from scenario_compiler.vocabulary.weather import KEPT
+from scenario_compiler.vocabulary.kept import KEPT
 
 
 @compiled

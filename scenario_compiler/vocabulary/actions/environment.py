@@ -1,6 +1,7 @@
 """Actions on the environment."""
 
-from scenario_compiler.vocabulary.weather import KEPT, Weather
+from scenario_compiler.vocabulary.kept import KEPT
+from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import Number, attribute
 
 
