@@ -89,7 +89,7 @@ def squared_distance_to_corners(
 def lay_across_circle(m: Totals, k: int) -> None:
     """Write how far the other box's corners are from the circle that the ego drives, m, positive to the left.
 
-    `k` is the waiting pair. `corner_along` and `corner_inward` receive the corners in the axes of the ego, m, the latter
+    `k` is the waiting pair. `corner_along` and `corner_inward` receive the corners in the ego's axes, m, the latter
     from the circle's centre.
     """
     bend = m.pair_bend[k]
