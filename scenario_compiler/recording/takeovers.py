@@ -196,7 +196,7 @@ def _fields(
     none = np.full(len(request), np.nan)
     how = resolutions({"request": request, **ends, "collision": crash, "no_progress": none})
     order = np.arange(len(request)) if places is None else places
-    columns = {
+    columns: dict[str, list[Any]] = {
         "number": (order + 1).tolist(),
         "cause": causes,
         "resolution": how,

@@ -18,7 +18,7 @@ from scenario_compiler.engine.columns.numbers import clip, ratio, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.foresight import HORIZON_STEP, ONCOMING, reacts_to
-from scenario_compiler.engine.motion.following import free_acceleration
+from scenario_compiler.engine.motion.following import free_pull, pull_limits
 from scenario_compiler.engine.motion.steering import shift_distance
 from scenario_compiler.marker import compiled
 
@@ -230,12 +230,12 @@ def meets_oncoming(
     gone = 0.0
     back_from = op.FAR
     back_over = 1.0
-    fastest = max(v, usual) + p.const[p.entity_const[i] + slot.E_ACCELERATION] * HORIZON_STEP
-    earliest = earliest_near(p, st, i, fastest, spare)
+    strongest, hardest, least = pull_limits(p, i)
+    earliest = earliest_near(p, st, i, max(v, usual) + strongest * HORIZON_STEP, spare)
     for k in range(PASSING_STEPS):
         time = (k + 1) * HORIZON_STEP
         slows = gone < out and braking > 0.0
-        a = -braking if slows else free_acceleration(p, i, v, usual)
+        a = -braking if slows else clip(strongest * free_pull(v, usual, least), -hardest, strongest)
         faster = max(v + a * HORIZON_STEP, 0.0)
         before = gone
         gone += 0.5 * (v + faster) * HORIZON_STEP

@@ -31,12 +31,14 @@ def free_pull(v: float, desired: float, least: float) -> float:
 
 
 @compiled
-def free_acceleration(p: Program, i: int, v: float, desired: float) -> float:
-    """Return what `idm_acceleration` returns without a leader, m/s2."""
+def pull_limits(p: Program, i: int) -> tuple[float, float, float]:
+    """Return (acceleration, deceleration, least pull) that limit the model for entity i: m/s2, m/s2, and a multiple.
+
+    The acceleration is the usual one, the deceleration that of the brakes.
+    """
     base = p.entity_const[i]
     a = p.const[base + slot.E_ACCELERATION]
-    pull = free_pull(v, desired, -p.const[base + slot.E_DECELERATION] / max(a, 0.1))
-    return clip(a * pull, -p.const[base + slot.E_MAX_DECELERATION], a)
+    return a, p.const[base + slot.E_MAX_DECELERATION], -p.const[base + slot.E_DECELERATION] / max(a, 0.1)
 
 
 @compiled
