@@ -110,8 +110,8 @@ the least times to collision differed by no more than 0.3 %, 95 of 100 by no mor
 and 5 %, of `maximum_drac` 0.2 % and 11 %. What remains is decided by thresholds, so that a difference of a centimetre
 can change it at any step: whether a box that the path grazes counts as ahead (`minimum_time_to_collision`,
 `minimum_time_headway`, `maximum_drac`), whether a departure ends or goes on (`longest_lane_departure`: by more than
-10 % in 4 of 73 runs), whether a turn of the wheel reaches the angle of a reversal (`steering_reversal_rate`: in 4 of 172
-runs), and whether a driver evades or waits. For such runs, look at `minimum_lane_time_to_collision` and
+10 % in 4 of 73 runs), whether a turn of the wheel reaches the angle of a reversal (`steering_reversal_rate`: in 4 of
+172 runs), and whether a driver evades or waits. For such runs, look at `minimum_lane_time_to_collision` and
 `minimum_distance` too, and at more seeds.
 
 The measures are:
