@@ -22,7 +22,13 @@ NOTE = FORMS / "engine.json"
 """The note on the library: its compiler, its sources and its entries."""
 
 SOURCE_FOLDERS = ("forms", "roads", "engine")
-SOURCE_MODULES = ("marker.py", "randomness.py", "vocabulary/horizon.py", "vocabulary/lane_keeping.py")
+SOURCE_MODULES = (
+    "marker.py",
+    "randomness.py",
+    "vocabulary/horizon.py",
+    "vocabulary/kept.py",
+    "vocabulary/lane_keeping.py",
+)
 """Folders and modules with the marked functions, the modules of which they use numbers, and the translator."""
 
 
