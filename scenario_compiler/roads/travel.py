@@ -67,6 +67,24 @@ def row_next(n: RoadTables, row: int, end: int, forward: int, preferred_road: in
 
 
 @compiled
+def way_out(n: RoadTables, row: int, s: float, sense: int) -> tuple[int, float]:
+    """Return (end, distance) of the end of a row to which a way leads, m; `sense` is 1 if s grows along the way."""
+    section = n.lane_section[row]
+    if sense == 1:
+        return AT_END, max(n.section_end[section] - s, 0.0)
+    return AT_START, max(s - n.section_s[section], 0.0)
+
+
+@compiled
+def way_in(n: RoadTables, row: int, contact: int) -> tuple[int, float]:
+    """Return (sense, s) of a way that enters a row at an end; the sense is 1 if s grows along the way."""
+    section = n.lane_section[row]
+    if contact == AT_END:
+        return -1, n.section_end[section]
+    return 1, n.section_s[section]
+
+
+@compiled
 def lane_next(n: RoadTables, road: int, lane: int, direction: int, preferred_road: int) -> tuple[int, int]:
     """Return (road, lane) that follows a lane at the end of its road, or (-1, 0).
 
@@ -135,11 +153,7 @@ def advance_row(n: RoadTables, row: int, s: float, ds: float, next_road: int) ->
             return row, s, left
         row = other
         section = n.lane_section[row]
-        sense = 1
-        s = n.section_s[section]
-        if contact == AT_END:
-            sense = -1
-            s = n.section_end[section]
+        sense, s = way_in(n, row, contact)
     return row, s, left
 
 
@@ -179,8 +193,7 @@ def distance_to_lane_end(n: RoadTables, road: int, lane: int, s: float, limit: f
     It ends where no lane follows, where it is narrower than `MIN_DRIVING_WIDTH`, and where motor traffic may not use
     it.
     """
-    section = section_at(n, road, s)
-    row = lane_row_in(n, section, lane)
+    row = lane_row_in(n, section_at(n, road, s), lane)
     if row < 0:
         return 0.0
     sense = lane_direction(n, road, lane)
@@ -188,14 +201,7 @@ def distance_to_lane_end(n: RoadTables, road: int, lane: int, s: float, limit: f
     for _ in range(HOP_LIMIT):
         if is_drivable(n.lane_type[row]) == 0:
             return gone
-        end = AT_END
-        room = n.section_end[section] - s
-        if sense == -1:
-            end = AT_START
-            room = s - n.section_s[section]
-        if room < 0.0:
-            room = 0.0
-        look = room
+        end, look = way_out(n, row, s, sense)
         if look > limit - gone:
             look = limit - gone
         clear = row_narrows_after(n, row, s, sense, look)
@@ -207,10 +213,5 @@ def distance_to_lane_end(n: RoadTables, road: int, lane: int, s: float, limit: f
         row, contact = row_next(n, row, end, 1, next_road)
         if row < 0:
             return gone
-        section = n.lane_section[row]
-        sense = 1
-        s = n.section_s[section]
-        if contact == AT_END:
-            sense = -1
-            s = n.section_end[section]
+        sense, s = way_in(n, row, contact)
     return gone

@@ -259,7 +259,8 @@ def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
     if st.path_row[0] == st.clear_row[0] and direction * (st.clear_s[0] - s) > 0.0:
         return
     lane = st.path_lane[0]
-    rest = distance_to_lane_end(n, road, lane, s, LANE_END_HORIZON + LOOK_AGAIN, preferred_road(p, st, road))
+    turns = preferred_road(p, st, road)
+    rest = distance_to_lane_end(n, road, lane, s, LANE_END_HORIZON + LOOK_AGAIN, turns)
     along = distance_on_route(n, p, st, road, lane, s, LANE_END_HORIZON + LOOK_AGAIN)
     if along < rest:
         rest = along
@@ -276,7 +277,7 @@ def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
             continue
         if is_drivable(lane_type(n, road, beside, s)) == 0:
             continue
-        further = distance_to_lane_end(n, road, beside, s, LANE_END_HORIZON, preferred_road(p, st, road))
+        further = distance_to_lane_end(n, road, beside, s, LANE_END_HORIZON, turns)
         further = min(further, distance_on_route(n, p, st, road, beside, s, LANE_END_HORIZON))
         if further > rest + THROUGH_MORE:
             st.through_lane[0] = beside

@@ -25,8 +25,8 @@ from scenario_compiler.roads.lanes import (
     row_width,
 )
 from scenario_compiler.roads.locate import project_on_piece, project_on_road, track
-from scenario_compiler.roads.tables import AT_END, AT_START, LINE, RoadTables
-from scenario_compiler.roads.travel import HOP_LIMIT, advance, row_next, stretch_at
+from scenario_compiler.roads.tables import LINE, RoadTables
+from scenario_compiler.roads.travel import HOP_LIMIT, advance, row_next, stretch_at, way_in, way_out
 
 REJOINS = 150.0
 """Distance within which a lane that leaves the route may come back to it, m; chosen: the length of a large junction."""
@@ -79,13 +79,11 @@ def distance_on_route(n: RoadTables, p: Program, st: State, road: int, lane: int
     at = s
     sense = n.lane_sense[row]
     for _ in range(HOP_LIMIT):
-        section = n.lane_section[row]
-        here = n.section_road[section]
-        wanted = preferred_road(p, st, here)
+        wanted = preferred_road(p, st, n.section_road[n.lane_section[row]])
         if left < 0.0 and wanted < 0:
             return limit
-        end = AT_END if sense == 1 else AT_START
-        gone += max(n.section_end[section] - at if sense == 1 else at - n.section_s[section], 0.0)
+        end, room = way_out(n, row, at, sense)
+        gone += room
         if left < 0.0 and gone >= limit:
             return limit
         if left >= 0.0 and gone - left > REJOINS:
@@ -98,8 +96,7 @@ def distance_on_route(n: RoadTables, p: Program, st: State, road: int, lane: int
             left = -1.0
         elif left < 0.0:
             left = gone
-        sense = 1 if contact == AT_START else -1
-        at = n.section_s[n.lane_section[row]] if sense == 1 else n.section_end[n.lane_section[row]]
+        sense, at = way_in(n, row, contact)
     return limit if left < 0.0 else left
 
 
