@@ -63,9 +63,18 @@ def begin_trails(p: Program, m: Totals, ego: int) -> None:
 
 
 @compiled
-def keep_place(st: State, m: Totals, i: int, before: int) -> None:
-    """Keep an entity's pose, and its displacement since the previous row, which has the index `before`."""
-    at = i * TRAIL_ROWS + m.trail_at[0]
+def kept_at(m: Totals, i: int, k: int) -> int:
+    """Return the index of the row of an entity's trail that was kept k rows before the present one."""
+    row = m.trail_at[0] - k
+    if row < 0:
+        row = row + TRAIL_ROWS
+    return i * TRAIL_ROWS + row
+
+
+@compiled
+def keep_place(st: State, m: Totals, i: int) -> None:
+    """Keep an entity's pose, and its displacement since the previous kept row."""
+    at = kept_at(m, i, 0)
     x = st.middle_x[i]
     y = st.middle_y[i]
     m.trail_x[at] = x
@@ -75,8 +84,9 @@ def keep_place(st: State, m: Totals, i: int, before: int) -> None:
     m.trail_sin[at] = st.box_sin[i]
     m.trail_there[at] = st.present[i]
     if m.trail_count[0] > 0:
-        dx = x - m.trail_x[i * TRAIL_ROWS + before]
-        dy = y - m.trail_y[i * TRAIL_ROWS + before]
+        before = kept_at(m, i, 1)
+        dx = x - m.trail_x[before]
+        dy = y - m.trail_y[before]
         square = dx * dx + dy * dy
         m.trail_way[i] = sqrt(square) if square > 0.0 else 0.0
         m.trail_square[i] = max(m.trail_square[i], square)
@@ -133,14 +143,11 @@ def kept_rows_beside(p: Program, m: Totals, ego: int, j: int, last: int) -> int:
     c = m.strip_cos[j]
     s = m.strip_sin[j]
     for k in range(1, last + 1):
-        row = m.trail_at[0] - k
-        if row < 0:
-            row = row + TRAIL_ROWS
-        at = j * TRAIL_ROWS + row
+        at = kept_at(m, j, k)
         off = m.trail_y[at] * c - m.trail_x[at] * s
         if c != m.trail_cos[at] or s != m.trail_sin[at] or abs(off - m.strip_off[j]) > STRAIGHT:
             return k - 1
-        at = ego * TRAIL_ROWS + row
+        at = kept_at(m, ego, k)
         if is_beside_strip(p, m, ego, j, m.trail_x[at], m.trail_y[at], m.trail_cos[at], m.trail_sin[at]) == 0:
             return k - 1
     return last
@@ -192,9 +199,7 @@ def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int, apar
     else:
         free = length_of(st.middle_x[j] - st.middle_x[i], st.middle_y[j] - st.middle_y[i]) - reach
     while k <= last:
-        at = i * TRAIL_ROWS + m.trail_at[0] - k
-        if k > m.trail_at[0]:
-            at = at + TRAIL_ROWS
+        at = kept_at(m, i, k)
         dx = st.middle_x[j] - m.trail_x[at]
         dy = st.middle_y[j] - m.trail_y[at]
         gap = length_of(dx, dy) - reach
@@ -271,10 +276,9 @@ def add_encroachment(p: Program, st: State, m: Totals, ego: int) -> None:
         return
     if (m.rows[0] - 1) % max(m.trail_every[0], 1) != 0:
         return
-    before = m.trail_at[0] - 1 if m.trail_at[0] > 0 else TRAIL_ROWS - 1
     for i in range(p.entity_count[0]):
         if p.entity_motion[i] != op.MOTION_STATIC:
-            keep_place(st, m, i, before)
+            keep_place(st, m, i)
     limit = m.encroachment_rows[0] if m.encroachment_rows[0] > 0 else m.trail_limit[0]
     if st.present[ego] == 1:
         for j in range(p.entity_count[0]):
