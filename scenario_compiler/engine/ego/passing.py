@@ -104,16 +104,26 @@ def coming_back(target: float, over: float, gone: float) -> tuple[float, float]:
 
 
 @compiled
+def is_oncoming(st: State, i: int, j: int) -> int:
+    """Return 1 if j comes towards i on the path."""
+    return 1 if j != i and st.on_way[j] == 1 and st.along[j] <= ONCOMING else 0
+
+
+@compiled
+def has_gone_by(p: Program, st: State, i: int, j: int, moved: float) -> int:
+    """Return 1 if j is behind i, after it has moved forward by `moved` relative to i, m."""
+    return 1 if st.far[j] + moved < front_of(p, i) - p.const[p.entity_const[i] + slot.E_LENGTH] else 0
+
+
+@compiled
 def is_approaching(p: Program, st: State, i: int, j: int) -> int:
     """Return 1 if an oncoming vehicle on the path has not passed i yet.
 
     One that has passed never `comes_near` again, because it moves on and i does not drive backwards.
     """
-    if j == i or st.on_way[j] == 0 or st.along[j] > ONCOMING:
+    if is_oncoming(st, i, j) == 0:
         return 0
-    front = front_of(p, i)
-    passed = st.far[j] < front - p.const[p.entity_const[i] + slot.E_LENGTH]
-    return 0 if passed and st.v[i] >= 0.0 else 1
+    return 0 if has_gone_by(p, st, i, j, 0.0) == 1 and st.v[i] >= 0.0 else 1
 
 
 @compiled
@@ -146,14 +156,12 @@ def comes_near(
     That is after a time, s, in which i drives `gone` metres and reaches the speed v, m/s. With `known` 1 only a vehicle
     counts that the driver has had the time to react to.
     """
-    if j == i or st.on_way[j] == 0 or st.along[j] > ONCOMING:
+    if is_oncoming(st, i, j) == 0:
         return 0
-    front = front_of(p, i)
     moved = st.along[j] * time - gone
-    passed = st.far[j] + moved < front - p.const[p.entity_const[i] + slot.E_LENGTH]
-    if passed or (known == 1 and reacts_to(p, st, j) == 0):
+    if has_gone_by(p, st, i, j, moved) == 1 or (known == 1 and reacts_to(p, st, j) == 0):
         return 0
-    gap = max(st.near[j] + moved - front, 0.0)
+    gap = max(st.near[j] + moved - front_of(p, i), 0.0)
     return 1 if gap < spare * (v - st.along[j]) else 0
 
 
