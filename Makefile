@@ -31,7 +31,7 @@ moved:
 	rm -rf .venv
 
 setup: .venv/.stamp
-	@$(BIN)/python -m scenario_compiler.forms.making
+	@$(BIN)/python -m scenario_compiler.forms.making scenario_compiler.batch.typical_sweeps
 
 .venv/.stamp: pyproject.toml constraints.txt
 	@if [ -z "$(PYTHON)" ]; then \

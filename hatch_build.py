@@ -23,6 +23,10 @@ COMPILER = "ziglang>=0.13"
 """A C compiler as a Python package, 411 MB: needed only while a wheel is built where there is no other."""
 
 
+SWEEPS = "scenario_compiler.batch.typical_sweeps"
+"""The sweeps that guide gcc; they need what the program needs, which a build in isolation does not have."""
+
+
 class EngineBuildHook(BuildHookInterface):  # type: ignore[type-arg]
     """Makes the engine's machine code for a wheel, or in place for an editable installation."""
 
@@ -39,7 +43,7 @@ class EngineBuildHook(BuildHookInterface):  # type: ignore[type-arg]
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Make the library and put it into the wheel, which is then for this platform and for every Python 3."""
         try:
-            note = make(noting_sources=version == "editable")
+            note = make(noting_sources=version == "editable", sweeps=SWEEPS)
         except NoCompilerError as error:
             self.app.display_warning(f"the engine will run interpreted: {error}")
             return

@@ -41,20 +41,22 @@ class Note:
         entries: The kinds of each entry's arguments, followed by that of its result.
         sources: Size, time of modification (ns) and SHA-256 of each source; empty for a library that is part of a
             wheel.
+        guided: Whether the compiler was guided by typical sweeps.
     """
 
     made_by: str
     entries: dict[str, list[str]]
     sources: dict[str, tuple[int, int, str]]
+    guided: bool = False
 
     @classmethod
-    def read(cls) -> Note | None:
-        """Return the note beside the library; None if there is no library."""
-        if not LIBRARY.is_file() or not NOTE.is_file():
+    def read(cls, library: Path = LIBRARY, path: Path = NOTE) -> Note | None:
+        """Return the note on a library; None if one of both is missing."""
+        if not library.is_file() or not path.is_file():
             return None
-        known: dict[str, Any] = json.loads(NOTE.read_text(encoding="utf-8"))
+        known: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         sources = {name: (size, time, digest) for name, (size, time, digest) in known["sources"].items()}
-        return cls(known["made_by"], known["entries"], sources)
+        return cls(known["made_by"], known["entries"], sources, known.get("guided", False))
 
     def write(self, path: Path = NOTE) -> None:
         """Write the note."""

@@ -36,10 +36,10 @@ def main(folder: Path, *sanitizers: str) -> int:
     from tests.engine.test_two_forms import STEPS, VARIANTS, random_draft, variants_of
 
     path = folder / "checked.so"
-    made_by = build(translated(marked_functions(), entries()), path, *FLAGS, *sanitizers)
+    build(translated(marked_functions(), entries()), path, *FLAGS, *sanitizers)
     note = Note.read()
     assert note is not None
-    checked = MachineCode(path, note.entries, made_by)
+    checked = MachineCode(path, note.entries, note.made_by)
     same = 0
     for number in range(PROGRAMS):
         draft = random_draft(number)

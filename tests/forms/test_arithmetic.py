@@ -19,7 +19,7 @@ from scenario_compiler.forms.compiled import Compiled
 from scenario_compiler.forms.failure import KINDS, EngineError, of_exception
 from scenario_compiler.forms.language import FunctionSource
 from scenario_compiler.forms.machine_code import MachineCode
-from scenario_compiler.forms.making import build
+from scenario_compiler.forms.making import build, version
 from scenario_compiler.forms.translation import translated
 from tests.forms import samples
 
@@ -36,12 +36,12 @@ class Small:
 
     def __init__(self, folder: Path, *flags: str) -> None:
         library = folder / "samples.so"
-        made_by = build(translated(samples.FUNCTIONS, samples.ENTRIES), library, *flags)
+        build(translated(samples.FUNCTIONS, samples.ENTRIES), library, *flags)
         kinds = {}
         for function in samples.ENTRIES:
             signature = FunctionSource.of(function).signature
             kinds[function.__name__] = [str(kind) for kind in (*signature.arguments.values(), signature.result)]
-        self.enter = Compiled(MachineCode(library, kinds, made_by), st=STATE).enter
+        self.enter = Compiled(MachineCode(library, kinds, version()), st=STATE).enter
 
     def __call__(self, entry: str, *arguments: Any) -> Any:
         """Call an entry; EngineError where it fails."""

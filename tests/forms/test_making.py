@@ -113,6 +113,24 @@ def test_the_interpreted_form_serves_without_a_library(copy: Path) -> None:
     assert "the engine's machine code has not been built" in done.stderr
 
 
+@pytest.mark.skipif("gcc" not in compiler(), reason="only gcc is guided by sweeps")
+@pytest.mark.slow
+def test_sweeps_guide_gcc_and_a_library_is_made_without_them_where_they_fail(copy: Path) -> None:
+    """They fail where the build has no numpy, or no library of conflicts."""
+    making = [sys.executable, "-m", "scenario_compiler.forms.making"]
+
+    def stderr_of(*arguments: str) -> str:
+        return subprocess.run([*making, *arguments], cwd=copy, capture_output=True, text=True, check=True).stderr
+
+    sweeps = "scenario_compiler.batch.typical_sweeps"
+    (copy / "library").rename(copy / "elsewhere")
+    assert "guided" not in stderr_of(sweeps)
+    (copy / "elsewhere").rename(copy / "library")
+    assert "guided" not in stderr_of()
+    assert stderr_of(sweeps).endswith(", guided by typical sweeps\n")
+    assert stderr_of().endswith(", guided by typical sweeps\n")
+
+
 SANITIZERS = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 
