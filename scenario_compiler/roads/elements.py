@@ -64,14 +64,13 @@ class RoadFile:
 
         if is_unusual(self._raw) and parse_document(self._raw, self.path, sink) is None:
             return None
-        builder = _Builder(take_road)
-        parser = quiet_parser(builder)
+        parser = quiet_parser(_Builder(take_road))
         try:
             root = cast(PlainElement, etree.fromstring(self._raw, parser))
         except (etree.XMLSyntaxError, _Unusable):
             parse_document(self._raw, self.path, sink)
             return None
-        if (builder.unusual or len(parser.error_log) > 0) and parse_document(self._raw, self.path, sink) is None:
+        if len(parser.error_log) > 0 and parse_document(self._raw, self.path, sink) is None:
             return None
         self._root = root
         return root
@@ -105,19 +104,11 @@ class _Unusable(Exception):
     """The file cannot be used, for a reason that `parse_document` reports."""
 
 
-_ID = "{http://www.w3.org/XML/1998/namespace}id"
-
-
 class _Builder:
-    """Receives the parser's events, and makes elements without texts, comments and processing instructions.
-
-    Attributes:
-        unusual: Whether an element has an id of XML's own, which only `parse_document` judges.
-    """
+    """Receives the parser's events, and makes elements without texts, comments and processing instructions."""
 
     def __init__(self, take: Callable[[PlainElement, int], None]) -> None:
         """Begin before the root; `take` receives the root and the index of each road in it when it is complete."""
-        self.unusual = False
         self.start, self.end, self.close = self._events(take)
 
     def _events(
@@ -149,8 +140,6 @@ class _Builder:
                 if at >= 0:
                     take(above[0], at)
                 at = len(above[0]) - 1
-            if _ID in attributes:
-                self.unusual = True
 
         def close() -> PlainElement:
             """Return the root, and let go of `take`: lxml keeps this function until the next garbage collection."""

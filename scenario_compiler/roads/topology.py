@@ -273,17 +273,18 @@ def _store(n: RoadTables, links: _Links) -> None:
     turns = [_turn(n, road) for road in range(len(n.road_length))]
     exits: list[dict[tuple[int, int], None]] = [{} for _ in range(2 * len(n.road_length))]
     for row, section in enumerate(n.lane_section):
-        road = n.section_road[section]
         for end in (AT_START, AT_END):
-            ends = links.ends.get(2 * row + end, {})
-            at_road_end = len(ends) > 0 and section == _end_section(n, road, end)
-            for (other, contact), branch in ends.items():
-                target = n.section_road[n.lane_section[other]]
-                n.link_lane.append(other)
-                n.link_contact.append(contact)
-                n.link_turn.append(pi if branch else turns[target])
-                if at_road_end and not branch:
-                    exits[2 * road + end][target, contact] = None
+            ends = links.ends.get(2 * row + end)
+            if ends is not None:
+                road = n.section_road[section]
+                at_road_end = section == _end_section(n, road, end)
+                for (other, contact), branch in ends.items():
+                    target = n.section_road[n.lane_section[other]]
+                    n.link_lane.append(other)
+                    n.link_contact.append(contact)
+                    n.link_turn.append(pi if branch else turns[target])
+                    if at_road_end and not branch:
+                        exits[2 * road + end][target, contact] = None
             n.lane_link.append(len(n.link_lane))
     for roads in exits:
         n.exit_road.extend([road for road, _ in roads])
