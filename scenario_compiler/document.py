@@ -336,9 +336,9 @@ def is_unusual(raw: bytes) -> bool:
     """Return whether only `parse_document` can find all faults of a file: those of its size, texts, ids and encoding.
 
     A tag has at least five bytes for each attribute, none of them "<", and libxml2 refuses longer texts than these only
-    while it makes a tree. Python finds the last five bytes of "xml:id" faster than all six.
+    while it makes a tree.
     """
-    if _doctype_line(raw) > 0 or len(raw) > MAX_TAGS < raw.count(b"<") or b"\x00" in raw[:8] or b"ml:id" in raw:
+    if _doctype_line(raw) > 0 or len(raw) > MAX_TAGS < raw.count(b"<") or b"\x00" in raw[:8] or _names_an_id(raw):
         return True
     span, at = 5 * MAX_ATTRIBUTES, 0
     while at + span <= len(raw):
@@ -347,6 +347,14 @@ def is_unusual(raw: bytes) -> bool:
             return True
         at = last + 1
     return False
+
+
+def _names_an_id(raw: bytes) -> bool:
+    """Return whether XML's own id, `xml:id`, occurs; its colon is rare in files and is found fast."""
+    at = raw.find(b":")
+    while at >= 0 and raw[at - 3 : at + 3] != b"xml:id":
+        at = raw.find(b":", at + 1)
+    return at >= 0
 
 
 def _doctype_line(raw: bytes) -> int:
