@@ -80,6 +80,7 @@ class Measure:
         total: The same measure, computed from RunTotals.
         source: Source of the definition; empty for our own.
         of_takeover: Whether it concerns the takeover, so that a run without an automated vehicle does not have it.
+        whole: Whether its values are whole numbers.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Measure:
     total: Callable[[RunTotals], Floats]
     source: str = ""
     of_takeover: bool = True
+    whole: bool = False
 
 
 def total(name: str) -> Callable[[RunTotals], Floats]:
@@ -362,7 +364,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "first_brake_time",
         "s",
-        f"Time from the request to the first row in which the brake is pressed by more than {BRAKING:.0%}. Only "
+        f"Time from the request to the first row in which the brake is pressed by more than {100 * BRAKING:g} %. Only "
         "rows in which the driver drives count, from the response until control is handed back.",
         "there was no response, or no braking after it",
         first_brake_time,
@@ -435,7 +437,7 @@ MEASURES: tuple[Measure, ...] = (
         "minimum_lane_time_to_collision",
         "s",
         "Least time to collision along the lane: gap divided by closing speed, to any entity ahead that overlaps the "
-        "width of the vehicle at its lateral position in the lane, whatever it steers: the time to an obstacle until "
+        "width of the vehicle at its lateral position in the lane, however it steers: the time to an obstacle until "
         "the vehicle has moved aside. Only entities that the automation, or the driver who drives, sees count. It is "
         f"measured at control steps, up to the first collision. Values of {HORIZON:g} s or more are ignored.",
         f"nothing ahead would ever be reached within {HORIZON:g} s",
@@ -598,6 +600,7 @@ MEASURES: tuple[Measure, ...] = (
         "never",
         lane_departures,
         lane_departures_total,
+        whole=True,
     ),
     Measure(
         "longest_lane_departure",
@@ -688,6 +691,7 @@ MEASURES: tuple[Measure, ...] = (
         "never",
         requests,
         _requests_total,
+        whole=True,
     ),
     _time_of("warning", "warning"),
     _time_of("request", "request"),

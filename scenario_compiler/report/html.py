@@ -8,6 +8,7 @@ from html import escape
 from pathlib import Path
 
 from scenario_compiler.outputs import make_folder, write_whole
+from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report import plots
 from scenario_compiler.report.embedding import player_head, player_place, player_start, source_of
@@ -21,7 +22,6 @@ from scenario_compiler.report.wording import (
     classification,
     command,
     conditions,
-    fixed,
     place_words,
     summary_of,
 )
@@ -96,7 +96,6 @@ def write_report(
 def render(runs: Sequence[Run], *, title: str = "", pictures: Sequence[Sequence[Picture]] | None = None) -> str:
     """Return the page; see `write_report`."""
     environment = page_environment()
-    environment.filters["number"] = fixed
     environment.filters["place"] = place_words
     environment.filters["source"] = source_of
     taken = [pictures_of(run) for run in runs] if pictures is None else pictures
@@ -108,6 +107,7 @@ def render(runs: Sequence[Run], *, title: str = "", pictures: Sequence[Sequence[
         title=title or (runs[0].outcome.name if len(runs) == 1 else f"{len(runs)} conflicts"),
         sections=sections,
         state_colours=STATE_COLOURS,
+        whole={measure.name for measure in MEASURES if measure.whole},
         player_head=player_head(),
         player_start=player_start(),
     )

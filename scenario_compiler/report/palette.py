@@ -71,5 +71,13 @@ WORDS = {
     "standstill": "standstill",
     "response": "driver takes over",
     "collision": "collision",
+    "maximum_drac": "maximum DRAC",
+    "minimum_post_encroachment_time": "minimum post-encroachment time",
+    "minimum_risk_time": "minimum-risk time",
 }
-"""Names of states and moments for readers."""
+"""Names of states, moments and measures for readers, where they are more than the words of the program's name."""
+
+
+def words_of(name: str) -> str:
+    """Return the name of a state, an event, a cause or a measure for readers."""
+    return WORDS.get(name, name.replace("_", " "))

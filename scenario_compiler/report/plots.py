@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import math
 import re
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -330,20 +331,21 @@ def _draw_traffic(axis: Axes, run: Run, turn: float, points_per_metre: float) ->
     for i in moving:
         label = "ways of others" if i == moving[0] else ""
         _draw_way(axis, recording.x[:, i], recording.y[:, i], turn, QUIET, label=label)
-    for i in range(1, len(names)):
-        if not recording.present[seen, i]:
-            continue
-        box = _turned(np.stack([x[seen, i], y[seen, i]], axis=-1), -turn)
-        middle = box.mean(axis=0)
+    there = [i for i in range(1, len(names)) if recording.present[seen, i]]
+    boxes = [_turned(np.stack([x[seen, i], y[seen, i]], axis=-1), -turn) for i in there]
+    for i, box in zip(there, boxes, strict=True):
         others = "_" if labelled else f"others, at the {focus}"
         axis.fill(*box.T, facecolor=PAPER, edgecolor=INK, linewidth=0.9, zorder=7, label=others)
         name = names[i].rpartition(".")[2]
-        apart = 5.5 * len(name) / points_per_metre
-        if all(np.abs(middle - other).max() > apart for other in labelled):
-            labelled.append(middle)
+        apart = np.array([5.5 * len(name), 10.0]) / points_per_metre
+        above = _free_above(box, boxes, apart)
+        place = np.array([box[:, 0].mean(), box[:, 1].max() if above else box[:, 1].min()])
+        if all((np.abs(place - other) > apart).any() for other in labelled):
+            labelled.append(place)
             axis.annotate(
-                name, (middle[0], box[:, 1].max()), (0, 2), textcoords="offset points", fontsize=7.5, ha="center",
-                va="bottom", zorder=9, annotation_clip=True,
+                name, _point(place), (0, 2 if above else -2), textcoords="offset points", fontsize=7.5, ha="center",
+                va="bottom" if above else "top", zorder=9, annotation_clip=True,
+                bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.7, "pad": 0.6},
             )  # fmt: skip
     _draw_way(axis, recording.x[:, 0], recording.y[:, 0], turn, EGO, label=names[0])
     marker = float(np.clip(1.2 * points_per_metre, 4.0, 7.0))
@@ -362,6 +364,18 @@ def _draw_traffic(axis: Axes, run: Run, turn: float, points_per_metre: float) ->
     if len(recording.t) and recording.present[-1, 0]:
         last = _turned(np.stack([x[-1, 0], y[-1, 0]], axis=-1), -turn)
         axis.fill(*last.T, facecolor=EGO, edgecolor=PAPER, linewidth=0.7, zorder=7)
+
+
+def _free_above(box: Floats, boxes: Sequence[Floats], apart: Floats) -> bool:
+    """Return whether a name of the size `apart` (2,) has room between a box (4, 2) and the one above it, if any."""
+    middle, top = box[:, 0].mean(), box[:, 1].max()
+    return not any(
+        other[:, 0].min() < middle + apart[0] / 2
+        and other[:, 0].max() > middle - apart[0] / 2
+        and box[:, 1].mean() < other[:, 1].mean()
+        and other[:, 1].min() < top + 1.5 * apart[1]
+        for other in boxes
+    )
 
 
 def _draw_way(axis: Axes, x: Floats, y: Floats, turn: float, colour: str, label: str = "") -> None:

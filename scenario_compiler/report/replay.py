@@ -31,6 +31,7 @@ from scenario_compiler.report.palette import (
     STATE_COLOURS,
     VERMILION,
     WORDS,
+    words_of,
 )
 from scenario_compiler.report.run import MOMENTS, Run
 from scenario_compiler.report.surroundings import Window, surroundings
@@ -218,9 +219,9 @@ def _events(run: Run) -> list[dict[str, Any]]:
     return [
         {
             "t": event.t,
-            "words": WORDS.get(event.kind, event.kind.replace("_", " ")),
+            "words": words_of(event.kind),
             "entity": event.entity,
-            "cause": WORDS.get(event.cause, event.cause.replace("_", " ")),
+            "cause": words_of(event.cause),
             "message": event.message,
             "colour": MOMENT_COLOURS.get(event.kind, "") if event.kind != "collision" else "",
             "moment": event.kind in MOMENTS,

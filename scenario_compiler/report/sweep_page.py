@@ -20,6 +20,7 @@ from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.recording import Booleans, Floats, Integers
 from scenario_compiler.recording.resolution import WITHOUT_REQUEST
 from scenario_compiler.report import plots, sweep_plots
+from scenario_compiler.report.palette import words_of
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.statistics import wilson_interval
 from scenario_compiler.report.templates import page_environment
@@ -279,7 +280,7 @@ def _measures(rows: Rows, sound: Booleans, left_out: list[str]) -> list[sweep_pl
     measures: list[sweep_plots.Panel] = []
     for measure in MEASURES:
         if measure.name in SHOWN:
-            title, values = measure.name.replace("_", " "), _numbers(rows[measure.name])[sound]
+            title, values = words_of(measure.name), _numbers(rows[measure.name])[sound]
             if np.isfinite(values).any():
                 measures.append((title, measure.unit, values))
             else:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import base64
+import re
 from pathlib import Path
 
 import jinja2
 from jinja2.bccache import Bucket
+from markupsafe import Markup, escape
 
-from scenario_compiler.report.palette import WORDS
-from scenario_compiler.report.wording import decimal, unit_words
+from scenario_compiler.report.palette import words_of
+from scenario_compiler.report.wording import decimal, fixed, unit_words
 
 
 class _Compiled(jinja2.BytecodeCache):
@@ -31,6 +33,11 @@ class _Compiled(jinja2.BytecodeCache):
 _COMPILED = _Compiled()
 
 
+def _code(text: str) -> Markup:
+    """Return a text as HTML in which what stands between backticks is code."""
+    return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(text))))
+
+
 def page_environment(*folders: Path) -> jinja2.Environment:
     """Return an environment that searches templates in `folders` and then beside this module.
 
@@ -45,7 +52,9 @@ def page_environment(*folders: Path) -> jinja2.Environment:
         bytecode_cache=_COMPILED,
     )
     environment.filters["number"] = lambda value: "–" if value is None else decimal(value)
+    environment.filters["fixed"] = lambda value: "–" if value is None else fixed(value)
+    environment.filters["code"] = _code
     environment.filters["png"] = lambda data: "data:image/png;base64," + base64.b64encode(data).decode()
     environment.filters["unit"] = unit_words
-    environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
+    environment.filters["words"] = words_of
     return environment

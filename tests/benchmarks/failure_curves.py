@@ -66,6 +66,9 @@ STATES: dict[str, State] = {
 }
 """Kind of a failure to the sensor's state for an amount, in the image with a number."""
 
+TITLE = 20
+"""Height of the title above a row of pictures, pixels."""
+
 SHOWN = tuple(kind for kind in STATES if kind not in ("latency", "dropout", "freeze"))
 """Kinds that a single picture shows."""
 
@@ -132,9 +135,10 @@ def write_montage(file: Path) -> None:
             camera = RoadCamera(two_lanes(reference), seed=SEED)
             image = camera.frame(reference.pose(109.0), [], CLEAR, STATES[kind](amount, 9), 9)
             tiles.append(cv2.resize(image, (256, 128), interpolation=cv2.INTER_AREA))
-        cv2.putText(tiles[0], kind, (6, 14), cv2.FONT_HERSHEY_SIMPLEX, 0.45, (255, 255, 255), 3, cv2.LINE_AA)
-        cv2.putText(tiles[0], kind, (6, 14), cv2.FONT_HERSHEY_SIMPLEX, 0.45, (0, 0, 0), 1, cv2.LINE_AA)
-        rows.append(np.hstack(tiles))
+        row = np.hstack(tiles)
+        title = np.full((TITLE, row.shape[1], 3), 40, np.uint8)
+        cv2.putText(title, kind, (6, TITLE - 6), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (255, 255, 255), 1, cv2.LINE_AA)
+        rows += [title, row]
     cv2.imwrite(str(file), np.vstack(rows), [cv2.IMWRITE_JPEG_QUALITY, 85])
 
 
@@ -149,10 +153,10 @@ def write_curves(found: dict[tuple[DetectorName, str], list[Answer]], file: Path
             axis.plot(range(1, 6), [one.confidence for one in found[name, kind]], "o-", color=colours[name], label=name)
         axis.plot(range(1, 6), [one.health for one in found["classical", kind]], "k--", label="sensor's health")
         axis.set_title(kind, fontsize=10)
-        axis.axhline(REQUEST_BELOW, color="0.7", linewidth=0.8)
-    axes[0, 0].legend(fontsize=8, loc="lower left")
+        axis.axhline(REQUEST_BELOW, color="0.5", linewidth=0.8, linestyle=":", label="request below")
+    axes[0, 3].legend(fontsize=8, loc="center")  # nothing of this panel lies there
     for axis in axes[:, 0]:
-        axis.set_ylabel("confidence")
+        axis.set_ylabel("confidence, health")
     for axis in axes[-1]:
         axis.set_xlabel("severity, or fifths of amount 1")
     figure.tight_layout()

@@ -107,6 +107,19 @@ def test_the_page_has_the_expected_texts(page: Page, words: str) -> None:
     assert words in re.sub(r"\s+", " ", page.text)
 
 
+@pytest.mark.parametrize(
+    "cells",
+    [
+        '<td>requests</td><td class="n">1</td>',
+        '<td>request time</td><td class="n">4.00</td>',
+        "<td>maximum DRAC</td>",
+        "the response by more than <code>steering</code> of &lt;inputs&gt;",
+    ],
+)
+def test_measures_are_shown_as_readers_write_them(page: Page, cells: str) -> None:
+    assert cells in page.source
+
+
 def test_the_page_shows_three_pictures_and_three_plots(page: Page) -> None:
     assert (page.tags.count("img"), page.tags.count("svg")) == (3, 3)
 

@@ -43,3 +43,16 @@ def test_a_map_is_as_high_as_what_is_on_it(finished: Run) -> None:
     assert box is not None
     assert float(box[1]) == 72 * WIDTH
     assert float(box[2]) < 200.0
+
+
+def test_names_of_vehicles_beside_each_other_stand_on_both_sides(finished: Run) -> None:
+    recording = finished.recording
+    x, y = recording.x.copy(), recording.y.copy()
+    x[:, 2], y[:, 2] = x[:, 1], y[:, 1] + 3.5  # in the lane to the left
+    names = recording.header.entities[1:]
+    beside = dataclasses.replace(finished, recording=dataclasses.replace(recording, x=x, y=y))
+    drawn = close_up_map(beside, "it")
+    shown = re.findall(r'<text style="font-size: 7.5px[^>]* x="([0-9.-]+)" y="([0-9.-]+)"[^>]*>([^<]+)<', drawn)
+    heights = {text: float(y) for _, y, text in shown if text in names}
+    assert set(heights) == set(names)
+    assert abs(heights[names[0]] - heights[names[1]]) > 15.0

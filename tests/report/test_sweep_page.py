@@ -185,6 +185,14 @@ def test_a_case_has_its_values_under_their_names(tmp_path: Path) -> None:
     assert table.index(">32<") < table.index(">8.5<")
 
 
+def test_measures_of_cases_have_equally_many_decimals(tmp_path: Path) -> None:
+    rows = rows_of(3, takeover_time=[2.0, 8.2, 0.25])
+    cases = [Case(k, {}, "scenario-compiler run") for k in range(3)]
+    text = write_sweep_report(page_of(rows, cases=cases), tmp_path).read_text(encoding="utf-8")
+    table = text.partition("The worst cases")[2].partition("</table>")[0]
+    assert [value in table for value in (">2.00<", ">8.20<", ">0.25<")] == [True] * 3
+
+
 def test_parameters_and_measures_have_their_units(tmp_path: Path) -> None:
     cases = [Case(1, {"gap": 2.0}, "scenario-compiler run")]
     rows = {**ROWS, **{name: [1.0, 0.5, 2.0] for name in SHOWN}}

@@ -183,6 +183,7 @@ function drawLevels(chart, levels, colour) {
   ink.setLineDash([dots, 3 * dots]);
   ink.font = `${10 * dots}px system-ui, sans-serif`;
   ink.textAlign = "right";
+  ink.textBaseline = "bottom"; // uPlot leaves that of its axes
   for (const [words, value] of levels) {
     const y = chart.valToPos(value, "y", true);
     ink.beginPath();
