@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.batch.distributions import SweepError
-from scenario_compiler.batch.results import read_results
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.cli.options import WrongUse, keep_inputs
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.files import read_file, split_target

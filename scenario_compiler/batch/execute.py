@@ -12,9 +12,10 @@ from typing import Any, Protocol
 
 from scenario_compiler.batch.codebook import PARAMETER, Column, parameter_column
 from scenario_compiler.batch.distributions import Distribution, SweepError, beyond, misfit, value_of
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.batch.measuring import Columns
 from scenario_compiler.batch.pool import Pool
-from scenario_compiler.batch.results import ResultStore, read_results, tally_of
+from scenario_compiler.batch.results import ResultStore, tally_of
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant
 from scenario_compiler.batch.sampling import Sample, Sampler, constraints_of, make_sampler
 from scenario_compiler.batch.spec import SweepSpec

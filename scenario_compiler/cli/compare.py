@@ -1,4 +1,4 @@
-"""`compare`: the differences between two runs."""
+"""`compare`: the differences between two runs, or between two sweeps."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.legible import legible_json
 
 if TYPE_CHECKING:
-    from scenario_compiler.recording.comparison import Comparison
+    from scenario_compiler.recording.comparison import Comparison, Fact
     from scenario_compiler.recording.outcome import Outcome
     from scenario_compiler.recording.recording import Recording
 
@@ -30,21 +30,25 @@ def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "compare",
-        help="compare two runs: when they begin to differ, by how much, and which events are in one of them only",
+        help="compare two runs, or two sweeps variant by variant: where they differ, and by how much",
         description="Compare two runs: when they begin to differ, by how much, and which events are in one of them "
-        "only. The exit code is 0 if the same happened in both, else 1. Differences between plans, seeds and versions "
-        "are shown, but do not count; nor do the reports of sensors that only one of two worlds has.",
+        "only. Or compare two sweeps: variants with the same parameters are paired, and the measures and outcomes of "
+        "each pair are compared. The exit code is 0 if the same happened in both, else 1. Differences between plans, "
+        "seeds and versions are shown, but do not count; nor do reports of sensors that only one of two worlds has.",
     )
     for name in ("first", "second"):
         parser.add_argument(
-            name, type=Path, metavar="RUN", help="folder of a run, its recording.parquet, or a trajectory as .csv"
+            name,
+            type=Path,
+            metavar="RUN|SWEEP",
+            help="folder of a run, its recording.parquet, or a trajectory as .csv; or the folder of a finished sweep",
         )
     parser.add_argument(
         "--tolerance",
-        type=distance,
+        type=tolerance,
         metavar="X",
-        help="allow differences of X m in positions and of one step in the times of events and ends; by default "
-        "every bit counts",
+        help="allow differences: in runs of X m in positions and of one step in the times of events and ends, in "
+        "sweeps of X in each measure, in its unit; by default every bit counts",
     )
     parser.add_argument("--format", choices=("text", "json"), default="text", help="format of the output")
     parser.add_argument(
@@ -58,16 +62,20 @@ def add(commands: Commands) -> None:
     parser.set_defaults(command=compare_command)
 
 
-def distance(text: str) -> float:
-    """Return a distance in metres that an option gives."""
+def tolerance(text: str) -> float:
+    """Return a difference that an option allows."""
     value = float(text)
     if not 0.0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is not a distance in metres")
+        raise argparse.ArgumentTypeError(f"{text} is not a finite number from 0 on")
     return value
 
 
 def compare_command(options: argparse.Namespace) -> int:
-    """Print the differences between two runs."""
+    """Print the differences between two runs, or between two sweeps."""
+    if _are_sweeps(options.first, options.second):
+        from scenario_compiler.cli.compared_sweeps import compare_folders
+
+        return compare_folders(options)
     from scenario_compiler.recording.comparison import compare
 
     (first, outcome), (second, other) = read_run(options.first), read_run(options.second)
@@ -80,6 +88,18 @@ def compare_command(options: argparse.Namespace) -> int:
     if options.html is not None:
         _write_page(found, options)
     return FINE if found.equal else AT_FAULT
+
+
+def _are_sweeps(first: Path, second: Path) -> bool:
+    """Return whether both paths are folders of sweeps; raise WrongUse if only one of them is."""
+    from scenario_compiler.batch.finished import is_sweep
+
+    there = [is_sweep(path) for path in (first, second)]
+    if any(there) and not all(there):
+        sweep, other = (first, second) if there[0] else (second, first)
+        what = "is not a sweep" if other.exists() else "does not exist"
+        raise WrongUse(f"{sweep} is a sweep and {other} {what}: compare two runs or two sweeps")
+    return all(there)
 
 
 def _write_page(found: Comparison, options: argparse.Namespace) -> None:
@@ -124,25 +144,18 @@ def as_json(found: Comparison) -> str:
 
 def print_comparison(found: Comparison, tolerance: float | None) -> None:
     """Print a comparison as tables, leaving out empty ones, and in sentences."""
-    put_table(
-        ("", "first", "second"),
-        [
-            (one.what, one.first, "=" if one.first == one.second else one.second)
-            for one in found.facts
-            if one.first or one.second
-        ],
-    )
+    put_facts(found.facts)
     put_table(
         ("entity", "rows", "alone", "apart, m", "at, s", "x, m", "y, m", "h, rad", "v, m/s"),
         [
-            (entity, str(rows), str(alone), *map(_number, greatest))
+            (entity, str(rows), str(alone), *map(number_text, greatest))
             for entity, rows, alone, *greatest in map(astuple, found.apart)
         ],
     )
     put_table(
         ("event", "entity", "cause", "message", "first, s", "second, s"),
         [
-            (one.kind, one.entity, one.cause, one.message, _number(one.first), _number(one.second))
+            (one.kind, one.entity, one.cause, one.message, number_text(one.first), number_text(one.second))
             for one in found.events[:MOST_EVENTS]
         ],
     )
@@ -152,13 +165,25 @@ def print_comparison(found: Comparison, tolerance: float | None) -> None:
     put_table(
         ("measure", "unit", "first", "second", "difference"),
         [
-            (one.name, one.unit, _number(one.first), _number(one.second), _number(one.difference))
+            (one.name, one.unit, number_text(one.first), number_text(one.second), number_text(one.difference))
             for one in found.measures
             if one.first is not None or one.second is not None
         ],
     )
     for sentence in verdict(found, tolerance):
         put(sentence)
+
+
+def put_facts(facts: Iterable[Fact]) -> None:
+    """Print the properties of both sides that are known of one of them."""
+    put_table(
+        ("", "first", "second"),
+        [
+            (one.what, one.first, "=" if one.first == one.second else one.second)
+            for one in facts
+            if one.first or one.second
+        ],
+    )
 
 
 def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
@@ -194,5 +219,6 @@ def _called(column: str) -> tuple[str, str]:
     return name, f" {unit}" if unit else ""
 
 
-def _number(value: float | None) -> str:
+def number_text(value: float | None) -> str:
+    """Return a number for a table; a dash for a missing one."""
     return "–" if value is None else f"{value:.4g}"
