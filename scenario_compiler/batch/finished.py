@@ -89,19 +89,18 @@ def open_sweep(folder: Path) -> FinishedSweep:
     """Return the sweep in a folder.
 
     Raises:
-        SweepError: There is no sweep in the folder, or it is not finished, or a table is missing or cannot be read.
+        SweepError: There is no sweep in the folder but a search or nothing, or the sweep is not finished, or a table is
+            missing or cannot be read.
     """
     if not is_sweep(folder):
         raise SweepError(f"{folder} contains no sweep")
     if not (folder / TABLE).is_file():
-        with _faults_of(folder / MANIFEST):
-            manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-        searched = isinstance(manifest, dict) and "asked" in manifest
-        why = "a search, which has no table" if searched else "an unfinished sweep; `sweep` with --resume finishes it"
-        raise SweepError(f"{folder} contains {why}")
+        raise SweepError(f"{folder} contains an unfinished sweep; `sweep` with --resume finishes it")
     if not (folder / TAKEOVER_TABLE).is_file():
         raise SweepError(f"{folder} is incomplete: it has no {TAKEOVER_TABLE}")
     about, takeovers = _about_variants(folder / TABLE), _about(folder / TAKEOVER_TABLE)
+    if "asked" in about:
+        raise SweepError(f"{folder} contains a search: all its runs are those of variant 0, with other parameters")
     return FinishedSweep(
         about,
         _sweep_table(folder / TABLE, about.get("columns"), ("variant", "result")),

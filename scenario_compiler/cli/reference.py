@@ -27,7 +27,7 @@ written.
 |---|---|
 | 0 | success; there may have been warnings |
 | 1 | the input, the controller or the world is at fault, or a run broke off; the diagnostics say why. \
-`compare`: the runs differ. `sweep`: all variants broke off, or the sweep itself did. |
+`compare`: the runs or sweeps differ. `sweep`: all variants broke off, or the sweep itself did. |
 | 2 | wrong use: an unknown option, a missing name, a folder that is not empty, a file or an output that cannot be \
 written |
 | 3 | `run --strict`: a criterion failed; `sweep --pass-rate`: too few variants passed |
