@@ -85,7 +85,7 @@ def compile_study(
         if done is not None:
             conditions[condition.name] = condition, done
     if study.probe is not None:
-        durations = {one.scenario.name: done.plan.duration for one, done in conditions.values()}
+        durations = {one.scenario.name or one.scenario.target: done.plan.duration for one, done in conditions.values()}
         _report_late_probe(study.probe, durations, sink)
     practices = () if study.before is None else study.before.steps
     others: dict[str, Compilation] = {}

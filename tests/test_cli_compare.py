@@ -152,10 +152,7 @@ def test_a_comparison_of_sweeps_is_json_with_all_variants(sweeps: Path, capsys: 
         "differ": 0, "median": 0.0, "largest": 0.0, "variants": None,
     }  # fmt: skip
     changed = [one for one in found["variants"]["changes"] if one["what"] == "resolution"]
-    assert {
-        "what": "resolution",
-        "first": "driver",
-        "second": "open", "rows": 1, "variants": [[2, 2]]} in changed
+    assert {"what": "resolution", "first": "driver", "second": "open", "rows": 1, "variants": [[2, 2]]} in changed
     assert found["takeovers"]["rows"] == 4
     assert found["first_alone"] == found["second_alone"] == []
 

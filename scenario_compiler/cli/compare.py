@@ -6,24 +6,25 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Iterable
-from dataclasses import asdict, astuple
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scenario_compiler.cli.differences import print_comparison, print_sweeps, verdict
 from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_maps, keep_inputs
-from scenario_compiler.cli.terminal import put, put_raw, put_table
+from scenario_compiler.cli.terminal import put, put_raw
 from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.legible import legible_json
 
 if TYPE_CHECKING:
-    from scenario_compiler.recording.comparison import Comparison, Fact
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from scenario_compiler.batch.comparison import SweepComparison
+    from scenario_compiler.recording.comparison import Comparison
     from scenario_compiler.recording.outcome import Outcome
     from scenario_compiler.recording.recording import Recording
-
-MOST_EVENTS = 40
-"""Greatest number of events that are printed; --format json has all."""
 
 
 def add(commands: Commands) -> None:
@@ -73,9 +74,7 @@ def tolerance(text: str) -> float:
 def compare_command(options: argparse.Namespace) -> int:
     """Print the differences between two runs, or between two sweeps."""
     if _are_sweeps(options.first, options.second):
-        from scenario_compiler.cli.compared_sweeps import compare_folders
-
-        return compare_folders(options)
+        return _compare_sweeps(options)
     from scenario_compiler.recording.comparison import compare
 
     (first, outcome), (second, other) = read_run(options.first), read_run(options.second)
@@ -87,6 +86,28 @@ def compare_command(options: argparse.Namespace) -> int:
         print_comparison(found, options.tolerance)
     if options.html is not None:
         _write_page(found, options)
+    return FINE if found.equal else AT_FAULT
+
+
+def _compare_sweeps(options: argparse.Namespace) -> int:
+    """Print the differences between two sweeps.
+
+    Raises:
+        WrongUse: A folder contains no finished sweep, no variants belong together, or a page is asked for.
+    """
+    from scenario_compiler.batch.comparison import compare_sweeps
+    from scenario_compiler.batch.distributions import SweepError
+
+    if options.html is not None:
+        raise WrongUse("--html plays two runs; for sweeps there are the tables and --format json")
+    try:
+        found = compare_sweeps(options.first, options.second, tolerance=options.tolerance)
+    except SweepError as fault:
+        raise WrongUse(str(fault)) from None
+    if options.format == "json":
+        put_raw(legible_json(sweeps_as_json(found)))
+    else:
+        print_sweeps(found, options.tolerance)
     return FINE if found.equal else AT_FAULT
 
 
@@ -142,83 +163,12 @@ def as_json(found: Comparison) -> str:
     return json.dumps({"equal": found.equal, **asdict(found)}, indent=2, allow_nan=False, ensure_ascii=False)
 
 
-def print_comparison(found: Comparison, tolerance: float | None) -> None:
-    """Print a comparison as tables, leaving out empty ones, and in sentences."""
-    put_facts(found.facts)
-    put_table(
-        ("entity", "rows", "alone", "apart, m", "at, s", "x, m", "y, m", "h, rad", "v, m/s"),
-        [
-            (entity, str(rows), str(alone), *map(number_text, greatest))
-            for entity, rows, alone, *greatest in map(astuple, found.apart)
-        ],
-    )
-    put_table(
-        ("event", "entity", "cause", "message", "first, s", "second, s"),
-        [
-            (one.kind, one.entity, one.cause, one.message, number_text(one.first), number_text(one.second))
-            for one in found.events[:MOST_EVENTS]
-        ],
-    )
-    if len(found.events) > MOST_EVENTS:
-        put(f"and {len(found.events) - MOST_EVENTS} more events")
-        put()
-    put_table(
-        ("measure", "unit", "first", "second", "difference"),
-        [
-            (one.name, one.unit, number_text(one.first), number_text(one.second), number_text(one.difference))
-            for one in found.measures
-            if one.first is not None or one.second is not None
-        ],
-    )
-    for sentence in verdict(found, tolerance):
-        put(sentence)
+def sweeps_as_json(found: SweepComparison) -> str:
+    """Return a comparison as JSON, with the numbers of all variants that differ."""
 
+    def as_list(array: NDArray[np.int64]) -> object:
+        return array.tolist()
 
-def put_facts(facts: Iterable[Fact]) -> None:
-    """Print the properties of both sides that are known of one of them."""
-    put_table(
-        ("", "first", "second"),
-        [
-            (one.what, one.first, "=" if one.first == one.second else one.second)
-            for one in facts
-            if one.first or one.second
-        ],
-    )
-
-
-def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
-    """Yield the result of the comparison, in sentences."""
-    parting = found.parting
-    if parting is not None:
-        name, unit = _called(parting.column)
-        whose = f"the {name} of {parting.entity}" if parting.entity else f"the {name}"
-        values = f"{parting.first}{unit} in the first, {parting.second}{unit} in the second"
-        yield f"The runs first differ at {parting.t:.6g} s: {whose} is {values}."
-    if not found.same_times:
-        yield f"The runs have different rows: {found.rows} rows are at times that both have."
-    for fact in found.facts:
-        if fact.counts and fact.first != fact.second:
-            yield f"The runs differ in: {fact.what}."
-    counting = sum(one.counts for one in found.events)
-    if counting:
-        yield f"Events that differ: {counting}."
-    if counting < len(found.events):
-        yield f"Events that only the sensors of one world report: {len(found.events) - counting}."
-    within = "" if tolerance is None else f" within {tolerance:g} m"
-    yield f"The same happened in both{within}." if found.equal else "The runs differ."
-
-
-def _called(column: str) -> tuple[str, str]:
-    """Return the name of a recording's column for a sentence, and its unit after a space."""
-    from scenario_compiler.recording.recording import COLUMNS
-    from scenario_compiler.report.wording import unit_words
-
-    known = {one.name: one for one in COLUMNS}.get(column)
-    unit = unit_words(known.unit) if known is not None else "m" if column == "x, y" else ""
-    name = {"x, y": "position", "v": "speed", "a": "acceleration", "h": "heading"}.get(column, column.replace("_", " "))
-    return name, f" {unit}" if unit else ""
-
-
-def number_text(value: float | None) -> str:
-    """Return a number for a table; a dash for a missing one."""
-    return "–" if value is None else f"{value:.4g}"
+    about = {"equal": found.equal, "paired": len(found.pairs), **asdict(found)}
+    del about["pairs"]
+    return json.dumps(about, default=as_list, allow_nan=False, ensure_ascii=False)
