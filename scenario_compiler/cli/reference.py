@@ -97,6 +97,8 @@ uses it and in the files that this file includes, in the folders of `--templates
 | `CARLA_ROOT` | CARLA's folder; its maps are in `CarlaUE4/Content/Carla/Maps/OpenDrive` |
 | `SCENARIO_COMPILER_CACHE` | cache folder for maps that have been read, which only the user can write; \
 by default `scenario-compiler` in `$XDG_CACHE_HOME` or `~/.cache` |
+| `MPLCONFIGDIR` | folder of Matplotlib, which draws the pictures of reports; if neither it nor the home folder can be \
+written, Matplotlib prints two lines about it on stderr and lists the fonts again in every process |
 """
 
 
