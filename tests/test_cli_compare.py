@@ -164,8 +164,38 @@ def test_a_sweep_is_compared_with_a_sweep_only(sweeps: Path, capsys: pytest.Capt
             assert call("compare", *pair) == 2
             sentence = f"{sweeps / 'one'} is a sweep and {other} {why}: compare two runs or two sweeps"
             assert capsys.readouterr().err == f"scenario-compiler: {sentence}\n"
-    assert call("compare", sweeps / "one", sweeps / "again", "--html", sweeps / "both.html") == 2
-    assert "--html plays two runs" in capsys.readouterr().err
+
+
+def test_the_page_of_two_sweeps_has_the_printed_tables(
+    sweeps: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = tmp_path / "both.html"
+    capsys.readouterr()
+    assert call("compare", sweeps / "one", sweeps / "absent", "--html", page) == 1
+    told = capsys.readouterr().out.splitlines()
+    assert told[-1] == f"page: {page}"
+    text = page.read_text(encoding="utf-8")
+    assert "<h1>one and absent</h1>" in text
+    assert f"<p>{told[-2]}</p>" in text
+    cells = ("takeover_time", "s", "3", "3", "0", "–", "–", "0")
+    first, *rest = cells
+    row = f'<th scope="row">{first}</th>' + "".join(f"<td>{cell}</td>" for cell in rest)
+    assert row in text
+    assert list(cells) in [line.split() for line in told]
+
+
+def test_options_that_fit_runs_only_are_refused_for_sweeps(
+    sweeps: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one, page = sweeps / "one", tmp_path / "both.html"
+    assert call("compare", one, one, "--html", page, "--camera") == 2
+    assert "--camera draws pictures of runs, and these are sweeps" in capsys.readouterr().err
+    assert not page.exists()
+    table = one / "results.parquet"
+    before = table.read_bytes()
+    assert call("compare", one, sweeps / "again", "--html", table) == 2
+    assert f"{table} is read by this command" in capsys.readouterr().err
+    assert table.read_bytes() == before
 
 
 def test_an_interrupted_sweep_is_compared_when_it_is_finished(

@@ -169,6 +169,7 @@ def test_a_name_that_is_not_utf_8_is_accepted(tmp_path: Path, monkeypatch: pytes
         ("run", plan, "--maps", folder, "-o", folder / "again"),
         (*sweep, "--workers", "2"),
         (*sweep, "--resume"),
+        ("compare", folder / "swept", folder / "swept", "--html", folder / "sweeps.html"),
         ("library", folder, "-o", folder / "library"),
     ):
         assert call(*words) == 0, words

@@ -10,8 +10,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scenario_compiler.cli.differences import print_comparison, print_sweeps, verdict
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_maps, keep_inputs
+from scenario_compiler.cli.differences import print_comparison, print_sweeps, sweep_tables, sweeps_verdict, verdict
+from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_maps, keep_inputs, text_stream
 from scenario_compiler.cli.terminal import put, put_raw
 from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import Diagnostics
@@ -56,7 +56,7 @@ def add(commands: Commands) -> None:
         "--html",
         type=Path,
         metavar="FILE.html",
-        help="write a page that plays both runs together; both must be run folders",
+        help="write a page that plays both runs together, which must be run folders, or that has the tables of sweeps",
     )
     parser.add_argument("--camera", action="store_true", help="draw first-person pictures of both runs into the page")
     add_maps(parser)
@@ -93,13 +93,17 @@ def _compare_sweeps(options: argparse.Namespace) -> int:
     """Print the differences between two sweeps.
 
     Raises:
-        WrongUse: A folder contains no finished sweep, no variants belong together, or a page is asked for.
+        WrongUse: A folder contains no finished sweep, or no variants belong together.
     """
     from scenario_compiler.batch.comparison import compare_sweeps
     from scenario_compiler.batch.distributions import SweepError
+    from scenario_compiler.batch.results import TABLE, TAKEOVER_TABLE
 
-    if options.html is not None:
-        raise WrongUse("--html plays two runs; for sweeps there are the tables and --format json")
+    if options.camera:
+        raise WrongUse("--camera draws pictures of runs, and these are sweeps")
+    keep_inputs(
+        [folder / name for folder in (options.first, options.second) for name in (TABLE, TAKEOVER_TABLE)], options.html
+    )
     try:
         found = compare_sweeps(options.first, options.second, tolerance=options.tolerance)
     except SweepError as fault:
@@ -108,6 +112,12 @@ def _compare_sweeps(options: argparse.Namespace) -> int:
         put_raw(legible_json(sweeps_as_json(found)))
     else:
         print_sweeps(found, options.tolerance)
+    if options.html is not None:
+        from scenario_compiler.report.compare_page import write_tables
+
+        told = list(sweeps_verdict(found, options.tolerance))
+        write_tables(_names(options), told, sweep_tables(found), options.html)
+        _tell_page(options)
     return FINE if found.equal else AT_FAULT
 
 
@@ -136,10 +146,20 @@ def _write_page(found: Comparison, options: argparse.Namespace) -> None:
         raise WrongUse("--html shows run folders, as `run -o` writes them: one of these cannot be read")
     if not all(run.recording.present.any() for run in (first, second)):
         raise WrongUse("--html shows runs in motion: one of these has no vehicle")
-    names = (options.first.resolve().name, options.second.resolve().name)
     pictures = [pictures_to_show(run, options) for run in (first, second)]
-    write_comparison((first, second), names, found, list(verdict(found, options.tolerance)), pictures, options.html)
-    put(f"page: {options.html}", sys.stdout if options.format == "text" else sys.stderr)
+    write_comparison(
+        (first, second), _names(options), found, list(verdict(found, options.tolerance)), pictures, options.html
+    )
+    _tell_page(options)
+
+
+def _names(options: argparse.Namespace) -> tuple[str, str]:
+    """Return the names of both folders."""
+    return options.first.resolve().name, options.second.resolve().name
+
+
+def _tell_page(options: argparse.Namespace) -> None:
+    put(f"page: {options.html}", text_stream(options))
 
 
 def read_run(path: Path) -> tuple[Recording, Outcome | None]:

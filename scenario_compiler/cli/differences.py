@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import astuple
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from scenario_compiler.cli.terminal import put, put_table
 
@@ -24,7 +24,7 @@ MOST_VARIANTS = 10
 
 def print_comparison(found: Comparison, tolerance: float | None) -> None:
     """Print a comparison as tables, leaving out empty ones, and in sentences."""
-    _put_facts(found.facts)
+    put_table(*_facts(found.facts))
     put_table(
         ("entity", "rows", "alone", "apart, m", "at, s", "x, m", "y, m", "h, rad", "v, m/s"),
         [
@@ -54,16 +54,13 @@ def print_comparison(found: Comparison, tolerance: float | None) -> None:
         put(sentence)
 
 
-def _put_facts(facts: Iterable[Fact]) -> None:
-    """Print the properties of both sides that are known of one of them."""
-    put_table(
-        ("", "first", "second"),
-        [
-            (one.what, one.first, "=" if one.first == one.second else one.second)
-            for one in facts
-            if one.first or one.second
-        ],
-    )
+def _facts(facts: Iterable[Fact]) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+    """Return the headings and rows of a table of properties that are known of one side at least."""
+    return ("", "first", "second"), [
+        (one.what, one.first, "=" if one.first == one.second else one.second)
+        for one in facts
+        if one.first or one.second
+    ]
 
 
 def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
@@ -103,38 +100,48 @@ def _number(value: float | None) -> str:
     return "–" if value is None else f"{value:.4g}"
 
 
+class TextTable(NamedTuple):
+    """A table of texts: its title, its headings, its rows, and the number of further rows that are left out."""
+
+    title: str
+    headings: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    more: int = 0
+
+
 def print_sweeps(found: SweepComparison, tolerance: float | None) -> None:
-    """Print a comparison as tables, leaving out empty ones and measures that are the same, and in sentences."""
-    _put_facts(found.facts)
-    _put_table_pair("", found.variants)
-    _put_table_pair("takeover's ", found.takeovers)
+    """Print a comparison as tables and in sentences."""
+    for table in sweep_tables(found):
+        put_table(table.headings, table.rows)
+        if table.more:
+            put(f"and {table.more} more rows")
+            put()
     for sentence in sweeps_verdict(found, tolerance):
         put(sentence)
 
 
-def _put_table_pair(whose: str, pair: TablePair) -> None:
-    put_table(
-        (f"{whose}measure", "unit", "differ", "first only", "second only", "median", "largest", "variant"),
-        [_row_of(one) for one in pair.numbers if one.variants is not None],
-    )
+def sweep_tables(found: SweepComparison) -> list[TextTable]:
+    """Return a comparison as tables, without empty ones and without measures and outcomes that are the same."""
+    tables = [
+        TextTable("How the sweeps were made", *_facts(found.facts)),
+        *_tables_of("variants", "", found.variants),
+        *_tables_of("takeovers", "takeover's ", found.takeovers),
+    ]
+    return [table for table in tables if table.rows]
+
+
+def _tables_of(what: str, whose: str, pair: TablePair) -> Iterator[TextTable]:
+    measure = (f"{whose}measure", "unit", "differ", "first only", "second only", "median", "largest", "variant")
+    rows = [_row_of(one) for one in pair.numbers if one.variants is not None]
+    yield TextTable(f"Measures of {what}", measure, rows)
     changed = {one.what for one in pair.changes if one.first != one.second}
-    shown = [one for one in pair.changes if one.what in changed]
-    put_table(
-        (f"{whose}outcome", "first", "second", "pairs", "variants"),
-        [
-            (
-                one.what,
-                _told(one.first),
-                _told(one.second) if one.first != one.second else "=",
-                str(one.rows),
-                _listed(one),
-            )
-            for one in shown[:MOST_CHANGES]
-        ],
-    )
-    if len(shown) > MOST_CHANGES:
-        put(f"and {len(shown) - MOST_CHANGES} more rows")
-        put()
+    shown = [
+        (one.what, _told(one.first), "=" if one.first == one.second else _told(one.second), str(one.rows), _listed(one))
+        for one in pair.changes
+        if one.what in changed
+    ]
+    outcome = (f"{whose}outcome", "first", "second", "pairs", "variants")
+    yield TextTable(f"Outcomes of {what}", outcome, shown[:MOST_CHANGES], max(len(shown) - MOST_CHANGES, 0))
 
 
 def _row_of(one: NumberPair) -> tuple[str, ...]:
