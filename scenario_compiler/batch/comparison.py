@@ -198,14 +198,16 @@ class _Together:
         one, other = (table.numbers(column.column)[of] for table, of in zip(self.tables, self.rows, strict=True))
         there, other_there = np.isfinite(one), np.isfinite(other)
         both = np.flatnonzero(there & other_there)
-        difference: Floats = other[both] - one[both]
+        with np.errstate(over="ignore"):
+            difference: Floats = np.nan_to_num(other[both] - one[both])
         far = there != other_there
         far[both] = np.abs(difference) > (0.0 if tolerance is None else tolerance + ROUNDING)
         self.differs[self.places[far]] = True
         median = largest = at = None
         if len(both):
             greatest = int(np.argmax(np.abs(difference)))
-            median, largest = float(np.median(difference)), float(difference[greatest])
+            with np.errstate(over="ignore"):
+                median, largest = float(np.nan_to_num(np.median(difference))), float(difference[greatest])
             at = int(both[greatest]) if largest else None
         if at is None and far.any():
             at = int(np.argmax(far))

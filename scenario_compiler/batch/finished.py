@@ -103,18 +103,22 @@ def open_sweep(folder: Path) -> FinishedSweep:
         raise SweepError(f"{folder} contains a search: all its runs are those of variant 0, with other parameters")
     return FinishedSweep(
         about,
-        _sweep_table(folder / TABLE, about.get("columns"), ("variant", "result")),
+        _sweep_table(folder / TABLE, about.get("columns"), ("variant",)),
         _sweep_table(folder / TAKEOVER_TABLE, takeovers, ("variant", "number")),
     )
 
 
-def _sweep_table(path: Path, described: Any, needed: Collection[str]) -> SweepTable:
-    """Return a table with the columns that its metadata describe; SweepError if the file has others."""
+def _sweep_table(path: Path, described: Any, integers: Collection[str]) -> SweepTable:
+    """Return a table with the columns that its metadata describe; SweepError if the file has others.
+
+    `integers` are the columns of integers that it must have.
+    """
     with _faults_of(path), opened_parquet(path) as file:
         rows, schema = file.metadata.num_rows, file.schema_arrow
     try:
         columns = {one["column"]: Column(**one) for one in described}
-        sound = schema.equals(schema_of(tuple(columns.values()))) and columns.keys() >= set(needed)
+        sound = schema.equals(schema_of(tuple(columns.values())))
+        sound = sound and all(columns[name].kind == "integer" for name in integers)
         texts = all(isinstance(text, str) for one in columns.values() for text in vars(one).values())
     except (TypeError, KeyError):
         sound = texts = False

@@ -235,6 +235,12 @@ def test_the_first_variant_with_one_value_is_named_if_no_difference_is(tmp_path:
     assert measured == NumberPair("collision_speed", "m/s", 0, 1, 0, 1, None, None, (1, 1))
 
 
+def test_numbers_that_are_too_far_apart_have_a_finite_difference(tmp_path: Path) -> None:
+    one, other = (made(tmp_path / name, [{"final_speed": by * 1.7e308}] * 2) for name, by in (("one", -1), ("two", 1)))
+    measured = numbers_of(compare_sweeps(one, other))["final_speed"]
+    assert measured.median == measured.largest == np.finfo(float).max
+
+
 def test_each_criterion_and_reference_driver_changes_on_its_own(tmp_path: Path) -> None:
     rows = [("", ""), ("no_collision", "careful_driver"), (None, None)]
     others = [("no_collision stay_on_road", "careful_driver"), ("no_collision", "careful_driver"), ("", None)]
