@@ -158,11 +158,13 @@ def test_a_comparison_of_sweeps_is_json_with_all_variants(sweeps: Path, capsys: 
 
 
 def test_a_sweep_is_compared_with_a_sweep_only(sweeps: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for other, why in ((sweeps / "run", "is not a sweep"), (sweeps / "nowhere", "does not exist")):
+    for other, why in ((sweeps / "run", "is not"), (sweeps / "nowhere", "does not exist")):
         for pair in ((sweeps / "one", other), (other, sweeps / "one")):
             capsys.readouterr()
             assert call("compare", *pair) == 2
-            sentence = f"{sweeps / 'one'} is a sweep and {other} {why}: compare two runs or two sweeps"
+            sentence = (
+                f"{sweeps / 'one'} is the folder of a sweep, and {other} {why}: compare two runs or two such folders"
+            )
             assert capsys.readouterr().err == f"scenario-compiler: {sentence}\n"
 
 

@@ -128,8 +128,8 @@ def _are_sweeps(first: Path, second: Path) -> bool:
     there = [is_sweep(path) for path in (first, second)]
     if any(there) and not all(there):
         sweep, other = (first, second) if there[0] else (second, first)
-        what = "is not a sweep" if other.exists() else "does not exist"
-        raise WrongUse(f"{sweep} is a sweep and {other} {what}: compare two runs or two sweeps")
+        what = "is not" if other.exists() else "does not exist"
+        raise WrongUse(f"{sweep} is the folder of a sweep, and {other} {what}: compare two runs or two such folders")
     return all(there)
 
 
