@@ -11,7 +11,7 @@ from lxml import etree
 
 from scenario_compiler.controllers import check_controller
 from scenario_compiler.diagnostics import CompileError, Diagnostics, FilePlace
-from scenario_compiler.document import Document
+from scenario_compiler.document import UNREADABLE, Document
 from scenario_compiler.files import split_target
 from scenario_compiler.languages import (
     Source,
@@ -29,7 +29,7 @@ from scenario_compiler.plan.lower import lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import read_plan, sealed
-from scenario_compiler.resources import library_target, templates_from
+from scenario_compiler.resources import ConflictNotFoundError, library_target, templates_from
 from scenario_compiler.roads import Network
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.declared import Declaration
@@ -132,6 +132,15 @@ def read_source(path: str | Path, sink: Diagnostics) -> tuple[Document, Source] 
     return None if source is None else (source.document, source)
 
 
+def found_target(target: str | Path, sink: Diagnostics) -> str | Path | None:
+    """Return FILE#name for the name of a conflict of the library, and any other target unchanged; None if unknown."""
+    try:
+        return library_target(target)
+    except ConflictNotFoundError as missing:
+        sink.add(UNREADABLE, str(missing), FilePlace(str(target)), hint=missing.hint)
+        return None
+
+
 def compile_target(
     target: str | Path,
     arguments: Mapping[str, str],
@@ -155,7 +164,10 @@ def compile_target(
         ConfigurationError: The user's configuration file cannot be read.
         ScenarioNameNeededError: The file has several scenarios and no name is given.
     """
-    path, name = split_target(library_target(target))
+    found = found_target(target, sink)
+    if found is None:
+        return None
+    path, name = split_target(found)
     read = read_source(path, sink)
     if read is None:
         return None

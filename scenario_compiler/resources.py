@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path, PureWindowsPath
 
+from scenario_compiler.diagnostics import did_you_mean
+
 _PACKAGE = Path(__file__).parent
 _CHECKOUT = _PACKAGE.parent
 
@@ -42,13 +44,30 @@ def library_conflicts() -> dict[str, Path]:
     return {name: file for file in files for name in re.findall(r'<scenario name="(\w+)"', file.read_text("utf-8"))}
 
 
+class ConflictNotFoundError(FileNotFoundError):
+    """There is neither a file nor a conflict of the library of this name; `hint` has a similar name, or is empty."""
+
+    def __init__(self, name: str) -> None:
+        """Keep the name."""
+        super().__init__(f"there is no file and no conflict of the library called '{name}'")
+        self.hint = did_you_mean(name, library_conflicts())
+
+
 def library_target(target: str | Path) -> str | Path:
     """Return FILE#name for the bare name of a conflict of the library; any other target is returned unchanged.
 
     A file of that name in the current folder comes first.
+
+    Raises:
+        ConflictNotFoundError: The target is a bare name, but there is neither a file nor a conflict of this name.
     """
-    file = library_conflicts().get(str(target)) if NAME.fullmatch(str(target)) else None
-    return target if file is None or Path(target).is_file() else f"{file}#{target}"
+    name = str(target)
+    if not NAME.fullmatch(name) or Path(name).is_file():
+        return target
+    file = library_conflicts().get(name)
+    if file is None:
+        raise ConflictNotFoundError(name)
+    return f"{file}#{name}"
 
 
 TEMPLATE_PACKAGES = "scenario_compiler_templates"

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
-from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, did_you_mean
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place
 from scenario_compiler.files import split_target
 from scenario_compiler.languages import ScenarioNameNeededError
 from scenario_compiler.markup.names import UNKNOWN_ARGUMENT, UNKNOWN_SCENARIO
-from scenario_compiler.resources import library_conflicts
+from scenario_compiler.resources import ConflictNotFoundError
 from scenario_compiler.source.study import (
     LATE_PROBE,
     NOBODY_TAKES_OVER,
@@ -85,7 +85,7 @@ def compile_study(
         if done is not None:
             conditions[condition.name] = condition, done
     if study.probe is not None:
-        durations = {one.scenario.name: done.plan.duration for one, done in conditions.values()}
+        durations = {one.scenario.name or one.scenario.target: done.plan.duration for one, done in conditions.values()}
         _report_late_probe(study.probe, durations, sink)
     practices = () if study.before is None else study.before.steps
     others: dict[str, Compilation] = {}
@@ -133,8 +133,8 @@ class _StudyCompiler:
     def _report_missing(self, name: str, target: str, place: Place) -> None:
         """Report a scenario without a file, by the name that the study gives and by the target for this name."""
         if name == target.rpartition("#")[2]:
-            message = f"there is no file and no conflict of the library called '{name}'"
-            self.sink.add(UNREADABLE_PART, message, place, hint=did_you_mean(name, library_conflicts()))
+            missing = ConflictNotFoundError(name)
+            self.sink.add(UNREADABLE_PART, str(missing), place, hint=missing.hint)
         else:
             self.sink.add(UNREADABLE_PART, f"there is no file '{split_target(target)[0]}'", place)
 

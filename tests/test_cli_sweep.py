@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.batch.distributions import DISTRIBUTIONS
-from scenario_compiler.batch.results import read_results
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.recording.cells import text_cell
 from tests.command import call
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.batch.distributions import SweepError
-from scenario_compiler.batch.results import read_results
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.cli.options import WrongUse, keep_inputs
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.files import read_file, split_target
@@ -169,6 +169,7 @@ def test_a_name_that_is_not_utf_8_is_accepted(tmp_path: Path, monkeypatch: pytes
         ("run", plan, "--maps", folder, "-o", folder / "again"),
         (*sweep, "--workers", "2"),
         (*sweep, "--resume"),
+        ("compare", folder / "swept", folder / "swept", "--html", folder / "sweeps.html"),
         ("library", folder, "-o", folder / "library"),
     ):
         assert call(*words) == 0, words

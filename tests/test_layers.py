@@ -104,7 +104,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
-    "pyarrow": ("batch.results", "recording.arrow", "recording.store"),
+    "pyarrow": ("batch.finished", "batch.results", "recording.arrow", "recording.store"),
     "pylsl": ("study.outlet",),
     "rerun": ("report.rerun_file",),
     "scenariogeneration": (),

@@ -23,6 +23,7 @@ from scenario_compiler import (
     compile_scenario,
     run_sweep,
 )
+from scenario_compiler.batch.search import find_boundary
 from scenario_compiler.compiler import compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import parse_expression
@@ -158,6 +159,34 @@ def test_a_conflict_of_the_library_compiles_by_its_name(tmp_path: Path, monkeypa
     assert (tally.passed + tally.failed, tally.broken_off) == (2, 0)
     (tmp_path / "obstacle_ahead").write_text(CONFLICT, encoding="utf-8")
     assert compile_scenario("obstacle_ahead").name == "straight"
+
+
+def test_a_misspelt_conflict_of_the_library_gets_a_hint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The current folder contains a file with a similar name, which is not meant: its name has a suffix."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "obstacle_ahed.xml").write_text(CONFLICT, encoding="utf-8")
+    spec = SweepSpec(vary=("distance=uniform(100, 120)",), perception="ideal")
+
+    def compile_it() -> object:
+        return compile_scenario("obstacle_ahed")
+
+    def sweep_it() -> object:
+        return run_sweep("obstacle_ahed", spec, tmp_path / "out")
+
+    def search_it() -> object:
+        return find_boundary("obstacle_ahed", spec, tmp_path / "out", when="collision", tolerance=1.0)
+
+    for attempt in (compile_it, sweep_it, search_it):
+        with pytest.raises(CompileError) as refused:
+            attempt()
+        assert [(one.code.id, one.message, one.hint) for one in refused.value.diagnostics] == [
+            (
+                "SC101",
+                "there is no file and no conflict of the library called 'obstacle_ahed'",
+                "did you mean 'obstacle_ahead'?",
+            )
+        ]
+    assert not (tmp_path / "out").exists()
 
 
 def test_limits_of_angles_are_compared_in_radians() -> None:

@@ -12,19 +12,19 @@ from typing import Any, Protocol
 
 from scenario_compiler.batch.codebook import PARAMETER, Column, parameter_column
 from scenario_compiler.batch.distributions import Distribution, SweepError, beyond, misfit, value_of
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.batch.measuring import Columns
 from scenario_compiler.batch.pool import Pool
-from scenario_compiler.batch.results import ResultStore, read_results, tally_of
+from scenario_compiler.batch.results import ResultStore, tally_of
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant
 from scenario_compiler.batch.sampling import Sample, Sampler, constraints_of, make_sampler
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import TALLIED, OnProgress, Progress, Tally
 from scenario_compiler.batch.variants import Families, Family
-from scenario_compiler.compiler import declared_parameters
-from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.compiler import declared_parameters, found_target
+from scenario_compiler.diagnostics import CompileError, Diagnostics, Severity
 from scenario_compiler.forms.machine_code import library, why_interpreted
 from scenario_compiler.processes import available_cores
-from scenario_compiler.resources import library_target
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -188,21 +188,24 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
     """
     axes = spec.axes
     spec.traces_wanted()
+    found = found_target(target, sink)
+    if found is None:
+        raise CompileError(sink)
     if not axes:
-        Families(target, spec, {}, sink, maps)  # what is wrong with the scenario itself comes first
+        Families(found, spec, {}, sink, maps)  # what is wrong with the scenario itself comes first
         raise SweepError("nothing varies: give --vary NAME=DISTRIBUTION")
-    declared = {} if str(target).endswith(".json") else declared_parameters(target)
+    declared = {} if str(found).endswith(".json") else declared_parameters(found)
     constrained = {name for expression in constraints_of(spec) for name in expression.names}
     check_axes(axes, declared, constrained)
     middle = {name: axis.points[0] if axis.points else axis.quantile(0.5) for name, axis in axes.items()}
-    families = Families(target, spec, middle, sink, maps)
+    families = Families(found, spec, middle, sink, maps)
     if not declared:
         declared = {one.name: Declaration.of(one) for one in families.base.plan.parameters}
         check_axes(axes, declared, constrained)
     fixed = {name: value_of(text) for name, text in spec.settings.items()}
     sampler = make_sampler(spec, fixed | parameter_values(families.base.plan.parameters))
     form = form_of(spec, families.base)
-    return Sweep(str(target), spec, sampler, families, form, part_size_of(form, sampler.total), declared)
+    return Sweep(str(found), spec, sampler, families, form, part_size_of(form, sampler.total), declared)
 
 
 def check_axes(
@@ -337,7 +340,7 @@ def run_sweep(
         SweepError: The sweep is not possible with these options, or the folder belongs to another sweep.
         OSError: Nothing more could be written; `resume` finishes the sweep.
     """
-    sweep = prepare(library_target(target), spec, Diagnostics() if sink is None else sink, maps)
+    sweep = prepare(target, spec, Diagnostics() if sink is None else sink, maps)
     store = sweep.store(folder)
     store.check(resume=resume)
     with store.owned():

@@ -42,7 +42,9 @@ PARTS = "parts"
 GROUP = 1 << 16
 """Least number of rows in a row group of the table; a part is never split."""
 
-_KEY = b"scenario-compiler"
+KEY = b"scenario-compiler"
+"""Key of the metadata in which a table describes itself, as JSON."""
+
 _TYPES: dict[ColumnKind, pa.DataType] = {
     "integer": pa.int64(),
     "number": pa.float64(),
@@ -62,7 +64,7 @@ _TAKEOVER = list(schema_of(takeover_columns()))[1:]
 
 def tally_of(table: Path) -> Tally:
     """Return the counts of results in a sweep's table or in a part of it."""
-    found = _read(table, list(TALLIED))
+    found = read_columns(table, list(TALLIED))
     return Tally.of(*(found[name].to_pylist() for name in TALLIED))
 
 
@@ -159,7 +161,7 @@ class ResultStore:
         """
         try:
             with opened_parquet(path, page_checksum_verification=True) as file:
-                about = (file.metadata.metadata or {}).get(_KEY, b"")
+                about = (file.metadata.metadata or {}).get(KEY, b"")
                 schema = self._schema if path == self.table else self._part_schema
                 if not file.schema_arrow.equals(schema) or (path == self.table and about != self._about()):
                     return False
@@ -182,7 +184,7 @@ class ResultStore:
 
     def part_columns(self, number: int) -> Columns:
         """Return the rows of a part."""
-        columns: Columns = _read(self._part(number)).to_pydict()
+        columns: Columns = read_columns(self._part(number)).to_pydict()
         return columns
 
     def tally(self, number: int) -> Tally:
@@ -211,8 +213,8 @@ class ResultStore:
                 whole = pa.concat_tables(tables)
                 takeovers.write_table(_takeovers_in(whole, schema))
                 file.write_table(whole.drop_columns([TAKEOVERS]))
-            file.add_key_value_metadata({_KEY: self._about()})
-            takeovers.add_key_value_metadata({_KEY: json.dumps([vars(one) for one in columns]).encode()})
+            file.add_key_value_metadata({KEY: self._about()})
+            takeovers.add_key_value_metadata({KEY: json.dumps([vars(one) for one in columns]).encode()})
         for number in range(parts):
             self._part(number).unlink()
         self._parts.rmdir()
@@ -220,7 +222,7 @@ class ResultStore:
     def _grouped(self, parts: int) -> Iterator[list[pa.Table]]:
         tables: list[pa.Table] = []
         for number in range(parts):
-            tables.append(_read(self._part(number)))
+            tables.append(read_columns(self._part(number)))
             if sum(table.num_rows for table in tables) >= GROUP:
                 yield tables
                 tables = []
@@ -263,26 +265,8 @@ def arrow_array(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
     return arrow_numbers(np.array(present, dtype=np.dtype(kind.to_pandas_dtype())), absent)
 
 
-def read_results(path: Path) -> tuple[Columns, dict[str, Any]]:
-    """Return the rows of a sweep by column, and the file's metadata; SweepError if it has none.
-
-    Args:
-        path: The table, or the folder of a finished sweep.
-    """
-    file = path / TABLE if path.is_dir() else path
-    try:
-        with opened_parquet(file) as opened:
-            table, metadata = opened.read(), opened.metadata.metadata or {}
-        about = json.loads(metadata.get(_KEY, b"{}"))
-    except (OSError, ValueError, pa.ArrowException) as problem:
-        raise SweepError(f"{file} is not the table of a sweep: {problem}") from problem
-    if about.get("format") != FORMAT:
-        raise SweepError(f"{file} is not the table of a sweep")
-    columns: Columns = table.to_pydict()
-    return columns, about
-
-
-def _read(path: Path, columns: list[str] | None = None) -> pa.Table:
+def read_columns(path: Path, columns: list[str] | None = None) -> pa.Table:
+    """Return the columns of a table, by default all; raises as `opened_parquet` does."""
     with opened_parquet(path) as file:
         return file.read(columns=columns, use_threads=False)
 

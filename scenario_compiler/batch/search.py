@@ -17,8 +17,9 @@ from typing import Any, Literal
 from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.distributions import Distribution, SweepError
 from scenario_compiler.batch.execute import Sweep, prepare
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.batch.measuring import Columns
-from scenario_compiler.batch.results import ResultStore, read_results
+from scenario_compiler.batch.results import ResultStore
 from scenario_compiler.batch.runner import Part, Runner
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.spec import SweepSpec

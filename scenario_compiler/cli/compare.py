@@ -1,4 +1,4 @@
-"""`compare`: the differences between two runs."""
+"""`compare`: the differences between two runs, or between two sweeps."""
 
 from __future__ import annotations
 
@@ -6,68 +6,75 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Iterable
-from dataclasses import asdict, astuple
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_maps, keep_inputs
-from scenario_compiler.cli.terminal import put, put_raw, put_table
+from scenario_compiler.cli.differences import print_comparison, print_sweeps, sweep_tables, sweeps_verdict, verdict
+from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_maps, keep_inputs, text_stream
+from scenario_compiler.cli.terminal import put, put_raw
 from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.legible import legible_json
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from scenario_compiler.batch.comparison import SweepComparison
     from scenario_compiler.recording.comparison import Comparison
     from scenario_compiler.recording.outcome import Outcome
     from scenario_compiler.recording.recording import Recording
-
-MOST_EVENTS = 40
-"""Greatest number of events that are printed; --format json has all."""
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "compare",
-        help="compare two runs: when they begin to differ, by how much, and which events are in one of them only",
+        help="compare two runs, or two sweeps variant by variant: where they differ, and by how much",
         description="Compare two runs: when they begin to differ, by how much, and which events are in one of them "
-        "only. The exit code is 0 if the same happened in both, else 1. Differences between plans, seeds and versions "
-        "are shown, but do not count; nor do the reports of sensors that only one of two worlds has.",
+        "only. Or compare two sweeps: variants with the same parameters are paired, and the measures and outcomes of "
+        "each pair are compared. The exit code is 0 if the same happened in both, else 1. Differences between plans, "
+        "seeds and versions are shown, but do not count; nor do reports of sensors that only one of two worlds has.",
     )
     for name in ("first", "second"):
         parser.add_argument(
-            name, type=Path, metavar="RUN", help="folder of a run, its recording.parquet, or a trajectory as .csv"
+            name,
+            type=Path,
+            metavar="RUN|SWEEP",
+            help="folder of a run, its recording.parquet, or a trajectory as .csv; or the folder of a finished sweep",
         )
     parser.add_argument(
         "--tolerance",
-        type=distance,
+        type=tolerance,
         metavar="X",
-        help="allow differences of X m in positions and of one step in the times of events and ends; by default "
-        "every bit counts",
+        help="allow differences: in runs of X m in positions and of one step in the times of events and ends, in "
+        "sweeps of X in each measure, in its unit; by default every bit counts",
     )
     parser.add_argument("--format", choices=("text", "json"), default="text", help="format of the output")
     parser.add_argument(
         "--html",
         type=Path,
         metavar="FILE.html",
-        help="write a page that plays both runs together; both must be run folders",
+        help="write a page that plays both runs together, which must be run folders, or that has the tables of sweeps",
     )
     parser.add_argument("--camera", action="store_true", help="draw first-person pictures of both runs into the page")
     add_maps(parser)
     parser.set_defaults(command=compare_command)
 
 
-def distance(text: str) -> float:
-    """Return a distance in metres that an option gives."""
+def tolerance(text: str) -> float:
+    """Return a difference that an option allows."""
     value = float(text)
     if not 0.0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is not a distance in metres")
+        raise argparse.ArgumentTypeError(f"{text} is not a finite number from 0 on")
     return value
 
 
 def compare_command(options: argparse.Namespace) -> int:
-    """Print the differences between two runs."""
+    """Print the differences between two runs, or between two sweeps."""
+    if _are_sweeps(options.first, options.second):
+        return _compare_sweeps(options)
     from scenario_compiler.recording.comparison import compare
 
     (first, outcome), (second, other) = read_run(options.first), read_run(options.second)
@@ -80,6 +87,50 @@ def compare_command(options: argparse.Namespace) -> int:
     if options.html is not None:
         _write_page(found, options)
     return FINE if found.equal else AT_FAULT
+
+
+def _compare_sweeps(options: argparse.Namespace) -> int:
+    """Print the differences between two sweeps.
+
+    Raises:
+        WrongUse: A folder contains no finished sweep, or no variants belong together.
+    """
+    from scenario_compiler.batch.comparison import compare_sweeps
+    from scenario_compiler.batch.distributions import SweepError
+    from scenario_compiler.batch.results import TABLE, TAKEOVER_TABLE
+
+    if options.camera:
+        raise WrongUse("--camera draws pictures of runs, and these are sweeps")
+    keep_inputs(
+        [folder / name for folder in (options.first, options.second) for name in (TABLE, TAKEOVER_TABLE)], options.html
+    )
+    try:
+        found = compare_sweeps(options.first, options.second, tolerance=options.tolerance)
+    except SweepError as fault:
+        raise WrongUse(str(fault)) from None
+    if options.format == "json":
+        put_raw(legible_json(sweeps_as_json(found)))
+    else:
+        print_sweeps(found, options.tolerance)
+    if options.html is not None:
+        from scenario_compiler.report.compare_page import write_tables
+
+        told = list(sweeps_verdict(found, options.tolerance))
+        write_tables(_names(options), told, sweep_tables(found), options.html)
+        _tell_page(options)
+    return FINE if found.equal else AT_FAULT
+
+
+def _are_sweeps(first: Path, second: Path) -> bool:
+    """Return whether both paths are folders of sweeps; raise WrongUse if only one of them is."""
+    from scenario_compiler.batch.finished import is_sweep
+
+    there = [is_sweep(path) for path in (first, second)]
+    if any(there) and not all(there):
+        sweep, other = (first, second) if there[0] else (second, first)
+        what = "is not" if other.exists() else "does not exist"
+        raise WrongUse(f"{sweep} is the folder of a sweep, and {other} {what}: compare two runs or two such folders")
+    return all(there)
 
 
 def _write_page(found: Comparison, options: argparse.Namespace) -> None:
@@ -95,10 +146,20 @@ def _write_page(found: Comparison, options: argparse.Namespace) -> None:
         raise WrongUse("--html shows run folders, as `run -o` writes them: one of these cannot be read")
     if not all(run.recording.present.any() for run in (first, second)):
         raise WrongUse("--html shows runs in motion: one of these has no vehicle")
-    names = (options.first.resolve().name, options.second.resolve().name)
     pictures = [pictures_to_show(run, options) for run in (first, second)]
-    write_comparison((first, second), names, found, list(verdict(found, options.tolerance)), pictures, options.html)
-    put(f"page: {options.html}", sys.stdout if options.format == "text" else sys.stderr)
+    write_comparison(
+        (first, second), _names(options), found, list(verdict(found, options.tolerance)), pictures, options.html
+    )
+    _tell_page(options)
+
+
+def _names(options: argparse.Namespace) -> tuple[str, str]:
+    """Return the names of both folders."""
+    return options.first.resolve().name, options.second.resolve().name
+
+
+def _tell_page(options: argparse.Namespace) -> None:
+    put(f"page: {options.html}", text_stream(options))
 
 
 def read_run(path: Path) -> tuple[Recording, Outcome | None]:
@@ -122,77 +183,12 @@ def as_json(found: Comparison) -> str:
     return json.dumps({"equal": found.equal, **asdict(found)}, indent=2, allow_nan=False, ensure_ascii=False)
 
 
-def print_comparison(found: Comparison, tolerance: float | None) -> None:
-    """Print a comparison as tables, leaving out empty ones, and in sentences."""
-    put_table(
-        ("", "first", "second"),
-        [
-            (one.what, one.first, "=" if one.first == one.second else one.second)
-            for one in found.facts
-            if one.first or one.second
-        ],
-    )
-    put_table(
-        ("entity", "rows", "alone", "apart, m", "at, s", "x, m", "y, m", "h, rad", "v, m/s"),
-        [
-            (entity, str(rows), str(alone), *map(_number, greatest))
-            for entity, rows, alone, *greatest in map(astuple, found.apart)
-        ],
-    )
-    put_table(
-        ("event", "entity", "cause", "message", "first, s", "second, s"),
-        [
-            (one.kind, one.entity, one.cause, one.message, _number(one.first), _number(one.second))
-            for one in found.events[:MOST_EVENTS]
-        ],
-    )
-    if len(found.events) > MOST_EVENTS:
-        put(f"and {len(found.events) - MOST_EVENTS} more events")
-        put()
-    put_table(
-        ("measure", "unit", "first", "second", "difference"),
-        [
-            (one.name, one.unit, _number(one.first), _number(one.second), _number(one.difference))
-            for one in found.measures
-            if one.first is not None or one.second is not None
-        ],
-    )
-    for sentence in verdict(found, tolerance):
-        put(sentence)
+def sweeps_as_json(found: SweepComparison) -> str:
+    """Return a comparison as JSON, with the numbers of all variants that differ."""
 
+    def as_list(array: NDArray[np.int64]) -> object:
+        return array.tolist()
 
-def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
-    """Yield the result of the comparison, in sentences."""
-    parting = found.parting
-    if parting is not None:
-        name, unit = _called(parting.column)
-        whose = f"the {name} of {parting.entity}" if parting.entity else f"the {name}"
-        values = f"{parting.first}{unit} in the first, {parting.second}{unit} in the second"
-        yield f"The runs first differ at {parting.t:.6g} s: {whose} is {values}."
-    if not found.same_times:
-        yield f"The runs have different rows: {found.rows} rows are at times that both have."
-    for fact in found.facts:
-        if fact.counts and fact.first != fact.second:
-            yield f"The runs differ in: {fact.what}."
-    counting = sum(one.counts for one in found.events)
-    if counting:
-        yield f"Events that differ: {counting}."
-    if counting < len(found.events):
-        yield f"Events that only the sensors of one world report: {len(found.events) - counting}."
-    within = "" if tolerance is None else f" within {tolerance:g} m"
-    yield f"The same happened in both{within}." if found.equal else "The runs differ."
-
-
-def _called(column: str) -> tuple[str, str]:
-    """Return the name of a recording's column for a sentence, and its unit after a space."""
-    from scenario_compiler.recording.recording import COLUMNS
-    from scenario_compiler.report.wording import unit_words
-
-    known = {one.name: one for one in COLUMNS}.get(column)
-    unit = unit_words(known.unit) if known is not None else "m" if column == "x, y" else ""
-    name = {"x, y": "position", "v": "speed", "a": "acceleration", "h": "heading"}.get(column, column.replace("_", " "))
-    return name, f" {unit}" if unit else ""
-
-
-def _number(value: float | None) -> str:
-    return "–" if value is None else f"{value:.4g}"
+    about = {"equal": found.equal, "paired": len(found.pairs), **asdict(found)}
+    del about["pairs"]
+    return json.dumps(about, default=as_list, allow_nan=False, ensure_ascii=False)

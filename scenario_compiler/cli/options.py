@@ -23,7 +23,7 @@ from scenario_compiler.diagnostics import (
 from scenario_compiler.files import split_target
 from scenario_compiler.garbage_collection import keep_loaded
 from scenario_compiler.processes import available_cores
-from scenario_compiler.resources import NAME, library_conflicts, library_target
+from scenario_compiler.resources import ConflictNotFoundError, library_target
 from scenario_compiler.trust import Trust
 
 if TYPE_CHECKING:
@@ -289,11 +289,10 @@ def existing_target(text: str) -> str:
     Raises:
         WrongUse: There is neither a file nor a conflict of that name.
     """
-    found = str(library_target(text))
-    if found == text and NAME.fullmatch(text) and not Path(text).is_file():
-        known = suggestion(text, library_conflicts())
-        raise WrongUse(f"there is no file and no conflict of the library called '{text}'{known}")
-    return found
+    try:
+        return str(library_target(text))
+    except ConflictNotFoundError as missing:
+        raise WrongUse(f"{missing} ({missing.hint})" if missing.hint else str(missing)) from None
 
 
 def add_target(parser: argparse.ArgumentParser, metavar: str = "FILE[#name]|NAME") -> None:

@@ -27,7 +27,7 @@ written.
 |---|---|
 | 0 | success; there may have been warnings |
 | 1 | the input, the controller or the world is at fault, or a run broke off; the diagnostics say why. \
-`compare`: the runs differ. `sweep`: all variants broke off, or the sweep itself did. |
+`compare`: the runs or sweeps differ. `sweep`: all variants broke off, or the sweep itself did. |
 | 2 | wrong use: an unknown option, a missing name, a folder that is not empty, a file or an output that cannot be \
 written |
 | 3 | `run --strict`: a criterion failed; `sweep --pass-rate`: too few variants passed |
@@ -97,6 +97,8 @@ uses it and in the files that this file includes, in the folders of `--templates
 | `CARLA_ROOT` | CARLA's folder; its maps are in `CarlaUE4/Content/Carla/Maps/OpenDrive` |
 | `SCENARIO_COMPILER_CACHE` | cache folder for maps that have been read, which only the user can write; \
 by default `scenario-compiler` in `$XDG_CACHE_HOME` or `~/.cache` |
+| `MPLCONFIGDIR` | folder of Matplotlib, which draws the pictures of reports; if neither it nor the home folder can be \
+written, Matplotlib prints two lines about it on stderr and lists the fonts again in every process |
 """
 
 

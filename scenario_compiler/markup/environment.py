@@ -12,7 +12,7 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Document, Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
-from scenario_compiler.vocabulary.word import AttributeSpelling
+from scenario_compiler.vocabulary.word import AttributeSpelling, Word
 
 _PARAMETER = re.compile(r"\$([A-Za-z_][A-Za-z0-9_.]*)\Z")
 _EXPRESSION = re.compile(r"\$\{([ \t\r\n]*[^{} \t\r\n][^{}]*)\}\Z")
@@ -99,12 +99,21 @@ class Environment:
 
 @dataclass(frozen=True)
 class ReadingContext:
-    """The context in which a word is read: its document, the environment, the sink, and the use that inserted it."""
+    """The context in which a word is read.
+
+    Attributes:
+        document: Its document.
+        sink: Receives the diagnostics.
+        environment: The parameters that it may use.
+        within: The use that inserted it.
+        unread: What words have, by field, for required parts that cannot be read; other words are left out then.
+    """
 
     document: Document
     sink: Diagnostics
     environment: Environment
     within: Place | None = None
+    unread: Mapping[type[Word], Mapping[str, object]] = field(default_factory=dict)
 
     def origin(self, element: etree._Element, attribute: str | None = None) -> Origin:
         """Return the place of an element or attribute."""

@@ -35,14 +35,18 @@ STANDARD_SUFFIXES = ("condition", "action", "position")
 
 
 def read_word(element: etree._Element, word: type[AnyWord], reading: ReadingContext) -> AnyWord | None:
-    """Return the word for an element; None if something required is missing or wrong.
+    """Return the word for an element; None if something required is missing or wrong, and `reading` has nothing for it.
 
     An optional part with a fault is reported and left out, so that later stages can find more faults. The values are
     not validated again: the validators of the storyboard's words are large, and a command that checks a file builds
     none of them.
     """
     fields, complete = read_fields(element, word, reading)
-    return word.model_construct(**fields).written_at(reading.origin(element)) if complete else None
+    if not complete:
+        fields = {**reading.unread.get(word, {}), **fields}
+        if any(one.is_required() and name not in fields for name, one in word.model_fields.items()):
+            return None
+    return word.model_construct(**fields).written_at(reading.origin(element))
 
 
 def read_fields(element: etree._Element, word: type[Word], reading: ReadingContext) -> tuple[dict[str, Any], bool]:

@@ -72,10 +72,15 @@ def equal_reasons(reasons: Iterable[tuple[int, str]]) -> list[tuple[str, int, in
     """
     found: dict[str, tuple[str, int, int]] = {}
     for variant, reason in reasons:
-        kind = _NUMBER.sub("0", reason)
+        kind = kind_of(reason)
         text, count, first = found.get(kind, (reason, 0, variant))
         found[kind] = (text, count + 1, first)
     return sorted(found.values(), key=lambda one: (-one[1], one[2]))
+
+
+def kind_of(reason: str) -> str:
+    """Return what a reason has in common with those that differ from it only in their numbers."""
+    return _NUMBER.sub("0", reason)
 
 
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?(?![\w.]*\w)", re.ASCII)

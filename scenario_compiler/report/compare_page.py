@@ -1,4 +1,4 @@
-"""The page that compares two runs: a player with one clock for both, and tables of differences."""
+"""The page that compares two runs, with a player that has one clock for both, and the page that compares two sweeps."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from scenario_compiler.report.templates import page_environment
 from scenario_compiler.report.wording import summary_of
 
 TEMPLATE = "compare.html.jinja"
+TABLES = "compare_tables.html.jinja"
 
 
 def write_comparison(
@@ -45,3 +46,20 @@ def write_comparison(
         player_start=player_start(),
     )
     write_whole(path, page)
+
+
+def write_tables(
+    names: tuple[str, str],
+    verdict: Sequence[str],
+    tables: Sequence[tuple[str, Sequence[str], Sequence[Sequence[str]], int]],
+    path: Path,
+) -> None:
+    """Write the page that compares two sweeps: one file without external resources.
+
+    Args:
+        names: Names of the sweeps, such as those of their folders.
+        verdict: The conclusion, in sentences.
+        tables: Each with its title, headings, rows, and number of further rows that are left out.
+        path: Path of the page.
+    """
+    write_whole(path, page_environment().get_template(TABLES).render(names=names, verdict=verdict, tables=tables))

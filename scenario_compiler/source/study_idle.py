@@ -57,6 +57,8 @@ def report_unused(questionnaire: QuestionnaireElement, sink: Diagnostics) -> Non
 def _report_equal(levels: Iterable[tuple[StudyScenario | Hmi | Setting, Hashable]], sink: Diagnostics) -> None:
     first: dict[Hashable, StudyScenario | Hmi | Setting] = {}
     for one, content in levels:
+        if not one.name:
+            continue
         other = first.setdefault(content, one)
         if other is not one:
             message = f"<{one.tag()}> '{one.name}' is the same as '{other.name}'"

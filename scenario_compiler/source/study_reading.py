@@ -41,6 +41,7 @@ from scenario_compiler.source.study import (
 from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.source.study_idle import report_idle, report_unreached_break, report_unused
 from scenario_compiler.source.study_page import read_page
+from scenario_compiler.vocabulary.word import Word
 
 MOST_POINTS = 101
 """Greatest number of points of a scale: 0 to 100."""
@@ -48,19 +49,26 @@ MOST_POINTS = 101
 RESERVED = ("participant_id", "session_id", "run", "when", "step")
 """Names that no item may have: the table's own columns, and the number of the step that a page sends."""
 
-UNREAD: dict[str, object] = {"version": "1", "name": "", "participants": 0, "scenarios": ()}
-"""What a study has for required parts that cannot be read, which is reported."""
+UNREAD: Mapping[type[Word], Mapping[str, object]] = {
+    StudyElement: {"version": "1", "name": "", "participants": 0, "scenarios": ()},
+    StudyScenario: {"name": ""},
+    Setting: {"name": ""},
+    Break: {"every": 1},
+}
+"""What a study and its parts have for required attributes that cannot be read, which is reported.
+
+The files and parameters that they name are checked nevertheless.
+"""
 
 
 def read_study(document: Document, sink: Diagnostics) -> StudyFile:
     """Return the contents of a `<study>` file, with the pages and questionnaires that it names; report the faults.
 
-    A study of which something required cannot be read is returned with the rest, so that the files that it names are
-    checked in any case.
+    A study of which something required cannot be read is returned with `UNREAD` in its place.
     """
-    reading = ReadingContext(document, sink, Environment())
+    reading = ReadingContext(document, sink, Environment(), unread=UNREAD)
     fields, _ = read_fields(document.root, StudyElement, reading)
-    study = StudyElement.model_construct(**{**UNREAD, **fields}).written_at(reading.origin(document.root))
+    study = StudyElement.model_construct(**{**UNREAD[StudyElement], **fields}).written_at(reading.origin(document.root))
     if not sink.has_errors:
         _report_uneven(study, sink)
         report_unreached_break(study, sink)
@@ -146,6 +154,8 @@ def _report_doubles(
 ) -> None:
     first: dict[str, Place] = {}
     for one in words:
+        if not one.name:
+            continue
         place = one.place_of("name")
         if one.name in first:
             message = f"there is a <{one.tag()}> named '{one.name}' already"

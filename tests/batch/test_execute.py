@@ -16,8 +16,8 @@ from lxml import etree
 from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.execute import prepare, run_sweep
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.batch.measuring import TAKEOVERS, row_of_recording
-from scenario_compiler.batch.results import read_results
 from scenario_compiler.batch.runner import Part, Runner, Variant, record
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import Progress

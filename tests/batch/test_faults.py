@@ -22,8 +22,8 @@ import pytest
 
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.execute import execute, prepare, run_sweep
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.batch.pool import Pool, serve
-from scenario_compiler.batch.results import read_results
 from scenario_compiler.batch.runner import Batch, Part
 from scenario_compiler.batch.search import find_boundary
 from scenario_compiler.batch.spec import SweepSpec

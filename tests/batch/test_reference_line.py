@@ -9,7 +9,7 @@ import pytest
 
 from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.execute import prepare, run_sweep
-from scenario_compiler.batch.results import read_results
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.batch.runner import record
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import with_values

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.batch.distributions import SweepError
-from scenario_compiler.batch.results import read_results
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.batch.search import find_boundary, minimise
 from scenario_compiler.batch.spec import SweepSpec
 

@@ -10,7 +10,7 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page
 
 from scenario_compiler.recording.comparison import compare
-from scenario_compiler.report.compare_page import write_comparison
+from scenario_compiler.report.compare_page import write_comparison, write_tables
 from scenario_compiler.report.gallery import Card, Moment, write_gallery
 from scenario_compiler.report.html import write_report
 from scenario_compiler.report.run import Run
@@ -54,6 +54,17 @@ def test_a_comparison_is_accessible(finished: Run, tmp_path: Path, browser: Brow
     write_comparison((finished, finished), ("one", "other"), found, ["Alike."], [(), ()], path)
     with opened_page(browser, path.as_uri(), width) as page:
         page.locator(".player.ready").wait_for()
+        assert faults(page) == []
+
+
+@WIDTHS
+def test_a_comparison_of_sweeps_is_accessible(tmp_path: Path, browser: Browser, width: int) -> None:
+    facts = ("How the sweeps were made", ("", "first", "second"), [("plan digest", "0123456789abcdef" * 4, "=")], 0)
+    measures = [(f"minimum_{k}", "m/s2", "1", "0", "0", "0.0131", "0.4474", "5") for k in range(30)]
+    headings = ("measure", "unit", "differ", "first only", "second only", "median", "largest", "variant")
+    path = tmp_path / "both.html"
+    write_tables(("one", "other"), ["The sweeps differ."], [facts, ("Measures", headings, measures, 3)], path)
+    with opened_page(browser, path.as_uri(), width) as page:
         assert faults(page) == []
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.batch.results import read_results
+from scenario_compiler.batch.finished import read_results
 from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.recording.break_off import QUANTITIES, break_off_text
 from scenario_compiler.recording.store import read_recording

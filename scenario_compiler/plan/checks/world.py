@@ -13,6 +13,7 @@ from scenario_compiler.vocabulary.actions import (
     ModifyVariableAction,
     SetVariableAction,
     TrafficSignalControllerAction,
+    TrafficSignalStateAction,
 )
 from scenario_compiler.vocabulary.conditions import (
     DistanceCondition,
@@ -21,6 +22,7 @@ from scenario_compiler.vocabulary.conditions import (
     TimeHeadwayCondition,
     TimeOfDayCondition,
     TimeToCollisionCondition,
+    TrafficSignalCondition,
     TrafficSignalControllerCondition,
     UserDefinedValueCondition,
     VariableCondition,
@@ -90,12 +92,22 @@ ALONG_ROAD = Code(
     Severity.WARNING,
 )
 
+UNKNOWN_SIGNAL = Code(
+    "SC292",
+    "unknown-signal",
+    "An action, a condition or a phase names a traffic signal that the map does not have. It has a state, which "
+    "conditions can refer to, but no vehicle stops at it and no picture shows it.\n\n"
+    '    <phase name="stop" duration="20"><signal_state signal="17" state="red"/></phase>     its id in the map is 71',
+    Severity.WARNING,
+)
+
 Paths = dict[str, set[str]]
 
 
 def check_world(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report references of the storyboard to what does not exist, and values that do not fit."""
     _check_controllers(plan, network, sink)
+    _check_signals(plan, network, sink)
     paths = _paths(plan)
     for word in walk(plan.storyboard):
         check = CHECKS_OF.get(type(word))
@@ -156,6 +168,21 @@ def _check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
         if at:
             reason = "counts from itself" if at in seen else f"counts from '{at}', which does not exist"
             sink.add(UNKNOWN_PHASE, f"the delay of '{one.name}' {reason}", one.place_of("reference"))
+
+
+def _check_signals(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report signals that the map does not have; the map's signals are read only if the plan names one."""
+    phases = [phase for one in plan.signal_controllers for phase in one.phases]
+    naming = [
+        *(one for one in walk(plan.storyboard) if isinstance(one, TrafficSignalStateAction | TrafficSignalCondition)),
+        *(state for phase in phases for state in phase.states),
+    ]
+    known = {one.id for one in network.model().signals} if naming else set()
+    for one in naming:
+        if one.signal not in known:
+            message = f"the map has no traffic signal '{one.signal}'"
+            hint = did_you_mean(one.signal, known) if known else "it has no traffic signals"
+            sink.add(UNKNOWN_SIGNAL, message, one.place_of("signal"), hint=hint)
 
 
 def _check_date(plan: Plan, word: Any, sink: Diagnostics) -> None:
