@@ -60,6 +60,16 @@ def circular(ordered: Sequence[InitAction], started: Collection[str]) -> Iterato
                 yield initial, ordered[need]
 
 
+def unplaced(ordered: Sequence[InitAction], started: Collection[str]) -> Iterator[InitAction]:
+    """Yield the actions that place an entity relative to itself before it has a position."""
+    placed = set(started)
+    for initial in ordered:
+        if isinstance(initial.action, TeleportAction):
+            if initial.entity not in placed and initial.entity in _named(initial.action):
+                yield initial
+            placed.add(initial.entity)
+
+
 class _Needs:
     """The actions that must precede each action of an init."""
 

@@ -9,14 +9,44 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable
 
+from scenario_compiler.roads.lane_types import ROAD_TYPES
 from scenario_compiler.roads.lanes import lane_direction
-from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
+from scenario_compiler.roads.tables import AT_END, AT_START, NO_SPEED, RoadTables
 
 Stretch = tuple[int, int]
 """Index of a road, and the direction in which it is driven."""
 
 Cost = Callable[[int], float]
 """Cost of passing a road."""
+
+
+TOWN_SPEED = 13.9
+"""Speed limit of a road that states none and is of no type of USUAL_SPEEDS, m/s: 50 km/h (StVO section 3)."""
+
+USUAL_SPEEDS = {
+    "motorway": 36.1,
+    "rural": 27.8,
+    "lowSpeed": 8.3,
+    "bicycle": 8.3,
+    "pedestrian": 1.9,
+    "townPlayStreet": 1.9,
+}
+"""Speed limits of roads that state none, by the road's type, m/s: 130 km/h as recommended on German motorways, 100 km/h
+outside towns, 30 km/h in zones and on cycle streets, walking speed (StVO section 3 and annexes 2 and 3).
+"""
+
+
+def travel_time(n: RoadTables, road: int) -> float:
+    """Return the time in which a road is passed at its speed limits, s; limits of single lanes do not count."""
+    records = range(n.road_type[road], n.road_type[road + 1])
+    time = (n.type_s[records[0]] if records else n.road_length[road]) / TOWN_SPEED
+    for k in records:
+        end = n.type_s[k + 1] if k + 1 in records else n.road_length[road]
+        speed = n.type_speed[k]
+        if speed == NO_SPEED:
+            speed = USUAL_SPEEDS.get(ROAD_TYPES[n.type_code[k]], TOWN_SPEED)
+        time += max(end - n.type_s[k], 0.0) / max(min(speed, USUAL_SPEEDS["motorway"]), USUAL_SPEEDS["pedestrian"])
+    return time
 
 
 def followers(n: RoadTables, stretch: Stretch) -> list[Stretch]:

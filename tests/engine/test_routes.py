@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import pytest
@@ -12,10 +12,13 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.columns.opcodes import FAULT_NONE, STOP_NONE
 from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import Program, build_program
+from scenario_compiler.engine.program.guides import cost_of_road
 from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.roads import Network
+from scenario_compiler.roads import Network, load_network
+from scenario_compiler.roads.ways import path_between, travel_time
 from tests.engine.both import run_both
+from tests.roads.make import network, road
 
 HERE = Path(__file__).parent
 
@@ -67,3 +70,30 @@ def test_both_forms_leave_the_same_bytes() -> None:
     rows, draws = [list(program.const)], [make_draws(1, 0)]
     both = run_both(network.tables, program, rows, draws, 240)
     assert both.interpreted == both.compiled
+
+
+def test_the_travel_time_of_a_road_is_that_at_its_limits(tmp_path: Path) -> None:
+    """Of 400 m, 100 m have no type, 100 m are in a zone of 30 km/h, and 200 m have a limit of 20 m/s."""
+    types = '<type s="100" type="lowSpeed"/><type s="200" type="town"><speed max="20" unit="m/s"/></type>'
+    made = network(tmp_path, road("1", 400.0).replace("<planView>", f"{types}<planView>"), road("2", 139.0))
+    assert travel_time(made.tables, 0) == pytest.approx(100.0 / 13.9 + 100.0 / 8.3 + 200.0 / 20.0)
+    assert travel_time(made.tables, 1) == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(
+    ("strategy", "roads"),
+    [
+        ("shortest", ["1", "100", "2", "200", "3", "301", "6"]),
+        ("random", ["1", "100", "2", "200", "3", "301", "6"]),
+        ("fastest", ["1", "100", "2", "201", "4", "302", "6"]),
+    ],
+)
+def test_the_fastest_way_leads_over_the_motorway(corpus: Path, strategy: str, roads: list[str]) -> None:
+    """From road 2 on, road 3 is a zone of 30 km/h with 240 m, road 4 a motorway with 403 m."""
+    map_of = load_network(corpus / "esmini/EnvironmentSimulator/Unittest/xodr/route_strategy_test_road.xodr")
+    assert map_of is not None
+    n = map_of.tables
+    start, goal = ((map_of.road_index(name), 1) for name in ("1", "6"))
+    path = path_between(n, start, goal, partial(cost_of_road, n, strategy))
+    assert path is not None
+    assert [map_of.road_ids[one] for one, _ in path] == roads

@@ -150,6 +150,8 @@ FLAG_OWN_PATH = 256
 """The entity moves along points of its own, not along the road."""
 FLAG_ON_TRACK = 1024
 """These points are those of a trajectory."""
+FLAG_TIMED = 2048
+"""The times of these points determine the entity's speed."""
 
 # Whether a value is added to that of another entity or multiplied by it.
 MODE_DELTA = 0

@@ -58,6 +58,8 @@ class Entry:
         start: Starts it: the marked function `(n, p, st, k)` for the action's row k.
         step: Advances it by dt: the marked function `(n, p, st, k, dt)`, which returns 1 if the action is complete.
         holds: The domains of its entity's motion that it controls, as bits.
+        ends: The domains in which it ends other actions without controlling them itself, as bits: those of its entity,
+            or, if it belongs to the run, those of the other entity that it refers to.
         whose: Whether it belongs to an entity ("entity"), to the run as a whole ("run"), or to the run on behalf of the
             ego ("ego"). The last two are executed once, regardless of the number of actors.
         told: The log entry at its start; None if it is not logged.
@@ -69,6 +71,7 @@ class Entry:
     start: Callable[[RoadTables, Program, State, int], None] = nothing_to_start
     step: Callable[[RoadTables, Program, State, int, float], int] = done_at_once
     holds: int = 0
+    ends: int = 0
     whose: Literal["entity", "run", "ego"] = "entity"
     told: Told | None = None
     refers: Mapping[str, Allowed] = field(default_factory=dict)

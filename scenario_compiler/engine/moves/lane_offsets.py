@@ -118,7 +118,10 @@ def start_limited_offset(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_limited_offset(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Advance a move limited by its lateral acceleration; return 1 if it is complete; a continuous one never is."""
+    """Advance a move limited by its lateral acceleration; return 1 if it is complete; a continuous one never is.
+
+    An absolute offset stays on the side that it had at the start, also on a road with the opposite direction of s.
+    """
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED or st.road[i] < 0:
         return 1
@@ -128,7 +131,7 @@ def step_limited_offset(n: RoadTables, p: Program, st: State, k: int, dt: float)
     if progress >= span - op.TOLERANCE:
         st.turn[i] = 0.0
         left = st.action_from[k] + st.action_change[k]
-        if continuous == 1 and p.action_other[k] != i:
+        if continuous == 1 and p.action_other[k] >= 0 and p.action_other[k] != i:
             left = st.facing[i] * offset_aimed_at(n, p, st, k)
         st.kept_off[i] = st.facing[i] * left
         place_scripted(n, st, i)

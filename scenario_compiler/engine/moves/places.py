@@ -10,7 +10,7 @@ from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.appearing import add_entity, delete_entity, put_at
 from scenario_compiler.engine.motion.trailers import connect_trailer, disconnect_trailer, straighten_trailers
-from scenario_compiler.engine.moves.entry import Entry
+from scenario_compiler.engine.moves.entry import HOLDS_LANE, HOLDS_SPEED, Entry
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
@@ -107,12 +107,19 @@ def disconnect_row(draft: ProgramDraft, word: DisconnectTrailerAction, actor: in
     return ActionRow()
 
 
-TELEPORT = Entry(("teleport",), teleport_row, start_teleport, refers={"position": index(POSITION)})
+TELEPORT = Entry(
+    ("teleport",),
+    teleport_row,
+    start_teleport,
+    ends=HOLDS_SPEED | HOLDS_LANE,
+    refers={"position": index(POSITION)},
+)
 ADD_ENTITY = Entry(
     ("add_entity",),
     add_row,
     start_add,
     whose="run",
+    ends=HOLDS_LANE,
     refers={"other": index(ENTITY), "position": index(POSITION)},
 )
 DELETE_ENTITY = Entry(("delete_entity",), delete_row, start_delete, whose="run", refers={"other": index(ENTITY)})

@@ -4,7 +4,8 @@ Without timing, the distance along it grows by speed times step. An entity that 
 against the trajectory, so that it still moves along it; if the vertices have headings, these determine its direction of
 motion. The part of the last step beyond the end goes straight on. With timing, the position is that of the time after
 the step, and the speed is the distance over the step. A trajectory ends at its end, or at its last time; a closed one
-without timing continues at its beginning.
+without timing continues at its beginning. With timing it controls the speed too, so it ends a running change of speed,
+and a later one ends it ("conflicting actions", ASAM OpenSCENARIO).
 
 An entity that is elsewhere leaps to its trajectory: to the distance `begin`, or to the present time. The leap counts
 neither for the odometer nor for the speed.
@@ -107,6 +108,8 @@ def start_trajectory(n: RoadTables, p: Program, st: State, k: int) -> None:
     st.action_from[k] = pi if timed == 0 and heads_itself(p, track) == 0 and st.v[i] < 0.0 else 0.0
     st.action_b[k] = time_at_distance(p, st, track, begin)
     st.lateral[i] = k
+    if p.action_flags[k] & op.FLAG_TIMED != 0:
+        st.longitudinal[i] = k
     st.ended[i] = 0
     s = begin
     if timed == 1:
@@ -192,7 +195,10 @@ def follow_trajectory_row(draft: ProgramDraft, word: FollowTrajectoryAction, act
         other=draft.track(word.trajectory),
         mode=op.TIMING_NONE if timing is None else TIMINGS[timing.domain],
         flags=flags_of(
-            (op.FLAG_OWN_PATH, True), (op.FLAG_ON_TRACK, True), (op.FOLLOW_SMOOTHLY, word.following == "follow")
+            (op.FLAG_OWN_PATH, True),
+            (op.FLAG_ON_TRACK, True),
+            (op.FLAG_TIMED, word.timing is not None),
+            (op.FOLLOW_SMOOTHLY, word.following == "follow"),
         ),
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from itertools import pairwise
 
 from scenario_compiler.engine.columns import opcodes as op
@@ -11,7 +12,8 @@ from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import RouteLeg
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction
-from scenario_compiler.roads.ways import Stretch, onward, path_between
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.ways import Stretch, onward, path_between, travel_time
 from scenario_compiler.vocabulary.positions import (
     FreePosition,
     InRouteEntity,
@@ -72,6 +74,18 @@ def add_goal(draft: ProgramBuilder, position: Word) -> int:
     return add_guide(draft, [(one, to[0]) for one, to in (*steps.items(), *other.items())], goal[0])
 
 
+def cost_of_road(n: RoadTables, strategy: str, road: int) -> float:
+    """Return the cost of passing a road on a route: its travel time for the fastest one, otherwise its length.
+
+    A random route is the shortest one.
+    """
+    if strategy == "fastest":
+        return travel_time(n, road)
+    if strategy == "leastIntersections" and n.road_junction[road] >= 0:
+        return JUNCTION_COST
+    return n.road_length[road]
+
+
 def route_path(draft: ProgramBuilder, route: RouteWord) -> list[Stretch]:
     """Return the stretches of a route; waypoints that cannot be reached are skipped."""
     n = draft.network.tables
@@ -83,11 +97,7 @@ def route_path(draft: ProgramBuilder, route: RouteWord) -> list[Stretch]:
         if not path:
             path = [goal]
             continue
-        fewest = waypoint.strategy == "leastIntersections"
-
-        def cost(road: int, fewest: bool = fewest) -> float:
-            return JUNCTION_COST if fewest and n.road_junction[road] >= 0 else n.road_length[road]
-
+        cost = partial(cost_of_road, n, waypoint.strategy)
         tries = [(path[-1], goal), (path[-1], (goal[0], -goal[1]))]
         if len(path) == 1:
             turned = (path[0][0], -path[0][1])

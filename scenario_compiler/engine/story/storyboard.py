@@ -14,7 +14,7 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.moves.entry import HOLDS_LANE, HOLDS_SPEED
-from scenario_compiler.engine.moves.table import HOLDS
+from scenario_compiler.engine.moves.table import ENDS, HOLDS
 from scenario_compiler.engine.story.acting import end_action, start_action
 from scenario_compiler.engine.story.conditions import condition_fires
 from scenario_compiler.marker import compiled
@@ -149,18 +149,46 @@ def action_done(p: Program, st: State, k: int, mark: int) -> None:
 
 
 @compiled
+def take_over(p: Program, st: State, k: int, mark: int) -> None:
+    """End an action because another one takes over: it is stopped, and, as in esmini 3.6, also at its end."""
+    e = st.action_element[k]
+    if e >= 0:
+        st.element_stopped[e] = mark
+    action_done(p, st, k, mark)
+
+
+@compiled
+def domains_of(p: Program, k: int) -> int:
+    """Return the domains of its entity's motion that action k controls, as bits."""
+    holds = HOLDS[p.action_op[k]]
+    if p.action_flags[k] & op.FLAG_TIMED != 0:
+        holds = holds | HOLDS_SPEED
+    return holds
+
+
+@compiled
 def displace(p: Program, st: State, k: int, mark: int) -> None:
-    """End the actions that control the domains (speed, lane) that action k takes over from its entity."""
+    """End the actions that control the domains (speed, lane) that action k takes over from its entity.
+
+    All actions of the init make one state: there, mark 0, only an action on the same domains takes over.
+    """
     i = p.action_entity[k]
+    holds = domains_of(p, k)
+    takes = holds
+    if mark > 0:
+        takes = takes | ENDS[p.action_op[k]]
+        if i < 0 and takes != 0:
+            i = p.action_other[k]
     if i < 0:
         return
-    holds = HOLDS[p.action_op[k]]
     older = st.longitudinal[i]
-    if holds & HOLDS_SPEED != 0 and older >= 0 and older != k:
-        action_done(p, st, older, mark)
+    if takes & HOLDS_SPEED != 0 and older >= 0 and older != k and (mark > 0 or domains_of(p, older) == holds):
+        take_over(p, st, older, mark)
     older = st.lateral[i]
-    if holds & HOLDS_LANE != 0 and older >= 0 and older != k and older < p.action_count[0]:
-        action_done(p, st, older, mark)
+    if takes & HOLDS_LANE == 0 or older < 0 or older == k or older >= p.action_count[0]:
+        return
+    if mark > 0 or domains_of(p, older) == holds:
+        take_over(p, st, older, mark)
 
 
 @compiled

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Related, Severity
-from scenario_compiler.plan.init_order import circular, placed_before
+from scenario_compiler.plan.init_order import circular, placed_before, unplaced
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import TeleportAction
@@ -13,7 +13,8 @@ CIRCLE = Code(
     "circle-in-init",
     "Actions of the init depend on each other in a circle: each places its entity relative to an entity that the next "
     "one places, or sets a speed relative to one that the next one sets. One of them must be executed first. It finds "
-    "the other entity at the world's origin, off every road, or standing still.\n\n"
+    "the other entity at the world's origin, off every road, or standing still. An entity that gets its first "
+    "position relative to itself is such a circle, too.\n\n"
     '    <Private entityRef="car"> ... <RelativeLanePosition entityRef="van" .../>\n'
     '    <Private entityRef="van"> ... <RelativeLanePosition entityRef="car" .../>\n\n'
     "Give one of the entities a position or a speed that does not depend on the others.",
@@ -22,9 +23,17 @@ CIRCLE = Code(
 
 
 def check_initial(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn of actions of the init that need a position or a speed which only an action after them sets."""
+    """Warn of actions of the init that need a position or a speed which only an action after them, or they, set."""
     del network
-    for initial, needed in circular(plan.storyboard.init, placed_before(plan.entities)):
+    before = placed_before(plan.entities)
+    for initial in unplaced(plan.storyboard.init, before):
+        sink.add(
+            CIRCLE,
+            f"'{initial.entity}' gets its first position relative to itself",
+            initial.action.origin,
+            hint=f"'{initial.entity}' still stands at the origin",
+        )
+    for initial, needed in circular(plan.storyboard.init, before):
         what = "position" if isinstance(needed.action, TeleportAction) else "speed"
         sink.add(
             CIRCLE,

@@ -49,7 +49,8 @@ class Waypoint(Word):
     word: Literal["waypoint"] = "waypoint"
 
     strategy: Literal["fastest", "leastIntersections", "random", "shortest"] = attribute(
-        "Strategy for choosing the route from the previous waypoint.", default="shortest"
+        "Strategy for choosing the route from the previous waypoint; `random` takes the shortest one.",
+        default="shortest",
     )
     position: Point = child("Position.")
 

@@ -135,6 +135,37 @@ def test_a_teleport_gives_a_new_lane(tmp_path: Path) -> None:
     assert run.at("A", 10.0).y == pytest.approx(-4.75)
 
 
+@pytest.mark.parametrize("interrupted", [2.0, 4.0])
+def test_a_teleport_ends_the_change_of_lane_and_of_speed(tmp_path: Path, interrupted: float) -> None:
+    """Of the change of 3.5 m and 10 m/s in 4 s, begun at 1 s, only the speed that was reached remains."""
+    change = lane_change(RIGHT, by("linear", "time", 4.0))
+    leap = f"<TeleportAction>{lane_position(-1, 300.0, 0.4)}</TeleportAction>"
+    events = [Event("A", change), Event("A", speed(20.0, by("linear", "time", 4.0))), Event("A", leap, interrupted)]
+    run = play(tmp_path, A, events)
+    assert [run.at("A", time).y for time in (interrupted + 0.05, 10.0)] == pytest.approx([-1.35, -1.35])
+    assert run.at("A", interrupted + 0.05).x == pytest.approx(300.0)
+    assert run.at("A", 10.0).v == pytest.approx(10.0 + 2.5 * (interrupted - 1.0))
+
+
+def test_an_entity_appears_where_it_is_added_whatever_it_did_before(tmp_path: Path) -> None:
+    """A is taken away during its change of lane and comes back at another place."""
+    change = lane_change(RIGHT, by("linear", "time", 4.0))
+    away = '<GlobalAction><EntityAction entityRef="A"><DeleteEntityAction/></EntityAction></GlobalAction>'
+    place = f"<AddEntityAction>{lane_position(-1, 300.0, 0.4)}</AddEntityAction>"
+    back = f'<GlobalAction><EntityAction entityRef="A">{place}</EntityAction></GlobalAction>'
+    run = play(tmp_path, A, [Event("A", change), Event("A", away, 2.0), Event("A", back, 3.0)])
+    assert [run.at("A", time).y for time in (3.05, 10.0)] == pytest.approx([-1.35, -1.35])
+
+
+@pytest.mark.law("LaneOffsetAction", "continuous")
+@pytest.mark.parametrize("continuous", ["false", "true"])
+def test_an_offset_stays_on_its_side_where_the_direction_of_s_changes(tmp_path: Path, continuous: str) -> None:
+    """A, 1 m to the left of its lane's centre, comes from road 1 to road 2, whose t points to the other side."""
+    aside = lane_offset(offset(1.0), continuous=continuous)
+    run = play(tmp_path, {"A": Actor(s=200.0, speed=20.0)}, [Event("A", aside)], road="against")
+    assert [run.at("A", time).y for time in (4.9, 5.1, 8.0)] == pytest.approx([-0.75, -0.75, -0.75])
+
+
 @pytest.mark.law("LaneOffsetAction", "relative to an entity")
 @pytest.mark.parametrize(
     ("lane", "aside", "value", "wanted"), [(1, 0.4, 0.9, 1.25), (-2, 0.4, 0.9, -3.95), (2, 0.0, -1.0, 6.25)]

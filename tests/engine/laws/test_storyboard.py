@@ -68,6 +68,54 @@ def test_a_parallel_event_takes_over_the_domain_that_it_acts_on(tmp_path: Path) 
     assert [run.at("A", time).v for time in (2.0, 2.5, 3.0, 6.0)] == pytest.approx([12.5, 8.25, 4.0, 4.0])
 
 
+def followed(timing: str) -> str:
+    """Return that a straight line of 60 m in lane -1 is followed, whose times are 0 s and 4 s, at them or not."""
+    vertices = "".join(
+        f'<Vertex time="{time}"><Position><WorldPosition x="{x}" y="-1.75"/></Position></Vertex>'
+        for time, x in ((0, 60), (4, 120))
+    )
+    return (
+        '<RoutingAction><FollowTrajectoryAction><TrajectoryRef><Trajectory name="line" closed="false"><Shape><Polyline>'
+        f"{vertices}</Polyline></Shape></Trajectory></TrajectoryRef><TimeReference>{timing}</TimeReference>"
+        '<TrajectoryFollowingMode followingMode="position"/></FollowTrajectoryAction></RoutingAction>'
+    )
+
+
+TIMED = followed('<Timing domainAbsoluteRelative="relative" scale="1" offset="0"/>')
+UNTIMED = followed("<None/>")
+
+
+@pytest.mark.parametrize(("line", "wanted"), [(TIMED, [15.0, 15.0, 15.0]), (UNTIMED, [15.0, 17.5, 20.0])])
+def test_a_trajectory_with_times_takes_over_the_speed(tmp_path: Path, line: str, wanted: list[float]) -> None:
+    """A gains 2.5 m/s2 from 1 s to 5 s. From 3 s on it follows 60 m, by their times at 15 m/s until 7 s."""
+    run = play(tmp_path, A, [Event("A", RAMP), Event("A", line, 3.0)])
+    assert [run.at("A", time).v for time in (3.0, 4.0, 8.0)] == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize(("line", "wanted"), [(TIMED, 60.0 + 15.0 + 5.0), (UNTIMED, 60.0 + 10.0 + 5.0)])
+def test_a_change_of_speed_ends_a_trajectory_with_times(tmp_path: Path, line: str, wanted: float) -> None:
+    """It begins 1 s after the trajectory, and A then drives on at 5 m/s in its lane."""
+    run = play(tmp_path, A, [Event("A", line), Event("A", speed(5.0), 2.0)])
+    assert (run.at("A", 3.0).v, run.at("A", 3.0).x) == pytest.approx((5.0, wanted))
+
+
+def test_the_init_may_give_a_speed_beside_a_trajectory_with_times(tmp_path: Path) -> None:
+    """All actions of the init make one state: none of them ends another one on other domains."""
+    run = play(tmp_path, {"A": Actor(action=TIMED, speed=3.0)}, [])
+    assert [run.at("A", time).x for time in (1.0, 4.0)] == pytest.approx([75.0, 120.0])
+
+
+@pytest.mark.law("StoryboardElementStateCondition", "stopTransition")
+@pytest.mark.parametrize("transition", ["stopTransition", "endTransition"])
+def test_an_action_that_another_one_replaces_is_stopped_and_at_its_end(tmp_path: Path, transition: str) -> None:
+    events = [
+        Event("A", RAMP, name="ramp"),
+        Event("A", speed(5.0), 2.0),
+        Event("W", speed(3.0), state("action", "of ramp", transition)),
+    ]
+    assert play(tmp_path, {**A, "W": W}, events).acts("W", 3.0) == pytest.approx(2.05)
+
+
 @pytest.mark.law("Storyboard", "an event executed again")
 @pytest.mark.parametrize(("count", "wanted"), [(1, 12.0), (2, 14.0), (3, 16.0)])
 def test_an_event_is_executed_as_often_as_its_maximum_allows(tmp_path: Path, count: int, wanted: float) -> None:

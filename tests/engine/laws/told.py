@@ -1,7 +1,9 @@
-"""Small OpenSCENARIO files on one straight road, run in both forms of the engine, and what the rows say.
+"""Small OpenSCENARIO files on a straight road, run in both forms of the engine, and what the rows say.
 
 The road goes along x: lanes -1, -2, -3 to the right (centres at y = -1.75, -5.25, -8.75), 1 and 2 to the left. From
 x = 1000 on it climbs by 0.1. Lane -3 narrows to nothing between x = 700 and 750.
+
+In against.xodr, road 1 goes along x as far as x = 300, where road 2 begins, whose s runs against x.
 """
 
 from __future__ import annotations
@@ -34,6 +36,7 @@ class Actor:
         speed: Its speed, m/s.
         offset: Its offset from the lane's centre, m.
         position: A position in place of lane, s and offset.
+        action: An action of the init after its position and before its speed.
     """
 
     lane: int = -1
@@ -41,14 +44,14 @@ class Actor:
     speed: float = 10.0
     offset: float = 0.0
     position: str = ""
+    action: str = ""
 
     def init(self, name: str) -> str:
         """Return its actions of the init."""
         place = self.position or lane_position(self.lane, self.s, self.offset)
-        return (
-            f'<Private entityRef="{name}"><PrivateAction><TeleportAction>{place}</TeleportAction></PrivateAction>'
-            f"<PrivateAction>{speed(self.speed, STEPWISE)}</PrivateAction></Private>"
-        )
+        actions = [f"<TeleportAction>{place}</TeleportAction>", self.action, speed(self.speed, STEPWISE)]
+        private = "".join(f"<PrivateAction>{one}</PrivateAction>" for one in actions if one)
+        return f'<Private entityRef="{name}">{private}</Private>'
 
 
 @dataclass(frozen=True)
@@ -115,7 +118,12 @@ class Played:
 
 
 def play(
-    folder: Path, actors: dict[str, Actor], events: Sequence[Event], seconds: float = 10.0, signals: str = ""
+    folder: Path,
+    actors: dict[str, Actor],
+    events: Sequence[Event],
+    seconds: float = 10.0,
+    signals: str = "",
+    road: str = "straight",
 ) -> Played:
     """Run a story in both forms, which must leave the same numbers, and return its rows.
 
@@ -125,9 +133,10 @@ def play(
         events: What they do.
         seconds: How long, s.
         signals: Controllers of traffic signals, as elements.
+        road: Name of the road file beside this module.
     """
     file = folder / "told.xosc"
-    file.write_text(document(actors, events, seconds, signals), encoding="utf-8")
+    file.write_text(document(actors, events, seconds, signals, road), encoding="utf-8")
     sink = Diagnostics()
     done = compile_target(file, {}, sink, overrides=Overrides(perception="ideal", step=STEP, duration=seconds))
     assert done is not None, [as_text(one) for one in sink]
@@ -156,7 +165,9 @@ def seen_by(simulation: Simulation, names: Sequence[str]) -> dict[str, Seen]:
     }
 
 
-def document(actors: dict[str, Actor], events: Sequence[Event], seconds: float, signals: str = "") -> str:
+def document(
+    actors: dict[str, Actor], events: Sequence[Event], seconds: float, signals: str = "", road: str = "straight"
+) -> str:
     """Return the file of a story."""
     groups: dict[str, list[Event]] = {}
     for k, one in enumerate(events):
@@ -170,7 +181,7 @@ def document(actors: dict[str, Actor], events: Sequence[Event], seconds: float, 
     return (
         "<OpenSCENARIO>"
         f'<FileHeader revMajor="1" revMinor="3" date="2026-01-01T00:00:00" description="" author=""/>'
-        f'<CatalogLocations/><RoadNetwork><LogicFile filepath="{ROADS / "straight.xodr"}"/>{signals}</RoadNetwork>'
+        f'<CatalogLocations/><RoadNetwork><LogicFile filepath="{ROADS / f"{road}.xodr"}"/>{signals}</RoadNetwork>'
         f"<Entities>{''.join(map(_object, actors))}</Entities>"
         f"<Storyboard><Init><Actions>{''.join(one.init(name) for name, one in actors.items())}</Actions></Init>"
         f'<Story name="story"><Act name="act">{story}<StartTrigger><ConditionGroup>{after(0.0)}</ConditionGroup>'
