@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 
+from scenario_compiler import compile_scenario, load_network
+from scenario_compiler.compiler import Overrides
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.moves.table import NUMBERS as ACTION
+from scenario_compiler.engine.program import build_program
+from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.roads import Network
 from tests.engine.both import run_both
 from tests.engine.make import Draft, Run, highway, lane, network_of, road
@@ -217,3 +222,34 @@ def test_both_forms_drive_a_bend_equally(radius: float, answers: float) -> None:
     program = draft.done()
     both = run_both(draft.network.tables, program, [list(program.const)], [make_draws(1)], 400)
     assert both.interpreted == both.compiled
+
+
+TURNS = """<scenarios version="1"><scenario name="turns" map="town_grid" weather="ClearNoon" duration="60">
+  <ego speed="13.9">
+    <start><lane road="{begin}" lane="-1" s="30"/></start>
+    <destination><lane road="{end}" lane="-1" s="30"/></destination>
+    <controller><property name="lateral_acceleration" value="{lateral}"/></controller>
+  </ego>
+  <takeover><cause kind="path_blocked"/></takeover>
+</scenario></scenarios>"""
+
+
+@pytest.mark.parametrize("lateral", [1.5, 2.5])
+@pytest.mark.parametrize(("begin", "end"), [("1", "10"), ("4", "1"), ("7", "11")])
+def test_turns_at_junctions_are_driven_at_the_lateral_acceleration_of_the_scenario(
+    tmp_path: Path, begin: str, end: str, lateral: float
+) -> None:
+    path = tmp_path / "turns.xml"
+    path.write_text(TURNS.format(begin=begin, end=end, lateral=lateral), encoding="utf-8")
+    plan = compile_scenario(path, overrides=Overrides(perception="ideal"))
+    network = load_network(plan.map.file)
+    simulation = Simulation(network.tables, build_program(plan, network))
+    simulation.reset(make_draws(1))
+    greatest, slowest, st = 0.0, 13.9, simulation.state
+    while simulation.step():
+        bend = math.tan(st.steer[0]) / simulation.program.const[simulation.program.entity_const[0] + slots.E_WHEELBASE]
+        greatest = max(greatest, st.v[0] ** 2 * abs(bend))
+        slowest = min(slowest, st.v[0])
+        assert st.on_road[0] == 1
+    assert slowest < 9.0
+    assert greatest < 1.4 * lateral
