@@ -401,6 +401,8 @@ class State(Columns):
     slow_lateral: list[float] = column(RUN)
     slow_until: list[float] = column(RUN, -1.0)
     """Odometer up to which that bend is known to be the one that limits the speed, m."""
+    slow_known: list[float] = column(RUN)
+    """Odometer up to which all bends are known, m."""
     free_until: list[float] = column(RUN, -1.0)
     """Odometer up to which no bend can limit the speed, m."""
     auto_throttle: list[float] = column(RUN)

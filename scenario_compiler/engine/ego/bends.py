@@ -28,7 +28,7 @@ KNOWN_FOR = 2.0
 COARSER = 0.1
 """Distance between two places in a spiral or polynomial, as a share of their distance ahead; at least STEP."""
 
-FARTHER = 300.0
+FARTHER = 200.0
 """Distance beyond that of comfortable braking up to which bends are searched, so that it is seldom done, m; chosen."""
 
 STRAIGHT = 1.0e-4
@@ -56,11 +56,13 @@ def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float,
     st.slow_square[0] = op.FAR
     st.slow_at[0] = st.odometer[i]
     st.slow_until[0] = st.odometer[i] + KNOWN_FOR
+    st.slow_known[0] = op.FAR
     if st.path_road[0] < 0:
         return
     least = op.FAR
     place = 0
     clear = 0.0
+    constant = 0
     while NEAREST + STEP * place <= reach and 2.0 * braking * STEP * place < least:
         beyond = STEP * place
         road, lane, row, s, over = path_ahead(n, p, st, NEAREST + beyond)
@@ -74,14 +76,14 @@ def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float,
                 st.slow_square[0] = square
                 st.slow_at[0] = st.odometer[i] + beyond
         rest, constant = curvature_ahead(n, road, lane, row, s)
-        if constant == 1:
-            clear = NEAREST + beyond + rest
-        else:
+        if constant == 0:
             rest = min(rest, COARSER * beyond)
+        clear = beyond + rest
         place = place + 1 + int(clip(rest / STEP, 0.0, 1.0e6))
-    if least >= op.FAR and clear > reach:
+    st.slow_known[0] = st.odometer[i] + clear
+    if least >= op.FAR and constant == 1 and NEAREST + clear > reach:
         faster = p.const[base + slot.E_MAX_ACCELERATION] / max(braking, 0.1)
-        st.slow_until[0] = st.odometer[i] + (clear - reach) / (1.0 + max(faster, 0.0))
+        st.slow_until[0] = st.odometer[i] + (NEAREST + clear - reach) / (1.0 + max(faster, 0.0))
 
 
 @compiled
@@ -120,10 +122,10 @@ def acceleration_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral
     if st.odometer[i] < st.free_until[0] and st.slow_row[0] == st.path_row[0] and st.slow_lateral[0] == lateral:
         return op.FAR
     v = st.v[i]
-    known = 0.5 * v * v / max(braking, 0.1) + FARTHER
-    allowed = speed_for_bends(n, p, st, i, lateral, braking, NEAREST + known)
+    reach = NEAREST + 0.5 * v * v / max(braking, 0.1) + FARTHER
+    allowed = speed_for_bends(n, p, st, i, lateral, braking, reach)
     most = max(p.const[p.entity_const[i] + slot.E_MAX_ACCELERATION], 0.0)
-    free = min(allowed * allowed, 2.0 * braking * known)
+    free = min(allowed * allowed, 2.0 * braking * (st.slow_known[0] - st.odometer[i]))
     minded = v + SETTLING * (most + braking)
     st.free_until[0] = st.odometer[i] + (free - minded * minded) / max(2.0 * (most + braking), 0.1)
     if st.slow_at[0] <= st.odometer[i]:
