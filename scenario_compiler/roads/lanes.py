@@ -10,12 +10,13 @@ from scenario_compiler.roads.geometry import (
     cubic_slope,
     cubic_value,
     piece_point,
+    road_curvature,
     road_frame,
     road_piece_at,
     wrap_heading,
 )
 from scenario_compiler.roads.lane_types import NONE
-from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.tables import ARC, LINE, RoadTables
 
 
 @compiled
@@ -350,3 +351,34 @@ def lane_at(n: RoadTables, road: int, s: float, t: float) -> int:
     if row < 0:
         return 0
     return n.lane_id[row]
+
+
+@compiled
+def lane_curvature(n: RoadTables, road: int, lane: int, row: int, s: float) -> float:
+    """Return the curvature of a lane's centre in the direction of travel, 1/m, positive to the left."""
+    if row < 0:
+        return 0.0
+    k = road_curvature(n, road, s)
+    if k == 0.0:
+        return 0.0
+    t, _ = row_centre(n, road, row, s)
+    return lane_direction(n, road, lane) * k / max(1.0 - k * t, 0.1)
+
+
+@compiled
+def curvature_ahead(n: RoadTables, road: int, lane: int, row: int, s: float) -> tuple[float, int]:
+    """Return how far the road's piece continues ahead, m, and whether the lane's curvature is constant until there.
+
+    The section of a lane in an arc ends a piece too, because its distance from the reference line may change there.
+    """
+    piece = road_piece_at(n, road, s)
+    kind = n.piece_kind[piece]
+    begin = n.piece_s[piece]
+    end = n.piece_s[piece + 1] if piece + 1 < n.road_piece[road + 1] else n.road_length[road]
+    constant = 1 if kind == LINE else 0
+    if kind == ARC and row >= 0:
+        section = n.lane_section[row]
+        begin = max(begin, n.section_s[section])
+        end = min(end, n.section_end[section])
+        constant = n.lane_steady[row]
+    return end - s if lane_direction(n, road, lane) > 0 else s - begin, constant

@@ -15,6 +15,7 @@ from scenario_compiler.engine.program.checking import check_program
 from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.engine.story.table import NUMBERS as CONDITION
 from scenario_compiler.roads import Network, load_network
+from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 
 ROAD = """<road name="" id="{id}" length="{length}" junction="-1">
   <link>{link}</link>
@@ -140,6 +141,7 @@ USUAL = {
     slots.K_INPUT_STEERING: 0.035,
     slots.K_INPUT_BRAKE: 0.1,
     slots.K_STEERING_RATIO: 16.0,
+    **{slots.K_LOOK_AHEAD_TIME + place: number for place, number in enumerate(LANE_KEEPING.values())},
 }
 
 

@@ -14,6 +14,7 @@ from scenario_compiler import compile_scenario, load_network
 from scenario_compiler.compiler import Overrides
 from scenario_compiler.controllers.lane_detection import LaneDetectionParams
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
 from scenario_compiler.engine.columns import view as at
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.columns.totals import SUMMARY
@@ -24,6 +25,7 @@ from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.perception.calibration.probes import changes, probes
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.resources import library_folder
+from scenario_compiler.vocabulary.entities import Controller, Property
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 from tests.engine.both import Both, run_both
 
@@ -157,7 +159,11 @@ def test_outside_the_domain_it_is_noted_once() -> None:
 
 def test_the_automation_drives_by_the_controllers_parameters() -> None:
     assert LaneDetectionParams().model_dump() == LANE_KEEPING
-    assert len(LANE_KEEPING) == surrogate.DRIVING
+    controller = Controller(properties=(Property(name="time_gap", value="2.5"),))
+    plan = planned("sensor_failure").model_copy(update={"controller": controller})
+    program = build_program(plan, load_network(plan.map.file))
+    numbers = program.const[slots.K_LOOK_AHEAD_TIME : slots.K_DECELERATION + 1]
+    assert dict(zip(LANE_KEEPING, numbers, strict=True)) == {**LANE_KEEPING, "time_gap": 2.5}
 
 
 def test_the_coefficients_are_read_as_they_were_written() -> None:

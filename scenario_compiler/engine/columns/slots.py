@@ -86,7 +86,17 @@ K_HEADLIGHTS = 82
 K_SENSOR_NOISE = 83
 K_SIGHT = 84
 K_LOOK_BESIDE = 85
-K_ENTITIES = 86
+K_LOOK_AHEAD_TIME = 86
+K_LOOK_AHEAD_LEAST = 87
+K_LOOK_AHEAD_MOST = 88
+K_SPEED_GAIN = 89
+K_TIME_GAP = 90
+K_MINIMUM_GAP = 91
+K_LATERAL = 92
+K_ACCELERATION = 93
+K_DECELERATION = 94
+"""Parameters of `lane_detection`, in the order of `LANE_KEEPING`."""
+K_ENTITIES = 95
 """First slot after those of the run."""
 
 # An entity's block.

@@ -397,9 +397,14 @@ class State(Columns):
     slow_at: list[float] = column(RUN)
     """Odometer at which that bend begins, m."""
     slow_row: list[int] = column(RUN, op.NONE)
-    """Row of the path for which that bend is known."""
+    """Row of the path, and lateral acceleration in bends, m/s2, for which that bend is known."""
+    slow_lateral: list[float] = column(RUN)
     slow_until: list[float] = column(RUN, -1.0)
     """Odometer up to which that bend is known to be the one that limits the speed, m."""
+    slow_known: list[float] = column(RUN)
+    """Odometer up to which all bends are known, m."""
+    free_until: list[float] = column(RUN, -1.0)
+    """Odometer up to which no bend can limit the speed, m."""
     auto_throttle: list[float] = column(RUN)
     """Commands of the controller: throttle and brake, 0 to 1."""
     auto_steer: list[float] = column(RUN)

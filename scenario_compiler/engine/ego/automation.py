@@ -7,6 +7,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.around import note_lane_time
+from scenario_compiler.engine.ego.bends import acceleration_for_bends
 from scenario_compiler.engine.ego.driver import drive_by_hand, look_with_eyes
 from scenario_compiler.engine.ego.foresight import LIFT_OFF, notice
 from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
@@ -86,6 +87,8 @@ def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
         rest = lane_closes(st)
         if rest < op.FAR and st.merging[0] == 0 and minds_limit(p, st, op.CAUSE_LANE_ENDS) == 1:
             wanted = min(wanted, idm_acceleration(p, i, st.v[i], st.target_speed[0], rest, 0.0))
+        in_bends = acceleration_for_bends(n, p, st, i, p.const[slot.K_LATERAL], p.const[slot.K_DECELERATION])
+        wanted = min(wanted, in_bends)
         command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))
     elif p.perception[0] == op.PERCEPTION_SURROGATE:
         drive_as_seen(n, p, st, i)
@@ -100,9 +103,10 @@ def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def drive_to_stop(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Steer as before, and brake with the deceleration of the minimum-risk manoeuvre."""
+    """Steer as before, and brake with the deceleration of the minimum-risk manoeuvre, or harder before a bend."""
     steer_automated(n, p, st, i)
-    command_acceleration(p, st, i, -p.const[slot.K_MINIMUM_RISK_DECELERATION])
+    in_bends = acceleration_for_bends(n, p, st, i, p.const[slot.K_LATERAL], p.const[slot.K_DECELERATION])
+    command_acceleration(p, st, i, min(-p.const[slot.K_MINIMUM_RISK_DECELERATION], in_bends))
 
 
 @compiled

@@ -18,6 +18,7 @@ from scenario_compiler.engine.columns.numbers import clip, length_of, ratio, saf
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.bends import DRIVER_BRAKING, DRIVER_LATERAL, acceleration_for_bends
 from scenario_compiler.engine.ego.foresight import CALL, LIFT_OFF, ONCOMING, called_for, meets, reacts_to
 from scenario_compiler.engine.ego.objects_ahead import row_gap
 from scenario_compiler.engine.ego.passing import (
@@ -612,8 +613,10 @@ def follow_all(p: Program, st: State, i: int, corridor: float, slowest: float) -
 
 
 @compiled
-def press_pedals(p: Program, st: State, i: int) -> None:
-    """Follow the leader in the corridor and stop before a block, a red signal or the lane's end, with limited jerk.
+def press_pedals(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Follow the leader in the corridor, slow down for bends, and stop before a block, a red signal or the lane's end.
+
+    The jerk is limited.
 
     While evading, the driver does not slow down for oncoming vehicles: the evasion was only begun because there is
     time. The jerk begins at the acceleration that the automation leaves, as far as the driver wants it: a brake of the
@@ -635,6 +638,8 @@ def press_pedals(p: Program, st: State, i: int) -> None:
     if st.red_line[0] < op.FAR:
         front = front_of(p, i)
         wanted = min(wanted, stop_within(p, st, i, st.red_line[0] - front, 0.0))
+    in_bends = acceleration_for_bends(n, p, st, i, DRIVER_LATERAL, DRIVER_BRAKING)
+    wanted = min(wanted, in_bends)
     step = BRAKE_JERK * p.const[slot.K_STEP] * p.control_every[0]
     wanted = come_to_rest(st.v[i], wanted)
     before = st.pedal[0]
@@ -648,5 +653,5 @@ def press_pedals(p: Program, st: State, i: int) -> None:
 def drive_by_hand(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
     """Drive the ego for one control step as the simulated driver."""
     choose_manoeuvre(n, p, st, i, blocker)
-    press_pedals(p, st, i)
+    press_pedals(n, p, st, i)
     steer_by_hand(n, p, st, i)

@@ -1,9 +1,10 @@
 """Reference drivers: the careful and competent driver of UN R157, RSS, and the fuzzy safety model.
 
-They keep their lane and the wanted speed, and brake for what is ahead or cuts in. The formulas are those of the JRC's
-program for the three models as far as they are published (RSS: Shalev-Shwartz et al. 2017; FSM: Mattas et al. 2020).
-The condition under which the fuzzy safety model recognises a cut-in is that of esmini's R157 controller. The text of UN
-R157 does not define when the careful and competent driver perceives a cut-in, so there are three readings.
+They keep their lane and the wanted speed, slow down for bends as every driver (`bends`), and brake for what is ahead or
+cuts in. The formulas are those of the JRC's program for the three models as far as they are published (RSS:
+Shalev-Shwartz et al. 2017; FSM: Mattas et al. 2020). The condition under which the fuzzy safety model recognises a
+cut-in is that of esmini's R157 controller. The text of UN R157 does not define when the careful and competent driver
+perceives a cut-in, so there are three readings.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.bends import DRIVER_BRAKING, DRIVER_LATERAL, acceleration_for_bends
 from scenario_compiler.engine.motion.following import idm_acceleration
 from scenario_compiler.engine.motion.steering import command_acceleration, command_angle, pursuit_angle
 from scenario_compiler.marker import compiled
@@ -215,5 +217,7 @@ def drive_by_reference(n: RoadTables, p: Program, st: State, i: int, kind: int) 
         wanted = min(free, st.pedal[0] + step) if st.pedal[0] < 0.0 else free
     else:
         wanted = clip(wanted, min(st.pedal[0], 0.0) - step, min(st.pedal[0], 0.0) + step)
+    in_bends = acceleration_for_bends(n, p, st, i, DRIVER_LATERAL, DRIVER_BRAKING)
+    wanted = min(wanted, in_bends)
     command_acceleration(p, st, i, wanted)
     command_angle(p, st, i, pursuit_angle(n, p, st, i, STEER_ACCELERATION))

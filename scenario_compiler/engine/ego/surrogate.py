@@ -13,7 +13,6 @@ The coefficients stand in the program's numbers from `surrogate_const` on, in th
     VIEW_SIZE + 1 rows  weights of each feature, and last the bias, for the HIDDEN units and the two outputs
     HIDDEN rows         weights of each unit (x / (1 + |x|)) for the two outputs
     4                   size and cell length, m, of the logit's noise; the same for the path, m
-    DRIVING             parameters of the automation's driving (`S_...`)
 
 The automation then drives as the controller `lane_detection` does, along the path that the surrogate reports.
 """
@@ -27,20 +26,19 @@ from scenario_compiler.engine.columns.numbers import clip, logistic, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.view import HIDDEN, OUTPUTS, SIDE_SIZE, UNITS, V_BOTH, VIEW_SIZE
+from scenario_compiler.engine.ego.bends import speed_for_bends
 from scenario_compiler.engine.ego.failures import health_of_camera
 from scenario_compiler.engine.ego.objects_ahead import gap_to_keep
-from scenario_compiler.engine.ego.view import keep_view, lane_bend, look_at_view, view_stays
-from scenario_compiler.engine.motion.path import path_ahead
+from scenario_compiler.engine.ego.view import keep_view, look_at_view, view_stays
 from scenario_compiler.engine.motion.steering import aim, path_point
 from scenario_compiler.marker import compiled
 from scenario_compiler.randomness import random_hash
-from scenario_compiler.roads.tables import LINE, RoadTables
+from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.vocabulary.lane_keeping import TRUSTED
 
 FIRST_AT = 2 * VIEW_SIZE
 SECOND_AT = FIRST_AT + (VIEW_SIZE + 1) * UNITS
 NOISE_AT = SECOND_AT + HIDDEN * OUTPUTS
-DRIVING_AT = NOISE_AT + 4
 """Positions of the coefficients, from `surrogate_const` on."""
 
 N_CONFIDENCE = 0
@@ -48,19 +46,7 @@ N_CONFIDENCE_CELL = 1
 N_PATH = 2
 N_PATH_CELL = 3
 
-S_LOOK_AHEAD_TIME = 0
-S_LOOK_AHEAD_LEAST = 1
-S_LOOK_AHEAD_MOST = 2
-S_SPEED_GAIN = 3
-S_TIME_GAP = 4
-S_MINIMUM_GAP = 5
-S_LATERAL = 6
-S_ACCELERATION = 7
-S_DECELERATION = 8
-DRIVING = 9
-"""Positions of the parameters of `lane_detection`."""
-
-COEFFICIENTS = DRIVING_AT + DRIVING
+COEFFICIENTS = NOISE_AT + 4
 """Number of coefficients of surrogate perception."""
 
 TOO_SMALL = 0.004
@@ -79,12 +65,8 @@ BYTES_MEAN = 510.0
 BYTES_DEVIATION = 147.8
 """Mean and standard deviation of the sum of four uniformly distributed bytes."""
 
-BENDS = 11
-BEND_FROM = 4.0
-BEND_TO = 36.0
-BEND_STEP = 3.2
-BEND_KNOWN = 2.0
-"""Bends that limit the speed are searched at BENDS places from 4 m to 36 m ahead, and again after 2 m."""
+BENDS_KNOWN = 36.0
+"""Distance up to which `lane_detection` knows the bends of its route, m."""
 
 NO_BOUND = 1000.0
 """Lateral acceleration that no vehicle reaches, m/s2: `lane_detection` steers without a bound."""
@@ -275,11 +257,10 @@ def seen_angle(n: RoadTables, p: Program, st: State, i: int) -> float:
     """Return the angle of the front wheels that follows the path seen by the surrogate, rad."""
     if st.path_road[0] < 0:
         return 0.0
-    driving = p.surrogate_const[0] + DRIVING_AT
     reach = clip(
-        p.const[driving + S_LOOK_AHEAD_TIME] * st.v[i],
-        p.const[driving + S_LOOK_AHEAD_LEAST],
-        p.const[driving + S_LOOK_AHEAD_MOST],
+        p.const[slot.K_LOOK_AHEAD_TIME] * st.v[i],
+        p.const[slot.K_LOOK_AHEAD_LEAST],
+        p.const[slot.K_LOOK_AHEAD_MOST],
     )
     x, y = path_point(n, p, st, i, reach, reach, st.path_error[0])
     dx = x - st.x[i]
@@ -290,73 +271,22 @@ def seen_angle(n: RoadTables, p: Program, st: State, i: int) -> float:
 
 
 @compiled
-def straight_for(n: RoadTables, st: State) -> float:
-    """Return the distance for which the path is known to be straight, m."""
-    piece = st.path_piece[0]
-    row = st.path_row[0]
-    if row < 0 or n.piece_kind[piece] != LINE or n.lane_steady[row] == 0:
-        return 0.0
-    if st.path_sense[0] > 0:
-        return st.path_to[0] - st.path_s[0]
-    return st.path_s[0] - st.path_from[0]
-
-
-@compiled
-def look_for_bends(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Find the bend ahead that limits the speed most."""
-    driving = p.surrogate_const[0] + DRIVING_AT
-    braking = 2.0 * p.const[driving + S_DECELERATION]
-    st.slow_row[0] = st.path_row[0]
-    st.slow_square[0] = op.FAR
-    st.slow_at[0] = st.odometer[i]
-    straight = straight_for(n, st)
-    if straight > BEND_TO:
-        st.slow_until[0] = st.odometer[i] + straight - BEND_TO
-        return
-    least = op.FAR
-    for k in range(BENDS):
-        beyond = BEND_STEP * k
-        road, lane, row, s, rest = path_ahead(n, p, st, BEND_FROM + beyond)
-        if rest > 0.0:
-            break
-        bend = abs(lane_bend(n, road, lane, row, s))
-        if bend > 1.0e-4:
-            square = p.const[driving + S_LATERAL] / bend
-            if square + braking * beyond < least:
-                least = square + braking * beyond
-                st.slow_square[0] = square
-                st.slow_at[0] = st.odometer[i] + beyond
-    st.slow_until[0] = st.odometer[i] + BEND_KNOWN
-
-
-@compiled
-def speed_for_bends(n: RoadTables, p: Program, st: State, i: int) -> float:
-    """Return the greatest speed from which comfortable braking suffices for the bends ahead, m/s."""
-    if st.odometer[i] >= st.slow_until[0] or st.slow_row[0] != st.path_row[0]:
-        look_for_bends(n, p, st, i)
-    driving = p.surrogate_const[0] + DRIVING_AT
-    before = max(st.slow_at[0] - st.odometer[i], 0.0)
-    return safe_sqrt(st.slow_square[0] + 2.0 * p.const[driving + S_DECELERATION] * before)
-
-
-@compiled
 def drive_as_seen(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Command throttle and brake as `lane_detection` does, for the desired speed or the gap to what is ahead."""
-    driving = p.surrogate_const[0] + DRIVING_AT
     base = p.entity_const[i]
     v = st.v[i]
-    in_bends = speed_for_bends(n, p, st, i)
+    in_bends = speed_for_bends(n, p, st, i, p.const[slot.K_LATERAL], p.const[slot.K_DECELERATION], BENDS_KNOWN)
     desired = min(st.target_speed[0], in_bends)
-    missing = p.const[driving + S_SPEED_GAIN] * (desired - v)
+    missing = p.const[slot.K_SPEED_GAIN] * (desired - v)
     st.command_throttle[i] = clip(missing, 0.0, 1.0)
     st.command_brake[i] = clip(-BRAKE_SHARE * missing, 0.0, 1.0)
     gap, lead = gap_to_keep(p, st, i)
     if gap >= op.FAR:
         return
-    a = p.const[driving + S_ACCELERATION]
-    b = p.const[driving + S_DECELERATION]
+    a = p.const[slot.K_ACCELERATION]
+    b = p.const[slot.K_DECELERATION]
     closing = v * (v - lead) / max(2.0 * safe_sqrt(a * b), 0.1)
-    wanted = p.const[driving + S_MINIMUM_GAP] + max(0.0, v * p.const[driving + S_TIME_GAP] + closing)
+    wanted = p.const[slot.K_MINIMUM_GAP] + max(0.0, v * p.const[slot.K_TIME_GAP] + closing)
     free = v / max(desired, 0.1)
     near = wanted / max(gap, 0.1)
     followed = a * (1.0 - min(free * free * free * free, 2.0) - near * near)

@@ -26,9 +26,9 @@ from scenario_compiler.engine.ego.paint_ahead import (
 )
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import road_curvature, road_grade
+from scenario_compiler.roads.geometry import road_grade
 from scenario_compiler.roads.lane_types import MEDIAN, NONE, RAIL
-from scenario_compiler.roads.lanes import lane_direction, lane_inside, row_centre, row_width
+from scenario_compiler.roads.lanes import lane_curvature, lane_direction, lane_inside, row_centre, row_width
 from scenario_compiler.roads.marks import (
     MARK_BROKEN,
     MARK_BROKEN_BROKEN,
@@ -87,18 +87,6 @@ STEADY_VOTES = 0.05
 far the running means of the votes may be from the votes."""
 
 YELLOW = MARK_COLOUR_CODES["yellow"]
-
-
-@compiled
-def lane_bend(n: RoadTables, road: int, lane: int, row: int, s: float) -> float:
-    """Return the curvature of a lane's centre in the direction of travel, 1/m, positive to the left."""
-    if row < 0:
-        return 0.0
-    k = road_curvature(n, road, s)
-    if k == 0.0:
-        return 0.0
-    t, _ = row_centre(n, road, row, s)
-    return lane_direction(n, road, lane) * k / max(1.0 - k * t, 0.1)
 
 
 @compiled
@@ -209,11 +197,11 @@ def look_at_way(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Note the bend, the tilt, the change of grade and the lane's width ahead."""
     here = lane_direction(n, st.path_road[0], st.path_lane[0]) * road_grade(n, st.path_road[0], st.path_s[0])
     road, lane, row, s, _ = path_ahead(n, p, st, BEND_NEAR)
-    near = lane_bend(n, road, lane, row, s)
+    near = lane_curvature(n, road, lane, row, s)
     grade = lane_direction(n, road, lane) * road_grade(n, road, s)
     width = row_width(n, row, s) if row >= 0 else 0.0
     road, lane, row, s, _ = path_ahead(n, p, st, BEND_FAR)
-    far = lane_bend(n, road, lane, row, s)
+    far = lane_curvature(n, road, lane, row, s)
     tilt = 50.0 * clip(grade - here + st.body_pitch[i], -0.2, 0.2)
     change = lane_direction(n, road, lane) * road_grade(n, road, s) - grade
     st.way_bend_rate[0] = (far - near) / BENDS_APART

@@ -7,6 +7,8 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.moves.camera import FAILURE_CODES
 from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.vocabulary.actions import WeatherAction
+from scenario_compiler.vocabulary.entities import Controller
+from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 from scenario_compiler.vocabulary.sensors import Failure, Perception, SensorKind
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers, written_numbers
 
@@ -50,11 +52,22 @@ def add_run(draft: ProgramBuilder) -> None:
         p.destination_lane[0] = plan.destination.lane
         k[slot.K_DESTINATION_S] = plan.destination.s
         k[slot.K_DESTINATION_OFFSET] = plan.destination.offset
+    _add_lane_keeping(draft)
     for leg in plan.route:
         road = draft.network.road_index(leg.road)
         if not p.route_road or p.route_road[-1] != road:
             p.route_road.append(road)
     p.route_count[0] = len(p.route_road)
+
+
+def _add_lane_keeping(draft: ProgramBuilder) -> None:
+    """Write the parameters of the automation `lane_detection`, which also drives without a camera."""
+    controller = draft.plan.controller
+    own = {}
+    if controller is not None and controller.model == Controller.model_construct().model:
+        own = {one.name: float(one.value) for one in controller.properties}
+    for place, (name, usual) in enumerate(LANE_KEEPING.items()):
+        draft.numbers[slot.K_LOOK_AHEAD_TIME + place] = own.get(name, usual)
 
 
 def _add_forward_sensor(draft: ProgramBuilder) -> None:

@@ -14,7 +14,6 @@ from scenario_compiler.engine.ego.surrogate import COEFFICIENTS
 from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.vocabulary.entities import Controller
-from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 from scenario_compiler.vocabulary.sensors import FailureKind
 
 FILE = "surrogate.json"
@@ -65,7 +64,7 @@ class Surrogate:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """The coefficients in the order of `ego.surrogate`, without the parameters of the automation's driving."""
+        """The coefficients in the order of `ego.surrogate`."""
         rows = [number for row in (*self.first, *self.second) for number in row]
         return (*self.low, *self.high, *rows, *self.noise)
 
@@ -98,11 +97,8 @@ def load_surrogate() -> Surrogate:
 
 
 def add_surrogate(draft: ProgramBuilder) -> None:
-    """Append the coefficients and the parameters of the automation's driving."""
-    controller = draft.plan.controller
-    own = {} if controller is None else {one.name: float(one.value) for one in controller.properties}
-    driving = [own.get(name, usual) for name, usual in LANE_KEEPING.items()]
-    numbers = (*load_surrogate().numbers, *driving)
+    """Append the coefficients."""
+    numbers = load_surrogate().numbers
     if len(numbers) != COEFFICIENTS:
         raise RuntimeError(f"{len(numbers)} numbers of surrogate perception in place of {COEFFICIENTS}")
     draft.program.surrogate_const[0] = draft.block(*numbers)

@@ -1,0 +1,133 @@
+"""The speed in bends: the law by which the automation, and a driver who has taken over, slow down for bends ahead.
+
+A bend with the curvature k is driven at most at the speed v with v^2 = a / k, where a is a lateral acceleration. At the
+distance d before it, comfortable braking by b allows the speed sqrt(v^2 + 2 b d). The curvature is that of the lane's
+centre.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.path import path_ahead
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import curvature_ahead, lane_curvature
+from scenario_compiler.roads.tables import RoadTables
+
+NEAREST = 4.0
+STEP = 3.2
+"""Distance ahead at which the search for bends begins, and from one place to the next, m: `lane_detection` measures a
+bend over 4 m of its route on either side."""
+
+KNOWN_FOR = 2.0
+"""Distance after which bends that limit the speed are searched again, m; chosen."""
+
+COARSER = 0.1
+"""Distance between two places in a spiral or polynomial, as a share of their distance ahead; at least STEP."""
+
+FARTHER = 200.0
+"""Distance beyond that of comfortable braking up to which bends are searched, so that it is seldom done, m; chosen."""
+
+STRAIGHT = 1.0e-4
+"""Curvature below which a lane counts as straight, 1/m."""
+
+DRIVER_LATERAL = 2.5
+DRIVER_BRAKING = 2.0
+"""Lateral acceleration with which a driver drives bends, and braking before them, m/s2; chosen: those of the automation
+unless its parameters change them."""
+
+SETTLING = 0.5
+"""Time in which a difference to the speed for the bends decreases to a third (1 / e), s; chosen."""
+
+
+@compiled
+def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float, reach: float) -> None:
+    """Find the bend within `reach` metres that limits the speed most.
+
+    Bends that allow every speed do not count, nor do those so far ahead that braking for any bend there suffices.
+    """
+    base = p.entity_const[i]
+    fastest = p.const[base + slot.E_MAX_SPEED]
+    st.slow_row[0] = st.path_row[0]
+    st.slow_lateral[0] = lateral
+    st.slow_square[0] = op.FAR
+    st.slow_at[0] = st.odometer[i]
+    st.slow_until[0] = st.odometer[i] + KNOWN_FOR
+    st.slow_known[0] = op.FAR
+    if st.path_road[0] < 0:
+        return
+    least = op.FAR
+    place = 0
+    clear = 0.0
+    constant = 0
+    while NEAREST + STEP * place <= reach and 2.0 * braking * STEP * place < least:
+        beyond = STEP * place
+        road, lane, row, s, over = path_ahead(n, p, st, NEAREST + beyond)
+        if over > 0.0:
+            return
+        bend = abs(lane_curvature(n, road, lane, row, s))
+        if bend > STRAIGHT:
+            square = lateral / bend
+            if square < fastest * fastest and square + 2.0 * braking * beyond < least:
+                least = square + 2.0 * braking * beyond
+                st.slow_square[0] = square
+                st.slow_at[0] = st.odometer[i] + beyond
+        rest, constant = curvature_ahead(n, road, lane, row, s)
+        if constant == 0:
+            rest = min(rest, COARSER * beyond)
+        clear = beyond + rest
+        place = place + 1 + int(clip(rest / STEP, 0.0, 1.0e6))
+    st.slow_known[0] = st.odometer[i] + clear
+    if least >= op.FAR and constant == 1 and NEAREST + clear > reach:
+        faster = p.const[base + slot.E_MAX_ACCELERATION] / max(braking, 0.1)
+        st.slow_until[0] = st.odometer[i] + (NEAREST + clear - reach) / (1.0 + max(faster, 0.0))
+
+
+@compiled
+def speed_for_bends(
+    n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float, reach: float
+) -> float:
+    """Return the greatest speed from which comfortable braking suffices for the bends within `reach` metres, m/s.
+
+    The bend is kept for some metres; where none is within reach, until the ego can be near one, at its greatest
+    acceleration.
+
+    Args:
+        n: The roads.
+        p: The program.
+        st: The state.
+        i: The ego.
+        lateral: Lateral acceleration in bends, m/s2.
+        braking: Comfortable deceleration, m/s2.
+        reach: Distance up to which bends are known, m.
+    """
+    moved = st.odometer[i] >= st.slow_until[0]
+    if moved or st.slow_row[0] != st.path_row[0] or st.slow_lateral[0] != lateral:
+        look_for_bends(n, p, st, i, lateral, braking, reach)
+    before = max(st.slow_at[0] - st.odometer[i], 0.0)
+    return safe_sqrt(st.slow_square[0] + 2.0 * braking * before)
+
+
+@compiled
+def acceleration_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float) -> float:
+    """Return the acceleration that the bends ahead allow, m/s2; FAR if none limits the speed.
+
+    All bends that limit the present speed are known. The car brakes comfortably, not below the speed in the bend, and
+    harder only if it is too fast for that. Where the bends allow more than the present speed, they are not considered
+    again before the car can have become too fast for them.
+    """
+    if st.odometer[i] < st.free_until[0] and st.slow_row[0] == st.path_row[0] and st.slow_lateral[0] == lateral:
+        return op.FAR
+    v = st.v[i]
+    reach = NEAREST + 0.5 * v * v / max(braking, 0.1) + FARTHER
+    allowed = speed_for_bends(n, p, st, i, lateral, braking, reach)
+    most = max(p.const[p.entity_const[i] + slot.E_MAX_ACCELERATION], 0.0)
+    free = min(allowed * allowed, 2.0 * braking * (st.slow_known[0] - st.odometer[i]))
+    minded = v + SETTLING * (most + braking)
+    st.free_until[0] = st.odometer[i] + (free - minded * minded) / max(2.0 * (most + braking), 0.1)
+    if st.slow_at[0] <= st.odometer[i]:
+        return (allowed - v) / SETTLING
+    return max((allowed - v) / SETTLING - braking, (safe_sqrt(st.slow_square[0]) - v) / SETTLING)

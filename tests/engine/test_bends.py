@@ -1,0 +1,255 @@
+"""The speed in bends: v^2 = a / k for a lateral acceleration a and a curvature k, reached by comfortable braking."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler import compile_scenario, load_network
+from scenario_compiler.compiler import Overrides
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
+from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.moves.table import NUMBERS as ACTION
+from scenario_compiler.engine.program import build_program
+from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.roads import Network
+from tests.engine.both import run_both
+from tests.engine.make import Draft, Run, highway, lane, network_of, road
+
+BEFORE, ALONG = 350.0, 200.0
+"""Length of the straight before the bend, and of the bend, m."""
+
+LATERAL, BRAKING = 2.5, 2.0
+"""The law's numbers, m/s2: the defaults of `lane_detection`."""
+
+PLAN_VIEW = """<geometry s="0" x="0" y="0" hdg="0" length="{before}"><line/></geometry>
+<geometry s="{before}" x="{before}" y="0" hdg="0" length="{along}">{shape}</geometry>
+<geometry s="{beyond}" x="{x}" y="{y}" hdg="{turned}" length="600"><line/></geometry>"""
+
+
+def curve(radius: float, *, left: bool = True, shape: str = "") -> Network:
+    """Return a straight road with a bend of a radius, m, to the left or to the right, and then straight on."""
+    k = 1.0 / radius if left else -1.0 / radius
+    turned = k * ALONG
+    view = PLAN_VIEW.format(
+        before=BEFORE,
+        along=ALONG,
+        beyond=BEFORE + ALONG,
+        shape=shape or f'<arc curvature="{k!r}"/>',
+        x=BEFORE + math.sin(turned) / k,
+        y=(1.0 - math.cos(turned)) / k,
+        turned=turned,
+    )
+    text = road(1, BEFORE + ALONG + 600.0, lane(-1, "solid"), left=lane(1, "solid"))
+    begin, end = text.index("<geometry"), text.index("</planView>")
+    return network_of(text[:begin] + view + text[end:])
+
+
+def middle(radius: float, *, left: bool = True, side: int = -1) -> float:
+    """Return the radius of a lane's centre, m: half a lane of 3.5 m beside the reference line."""
+    return radius + (1.75 if left == (side < 0) else -1.75)
+
+
+def draft_on(network: Network, speed: float, s: float = 50.0, **numbers: float) -> Draft:
+    draft = Draft(network, {slots.K_DURATION: 60.0, **{getattr(slots, name): value for name, value in numbers.items()}})
+    draft.ego(speed=speed, s=s)
+    return draft
+
+
+def requested(draft: Draft, time: float) -> None:
+    """Let the scenario request a takeover at a time."""
+    draft.event(draft.maneuver(), draft.at_time(time), draft.run_action(ACTION["request"], op.CAUSE_SCHEDULED))
+
+
+def rows_until(run: Run, s: float) -> list[tuple[float, float, float, float]]:
+    """Return (s, speed, acceleration, offset) of the ego in every row up to a place."""
+    rows = []
+    while run.st.s[0] < s and run.st.stop[0] == op.STOP_NONE:
+        run.go(run.st.clock[0] + 0.05)
+        rows.append((run.st.s[0], run.st.v[0], run.st.a[0], run.st.path_off[0]))
+    return rows
+
+
+@pytest.mark.parametrize("left", [True, False])
+@pytest.mark.parametrize(("radius", "speed"), [(60.0, 25.0), (30.0, 14.0), (15.0, 14.0), (200.0, 33.0), (400.0, 40.0)])
+def test_a_bend_is_driven_at_the_speed_of_the_law_in_the_lane_and_without_a_request(
+    radius: float, speed: float, left: bool
+) -> None:
+    run = draft_on(curve(radius, left=left), speed).start()
+    rows = rows_until(run, BEFORE + ALONG - 10.0)
+    expected = math.sqrt(LATERAL * middle(radius, left=left))
+    inside = [v for s, v, _, _ in rows if s > BEFORE + 30.0]
+    assert min(inside) == pytest.approx(expected, rel=0.01)
+    assert max(inside) == pytest.approx(expected, rel=0.01)
+    assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * expected
+    assert max(abs(off) for *_, off in rows) < 0.5
+    assert run.time_of(op.EVENT_REQUEST) == -1.0
+
+
+@pytest.mark.parametrize(("radius", "speed"), [(60.0, 25.0), (200.0, 33.0), (400.0, 40.0)])
+def test_before_a_bend_the_car_brakes_comfortably_however_fast_it_is(radius: float, speed: float) -> None:
+    rows = rows_until(draft_on(curve(radius), speed).start(), BEFORE + ALONG)
+    assert min(a for _, _, a, _ in rows) > -1.5 * BRAKING
+    distance = (speed**2 - LATERAL * middle(radius)) / (2.0 * BRAKING)
+    begins = next(s for s, v, _, _ in rows if v < speed - 0.1)
+    assert begins == pytest.approx(BEFORE - distance, abs=2.0 * speed)
+
+
+def test_after_the_bend_the_car_takes_up_its_speed_again() -> None:
+    rows = rows_until(draft_on(curve(60.0), 20.0).start(), BEFORE + ALONG + 350.0)
+    assert rows[-1][1] == pytest.approx(20.0, abs=1.0)
+
+
+def test_a_bend_that_the_speed_fits_changes_nothing() -> None:
+    rows = rows_until(draft_on(curve(60.0), 12.0).start(), BEFORE + ALONG)
+    assert {v for _, v, _, _ in rows} == {12.0}
+
+
+def test_a_car_that_meets_a_bend_too_fast_brakes_hard() -> None:
+    rows = rows_until(draft_on(curve(60.0), 25.0, s=BEFORE - 60.0).start(), BEFORE + ALONG)
+    assert min(a for _, _, a, _ in rows) < -2.0 * BRAKING
+    assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(LATERAL * middle(60.0))
+
+
+def test_the_lane_against_s_has_its_own_radius() -> None:
+    draft = Draft(curve(60.0), {slots.K_DURATION: 60.0})
+    draft.entity(op.MOTION_BICYCLE, draft.position(0, 1, 1000.0), 20.0)
+    run = draft.start()
+    slowest = 20.0
+    while run.st.s[0] > BEFORE:
+        run.go(run.st.clock[0] + 0.05)
+        slowest = min(slowest, run.st.v[0])
+    assert slowest == pytest.approx(math.sqrt(LATERAL * middle(60.0, side=1)), rel=0.01)
+
+
+def test_the_parameters_of_lane_detection_hold() -> None:
+    rows = rows_until(draft_on(curve(60.0), 20.0, K_LATERAL=1.5, K_DECELERATION=1.0).start(), BEFORE + ALONG)
+    inside = [v for s, v, _, _ in rows if BEFORE + 30.0 < s < BEFORE + ALONG - 10.0]
+    assert max(inside) == pytest.approx(math.sqrt(1.5 * middle(60.0)), rel=0.01)
+    assert min(a for _, _, a, _ in rows) > -1.7
+
+
+def test_a_spiral_is_driven_faster_where_it_bends_less() -> None:
+    """The curvature grows from 0 to 1 / 60 m along the bend."""
+    spiral = f'<spiral curvStart="0" curvEnd="{1.0 / 60.0!r}"/>'
+    rows = rows_until(draft_on(curve(60.0, shape=spiral), 25.0).start(), BEFORE + ALONG - 10.0)
+    for s, v, _, off in rows:
+        k = max(s - BEFORE, 0.0) / ALONG / 60.0
+        assert v * v * k / (1.0 + 1.75 * k) < 1.1 * LATERAL
+        assert abs(off) < 0.5
+    assert rows[-1][1] == pytest.approx(math.sqrt(LATERAL * middle(60.0)), rel=0.05)
+
+
+def test_a_curve_given_as_polynomials_is_a_bend_too() -> None:
+    """A polynomial of u^2 / 120 has the radius 60 m where it begins, and bends less later."""
+    run = draft_on(
+        network_of(road(1, 200.0, lane(-1), shape=f'<poly3 a="0" b="0" c="{1.0 / 120.0!r}" d="0"/>')), 12.0, s=5.0
+    )
+    rows = rows_until(run.start(), 150.0)
+    assert rows[0][2] < 0.0 or rows[0][1] < 12.1
+    assert max(abs(off) for *_, off in rows) < 0.5
+
+
+@pytest.mark.parametrize("reference", [op.REFERENCE_NONE, op.REFERENCE_CAREFUL, op.REFERENCE_RSS, op.REFERENCE_FUZZY])
+def test_a_driver_who_has_taken_over_slows_down_for_a_bend(reference: int) -> None:
+    draft = draft_on(curve(60.0), 25.0, K_DRIVER_TIME=0.5)
+    draft.program.driver_reference[0] = reference
+    requested(draft, 0.5)
+    run = draft.start()
+    rows = rows_until(run, BEFORE + ALONG - 10.0)
+    assert run.time_of(op.EVENT_RESPONSE) > 0.0
+    assert run.st.takeover_state[0] == op.TAKEOVER_MANUAL
+    assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(LATERAL * middle(60.0))
+    assert max(abs(off) for *_, off in rows) < 0.85
+    assert run.st.on_road[0] == 1
+
+
+def test_a_reference_driver_in_place_of_the_automation_slows_down_for_a_bend() -> None:
+    draft = draft_on(curve(60.0), 25.0)
+    draft.program.replaced_by[0] = op.REFERENCE_CAREFUL
+    rows = rows_until(draft.start(), BEFORE + ALONG - 10.0)
+    assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(LATERAL * middle(60.0))
+
+
+def test_a_gentle_minimum_risk_manoeuvre_does_not_enter_a_bend_too_fast() -> None:
+    draft = draft_on(curve(60.0), 25.0, s=150.0, K_DRIVER_TIME=1.0e6, K_MINIMUM_RISK_DECELERATION=0.5)
+    for cause in range(op.CAUSES):
+        draft.program.const[slots.K_RISK_AFTER + cause] = 0.5
+    requested(draft, 0.5)
+    run = draft.start()
+    rows = rows_until(run, BEFORE + 100.0)
+    assert run.time_of(op.EVENT_MINIMUM_RISK) > 0.0
+    assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(LATERAL * middle(60.0))
+
+
+def test_after_the_hand_back_the_automation_slows_down_for_a_bend() -> None:
+    draft = draft_on(curve(60.0), 25.0, K_DRIVER_TIME=0.5, K_HAND_BACK_AFTER=2.0)
+    requested(draft, 0.2)
+    run = draft.start()
+    rows = rows_until(run, BEFORE + ALONG - 10.0)
+    assert 0.0 < run.time_of(op.EVENT_HAND_BACK) < BEFORE / 25.0
+    assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(LATERAL * middle(60.0))
+
+
+def test_on_a_straight_road_bends_are_searched_seldom() -> None:
+    """Not in the first 500 m of 2000 m, of which the car must know 160 m at 25 m/s."""
+    run = draft_on(highway(), 25.0).start()
+    looks = set()
+    while run.st.s[0] < 550.0:
+        run.go(run.st.clock[0] + 0.05)
+        looks.add(run.st.slow_until[0])
+    assert len(looks) <= 3
+
+
+def test_a_car_that_has_become_faster_on_a_straight_sees_the_bend_in_time() -> None:
+    """The road was searched at 5 m/s, when only 6 m were of interest."""
+    draft = draft_on(curve(30.0), 5.0)
+    draft.event(draft.maneuver(), draft.at_time(0.5), draft.speed(0, 25.0, 0.1))
+    rows = rows_until(draft.start(), BEFORE + ALONG - 10.0)
+    assert max(v for _, v, _, _ in rows) > 15.0
+    assert min(a for _, _, a, _ in rows) > -1.5 * BRAKING
+    assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(LATERAL * middle(30.0))
+
+
+@pytest.mark.parametrize("radius", [15.0, 60.0, 400.0])
+@pytest.mark.parametrize("answers", [0.5, 1.0e6])
+def test_both_forms_drive_a_bend_equally(radius: float, answers: float) -> None:
+    draft = draft_on(curve(radius), 30.0, K_DRIVER_TIME=answers, K_DURATION=20.0)
+    requested(draft, 5.0)
+    program = draft.done()
+    both = run_both(draft.network.tables, program, [list(program.const)], [make_draws(1)], 400)
+    assert both.interpreted == both.compiled
+
+
+TURNS = """<scenarios version="1"><scenario name="turns" map="town_grid" weather="ClearNoon" duration="60">
+  <ego speed="13.9">
+    <start><lane road="{begin}" lane="-1" s="30"/></start>
+    <destination><lane road="{end}" lane="-1" s="30"/></destination>
+    <controller><property name="lateral_acceleration" value="{lateral}"/></controller>
+  </ego>
+  <takeover><cause kind="path_blocked"/></takeover>
+</scenario></scenarios>"""
+
+
+@pytest.mark.parametrize("lateral", [1.5, 2.5])
+@pytest.mark.parametrize(("begin", "end"), [("1", "10"), ("4", "1"), ("7", "11")])
+def test_turns_at_junctions_are_driven_at_the_lateral_acceleration_of_the_scenario(
+    tmp_path: Path, begin: str, end: str, lateral: float
+) -> None:
+    path = tmp_path / "turns.xml"
+    path.write_text(TURNS.format(begin=begin, end=end, lateral=lateral), encoding="utf-8")
+    plan = compile_scenario(path, overrides=Overrides(perception="ideal"))
+    network = load_network(plan.map.file)
+    simulation = Simulation(network.tables, build_program(plan, network))
+    simulation.reset(make_draws(1))
+    greatest, slowest, st = 0.0, 13.9, simulation.state
+    while simulation.step():
+        bend = math.tan(st.steer[0]) / simulation.program.const[simulation.program.entity_const[0] + slots.E_WHEELBASE]
+        greatest = max(greatest, st.v[0] ** 2 * abs(bend))
+        slowest = min(slowest, st.v[0])
+        assert st.on_road[0] == 1
+    assert slowest < 9.0
+    assert greatest < 1.4 * lateral
