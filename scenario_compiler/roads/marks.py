@@ -5,7 +5,7 @@ value="0.3"/>` inside `<roadMark>`; a scenario overrides it on stretches (`Netwo
 """
 
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_row
+from scenario_compiler.roads.lanes import lane_row_in, section_at
 from scenario_compiler.roads.tables import RoadTables
 
 MARK_NONE = 0
@@ -69,10 +69,14 @@ STANDARD_WIDTH = 0.12
 @compiled
 def mark_row(n: RoadTables, road: int, lane: int, s: float) -> int:
     """Return the row of the mark on a lane's outer border at s (lane 0: of the centre line), -1 if there is none."""
-    row = lane_row(n, road, lane, s)
-    if row < 0:
-        return -1
-    return row_mark(n, row, s)
+    return border_mark(n, section_at(n, road, s), lane, s)
+
+
+@compiled
+def border_mark(n: RoadTables, section: int, lane: int, s: float) -> int:
+    """Return the row of the mark on a lane's outer border at s, in its lane section, -1 if there is none."""
+    row = lane_row_in(n, section, lane)
+    return row_mark(n, row, s) if row >= 0 else -1
 
 
 @compiled
@@ -94,6 +98,12 @@ def mark_at(n: RoadTables, road: int, lane: int, s: float) -> tuple[int, float, 
     mark = mark_row(n, road, lane, s)
     if mark < 0:
         return MARK_NONE, 0.0, 0, 0.0
+    return n.mark_type[mark], mark_quality(n, mark, s), n.mark_colour[mark], n.mark_width[mark]
+
+
+@compiled
+def mark_quality(n: RoadTables, mark: int, s: float) -> float:
+    """Return the quality, 0 to 1, that the map gives a mark's row at s."""
     quality = n.mark_quality_from[mark]
     length = n.mark_end[mark] - n.mark_s[mark]
     if length > 0.0 and n.mark_quality_to[mark] != quality:
@@ -103,7 +113,7 @@ def mark_at(n: RoadTables, road: int, lane: int, s: float) -> tuple[int, float, 
         if share > 1.0:
             share = 1.0
         quality = quality + share * (n.mark_quality_to[mark] - quality)
-    return n.mark_type[mark], quality, n.mark_colour[mark], n.mark_width[mark]
+    return quality
 
 
 @compiled

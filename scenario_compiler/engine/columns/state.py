@@ -326,6 +326,10 @@ class State(Columns):
     health: list[float] = column(RUN, 1.0)
     view: list[float] = column(VIEW)
     """The features of surrogate perception: of the left side, of the right side, of both (`columns.view`)."""
+    side_anew: list[int] = column(SIDE, 1)
+    """1 where the sums over a side's pieces have been written since they were taken up."""
+    lasting_anew: list[int] = column(RUN, 1)
+    """1 where a feature that stays as it is for many views has changed since it was taken up."""
     taken_up: list[float] = column(VIEW)
     """The features that `unit` was worked out for."""
     unit: list[float] = column(UNIT)
@@ -373,6 +377,14 @@ class State(Columns):
     piece_quality: list[float] = column(LOOKED_SIDES)
     """Quality of the paint in each piece of the left line and then of the right one, and the share that is painted."""
     piece_share: list[float] = column(LOOKED_SIDES)
+    piece_shows: list[int] = column(LOOKED_SIDES)
+    """Whether each piece is in the field of view and whether something stands before it (`paint_ahead`)."""
+    line_colour: list[int] = column(SIDE)
+    """Code of the colour of the line on each side."""
+    lines_laid: list[int] = column(RUN)
+    """1 where the paint in the pieces holds for as long as the marks stay as they are."""
+    summed: list[int] = column(RUN)
+    """1 where the sums over the pieces are those of the present paint, ground and air."""
     way_bend: list[float] = column(RUN)
     """Curvature of the way at the ego, 1/m, and its rate, 1/m2."""
     way_bend_rate: list[float] = column(RUN)

@@ -80,6 +80,7 @@ def note_air(st: State) -> None:
     if same == 1:
         return
     st.beside_row[0] = op.NONE
+    st.summed[0] = 0
     rain = share_or(st.weather[W_PRECIPITATION], 0.0)
     wet = water_on_road(st)
     dust = share_or(st.weather[W_DUST_STORM], 0.0)
@@ -104,20 +105,22 @@ def note_air(st: State) -> None:
         st.air_hard[k] = lit * through * GRAIN * clip(1.1 - foot / GRAIN_SEEN, 0.0, 1.0) * st.air_ground[0]
         st.air_soft[k] = lit * through * MEADOW * exp(clip(-foot, -50.0, 0.0))
         if k == 2:
-            note_common(st, at.V_LIGHT, log(max(lit, LEAST_LIGHT)))
+            note_lasting(st, at.V_LIGHT, log(max(lit, LEAST_LIGHT)))
         if k == 5:
-            note_common(st, at.V_AIR, log(max(through, 1.0e-9)))
-    note_common(st, at.V_RAIN, rain)
-    note_common(st, at.V_WATER, wet)
-    note_common(st, at.V_CLOUD, cloud)
-    note_common(st, at.V_DARKNESS, clip(-0.1 * altitude, -1.0, 1.0))
-    note_common(st, at.V_CONTRAST, log(max(st.air_contrast[0], LEAST_LIGHT)))
+            note_lasting(st, at.V_AIR, log(max(through, 1.0e-9)))
+    note_lasting(st, at.V_RAIN, rain)
+    note_lasting(st, at.V_WATER, wet)
+    note_lasting(st, at.V_CLOUD, cloud)
+    note_lasting(st, at.V_DARKNESS, clip(-0.1 * altitude, -1.0, 1.0))
+    note_lasting(st, at.V_CONTRAST, log(max(st.air_contrast[0], LEAST_LIGHT)))
 
 
 @compiled
-def note_common(st: State, feature: int, value: float) -> None:
-    """Note a feature of both sides."""
-    st.view[feature] = value
+def note_lasting(st: State, feature: int, value: float) -> None:
+    """Note a feature that stays as it is for many views."""
+    if st.view[feature] != value:
+        st.view[feature] = value
+        st.lasting_anew[0] = 1
 
 
 @compiled
@@ -135,4 +138,4 @@ def note_glare(st: State, heading: float) -> None:
     if st.air_glare[0] > 0.0:
         beside = safe_sqrt(2.0 - 2.0 * cos(st.air_sun[0] - heading)) / DAZZLES_WITHIN
         glare = st.air_glare[0] * exp(clip(-beside * beside, -50.0, 0.0))
-    note_common(st, at.V_GLARE, glare)
+    note_lasting(st, at.V_GLARE, glare)

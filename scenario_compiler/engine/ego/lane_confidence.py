@@ -11,7 +11,7 @@ from scenario_compiler.engine.ego.failures import health_of_camera
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction, lane_inside, lane_row_in
-from scenario_compiler.roads.marks import MARK_NONE, mark_at, row_mark
+from scenario_compiler.roads.marks import MARK_NONE, mark_quality, mark_row, row_mark
 from scenario_compiler.roads.tables import RoadTables
 
 LOOK_FROM = 6.0
@@ -24,9 +24,15 @@ LOOK_TO = 18.0
 @compiled
 def mark_visibility(n: RoadTables, p: Program, road: int, lane: int, s: float) -> float:
     """Return the quality, 0 to 1, of the mark on a lane's outer border, the plan's rather than the map's; 0 if none."""
-    kind, quality, _, _ = mark_at(n, road, lane, s)
-    if kind == MARK_NONE:
+    return visibility_of(n, p, mark_row(n, road, lane, s), road, lane, s)
+
+
+@compiled
+def visibility_of(n: RoadTables, p: Program, mark: int, road: int, lane: int, s: float) -> float:
+    """Return what `mark_visibility` does where the mark's row, or -1, is known."""
+    if mark < 0 or n.mark_type[mark] == MARK_NONE:
         return 0.0
+    quality = mark_quality(n, mark, s)
     for k in range(p.stretch_count[0]):
         base = p.stretch_const[k]
         begin = p.const[base + slot.M_FROM]

@@ -13,12 +13,12 @@ from scenario_compiler.engine.columns import view as at
 from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.ego.air_ahead import AHEAD_FROM, AHEAD_STEP, note_common
-from scenario_compiler.engine.ego.lane_confidence import mark_visibility
+from scenario_compiler.engine.ego.air_ahead import AHEAD_FROM, AHEAD_STEP, note_lasting
+from scenario_compiler.engine.ego.lane_confidence import visibility_of
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_direction, lane_inside, lane_row_in, row_width
-from scenario_compiler.roads.marks import MARK_COLOUR_CODES, evenly_painted, mark_row, row_mark, usual_share
+from scenario_compiler.roads.lanes import lane_direction, lane_inside, row_width
+from scenario_compiler.roads.marks import MARK_COLOUR_CODES, border_mark, evenly_painted, row_mark, usual_share
 from scenario_compiler.roads.tables import RoadTables
 
 CAMERA_AT = 1.9
@@ -29,6 +29,10 @@ HALF_PIECE = 0.5 * AHEAD_STEP
 EDGE_OF_VIEW = 0.414
 WITHIN_VIEW = 0.15
 """Tangent of half the angle of view, and how far inside it a line has to lie to be seen with its sides, m."""
+
+IN_VIEW = 1
+HIDDEN = 2
+"""Whether a piece of a line is in the field of view and whether something stands before it; both are added."""
 
 ENOUGH = 3.0
 STRONGEST = 8.0
@@ -56,8 +60,9 @@ NEWEST = 0.3
 """Weight of the newest image in the running mean of the votes, as in `perception.confidence`."""
 
 NEAR_PIECES = 7
+BUT_ONE = NEAR_PIECES - 1
 FAR_PIECES = 6
-"""Pieces up to 18 m, which the detector's confidence is about, and beyond."""
+"""Pieces up to 18 m, which the detector's confidence is about, those but for the first, and those beyond."""
 
 
 @compiled
@@ -95,13 +100,16 @@ def note_clutter(st: State, pavement_left: float, pavement_right: float) -> None
         meadow = 0.5 * (left + right)
         rough = st.air_hard[k] * (1.0 - meadow) + st.air_soft[k] * meadow
         clutter = 2.0 + rough + 0.8 * st.sigma[0] + st.air_streaks[0]
-        st.stands_out[k] = 2.0 * st.air_lit[k] / max(clutter, 1.0)
+        stands_out = 2.0 * st.air_lit[k] / max(clutter, 1.0)
+        if st.stands_out[k] != stands_out:
+            st.stands_out[k] = stands_out
+            st.summed[0] = 0
         if k == 2:
-            note_common(st, at.V_MEADOW_NEAR, meadow)
+            note_lasting(st, at.V_MEADOW_NEAR, meadow)
         if k == 3:
-            note_common(st, at.V_CLUTTER, log(max(clutter, 1.0)))
+            note_lasting(st, at.V_CLUTTER, log(max(clutter, 1.0)))
         if k == 6:
-            note_common(st, at.V_MEADOW_FAR, meadow)
+            note_lasting(st, at.V_MEADOW_FAR, meadow)
 
 
 @compiled
@@ -117,15 +125,38 @@ def window_share(k: int) -> float:
 
 
 @compiled
-def see_side(st: State, base: int, tone: float) -> None:
+def see_side(st: State, base: int) -> None:
     """Write what is seen of the line of a side, whose paint and place are known in each piece.
 
-    Args:
-        st: The state, with `piece_share`, `piece_quality`, `way_half` and `way_centre`.
-        base: Where the side's features begin.
-        tone: How much the line's new paint is brighter than the ground, grey levels.
+    The sums over the pieces stay as they are where neither paint and air have changed, which `summed` says, nor the
+    pieces that are in view and not hidden.
     """
     pieces = at.SAMPLES if base > 0 else 0
+    stay = st.summed[0]
+    for k in range(at.SAMPLES):
+        x = AHEAD_FROM + AHEAD_STEP * k
+        y = beside_axis(st, base, k)
+        shows = IN_VIEW if abs(y) < EDGE_OF_VIEW * x - WITHIN_VIEW else 0
+        if x > st.hides_at[0]:
+            ray = y if base == 0 else -y
+            if ray > st.hides_from[0] * x and ray < st.hides_to[0] * x:
+                shows += HIDDEN
+        if st.piece_shows[pieces + k] != shows:
+            st.piece_shows[pieces + k] = shows
+            stay = 0
+    st.view[base + at.S_BESIDE] = beside_axis(st, base, 0)
+    if stay == 0:
+        sum_up_side(st, base)
+    note_votes(st, base)
+
+
+@compiled
+def sum_up_side(st: State, base: int) -> None:
+    """Write the features of a side that are sums over the pieces of its line."""
+    side = 1 if base > 0 else 0
+    pieces = at.SAMPLES * side
+    tone = line_tone(st, base, st.line_colour[side])
+    st.side_anew[side] = 1
     window = 0
     strength_seen = 0.0
     votes = 0.0
@@ -137,16 +168,10 @@ def see_side(st: State, base: int, tone: float) -> None:
     quality_near = 0.0
     pieces_in_view = 0.0
     for k in range(at.SAMPLES):
-        x = AHEAD_FROM + AHEAD_STEP * k
-        y = beside_axis(st, base, k)
+        shows = st.piece_shows[pieces + k]
         quality = st.piece_quality[pieces + k]
         strength = tone * left_of_paint(quality) * st.stands_out[k]
-        hidden = 0.0
-        if x > st.hides_at[0]:
-            ray = y if base == 0 else -y
-            hidden = 1.0 if ray > st.hides_from[0] * x and ray < st.hides_to[0] * x else 0.0
-        in_view = 1.0 if abs(y) < EDGE_OF_VIEW * x - WITHIN_VIEW else 0.0
-        seen = st.piece_share[pieces + k] if hidden == 0.0 and in_view == 1.0 else 0.0
+        seen = st.piece_share[pieces + k] if shows == IN_VIEW else 0.0
         voted = min(strength, ENOUGH) * seen
         if window_of(k) != window:
             st.view[base + at.S_STRENGTH + window] = strength_seen
@@ -154,18 +179,18 @@ def see_side(st: State, base: int, tone: float) -> None:
             strength_seen = 0.0
         strength_seen += window_share(k) * voted
         votes += voted
-        pieces_in_view += in_view
+        pieces_in_view += shows & IN_VIEW
         if seen > SHOWN_SHARE and strength > SHOWN:
-            farthest = 0.1 * x
+            farthest = 0.1 * (AHEAD_FROM + AHEAD_STEP * k)
         if k == 3:
             st.view[base + at.S_CONTRAST] = log(max(LEAST_STRENGTH + strength, LEAST_STRENGTH))
         if k < NEAR_PIECES:
             share_seen += seen / NEAR_PIECES
             strong += min(strength, STRONGEST) / NEAR_PIECES
-            share_hidden += 1.0 / NEAR_PIECES if hidden == 1.0 else 0.0
-            share_in_view += 1.0 / NEAR_PIECES if in_view == 1.0 else 0.0
+            share_hidden += 1.0 / NEAR_PIECES if shows >= HIDDEN else 0.0
+            share_in_view += 1.0 / NEAR_PIECES if shows & IN_VIEW == IN_VIEW else 0.0
             if k > 0:
-                quality_near += quality / (NEAR_PIECES - 1.0)
+                quality_near += quality / BUT_ONE
     st.view[base + at.S_STRENGTH + window] = strength_seen
     st.view[base + at.S_FARTHEST] = farthest
     st.view[base + at.S_SEEN] = share_seen
@@ -173,16 +198,14 @@ def see_side(st: State, base: int, tone: float) -> None:
     st.view[base + at.S_HIDDEN] = share_hidden
     st.view[base + at.S_IN_VIEW] = share_in_view
     st.view[base + at.S_QUALITY] = quality_near
-    st.view[base + at.S_BESIDE] = beside_axis(st, base, 0)
-    note_votes(st, base, votes / max(safe_sqrt(pieces_in_view), 1.0))
+    st.view[base + at.S_VOTES] = votes / max(safe_sqrt(pieces_in_view), 1.0)
 
 
 @compiled
-def note_votes(st: State, base: int, votes: float) -> None:
-    """Note a side's votes, per square root of the pieces that are in view, and their running mean over the images."""
+def note_votes(st: State, base: int) -> None:
+    """Note the running mean over the images of a side's votes, which are per square root of the pieces in view."""
     share = NEWEST if st.view_looks[0] > 0 else 1.0
-    st.view[base + at.S_VOTES] = votes
-    st.view[base + at.S_VOTES_LATELY] += share * (votes - st.view[base + at.S_VOTES_LATELY])
+    st.view[base + at.S_VOTES_LATELY] += share * (st.view[base + at.S_VOTES] - st.view[base + at.S_VOTES_LATELY])
 
 
 @compiled
@@ -215,8 +238,8 @@ def beside_axis(st: State, base: int, k: int) -> float:
 
 
 @compiled
-def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colour: int) -> None:
-    """Write what is seen of the paint of both sides, piece by piece as the way goes on."""
+def lay_lines(n: RoadTables, p: Program, st: State) -> None:
+    """Note the place and the paint of both lines, piece by piece as the way goes on."""
     near = 0.0
     far = 0.0
     half = 0.5 * st.lane_width[0]
@@ -230,10 +253,12 @@ def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colo
         if rest <= 0.0 and row >= 0:
             half = 0.5 * row_width(n, row, s)
             inside = lane_inside(lane)
-            outer_share = usual_share(n, row_mark(n, row, s), s - HALF_PIECE, s + HALF_PIECE)
-            inner_share = usual_share(n, mark_row(n, road, inside, s), s - HALF_PIECE, s + HALF_PIECE)
-            outer = mark_visibility(n, p, road, lane, s)
-            inner = mark_visibility(n, p, road, inside, s)
+            outer_mark = row_mark(n, row, s)
+            inner_mark = border_mark(n, n.lane_section[row], inside, s)
+            outer_share = usual_share(n, outer_mark, s - HALF_PIECE, s + HALF_PIECE)
+            inner_share = usual_share(n, inner_mark, s - HALF_PIECE, s + HALF_PIECE)
+            outer = visibility_of(n, p, outer_mark, road, lane, s)
+            inner = visibility_of(n, p, inner_mark, road, inside, s)
         if rest <= 0.0 and n.road_junction[road] >= 0:
             if k < NEAR_PIECES:
                 near += 1.0 / NEAR_PIECES
@@ -245,10 +270,8 @@ def see_lines(n: RoadTables, p: Program, st: State, left_colour: int, right_colo
         st.piece_quality[at.SAMPLES + k] = inner if outer_is_left else outer
         st.piece_share[k] = outer_share if outer_is_left else inner_share
         st.piece_share[at.SAMPLES + k] = inner_share if outer_is_left else outer_share
-    see_side(st, 0, line_tone(st, 0, left_colour))
-    see_side(st, at.SIDE_SIZE, line_tone(st, at.SIDE_SIZE, right_colour))
-    note_common(st, at.V_JUNCTION_NEAR, near)
-    note_common(st, at.V_JUNCTION_FAR, far)
+    st.view[at.V_JUNCTION_NEAR] = near
+    st.view[at.V_JUNCTION_FAR] = far
 
 
 @compiled
@@ -256,9 +279,11 @@ def lay_even_line(n: RoadTables, st: State, first: int, mark: int, quality: floa
     """Note the paint in the pieces of a line whose mark and quality are the same in all of them.
 
     `first` is the first piece of its side. Where the share that is painted differs between pieces, `view_dashed`
-    becomes 1.
+    becomes 1; where it may differ from place to place, `lines_laid` becomes 0.
     """
     even = evenly_painted(n, mark)
+    if even == 0:
+        st.lines_laid[0] = 0
     share = 0.0
     for k in range(at.SAMPLES):
         if k == 0 or even == 0:
@@ -271,23 +296,26 @@ def lay_even_line(n: RoadTables, st: State, first: int, mark: int, quality: floa
 
 
 @compiled
-def see_even_lines(n: RoadTables, st: State, left_colour: int, right_colour: int) -> None:
-    """Do what `see_lines` does where the marks on both sides are known to stay as they are."""
+def lay_even_lines(n: RoadTables, st: State) -> None:
+    """Note the paint of both lines where the marks on both sides are known to stay as they are."""
     row = st.path_row[0]
     lane = st.path_lane[0]
     here = st.path_s[0]
     outer = row_mark(n, row, here)
-    inside = lane_row_in(n, n.lane_section[row], lane_inside(lane))
-    inner = row_mark(n, inside, here) if inside >= 0 else -1
+    inner = border_mark(n, n.lane_section[row], lane_inside(lane), here)
     outer_is_left = (lane > 0) == (st.path_sense[0] > 0)
     st.view_dashed[0] = 0
+    st.lines_laid[0] = 1
     lay_even_line(n, st, 0, outer if outer_is_left else inner, st.even_left[0])
     lay_even_line(n, st, at.SAMPLES, inner if outer_is_left else outer, st.even_right[0])
-    for k in range(at.SAMPLES):
-        s = here + st.path_sense[0] * (CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k)
-        lay_piece(st, k, 0.5 * row_width(n, row, s))
-    see_side(st, 0, line_tone(st, 0, left_colour))
-    see_side(st, at.SIDE_SIZE, line_tone(st, at.SIDE_SIZE, right_colour))
     inside_junction = 1.0 if n.road_junction[st.path_road[0]] >= 0 else 0.0
-    note_common(st, at.V_JUNCTION_NEAR, inside_junction)
-    note_common(st, at.V_JUNCTION_FAR, inside_junction)
+    st.view[at.V_JUNCTION_NEAR] = inside_junction
+    st.view[at.V_JUNCTION_FAR] = inside_junction
+
+
+@compiled
+def lay_way(n: RoadTables, st: State) -> None:
+    """Note the place of both lines where they follow the path's lane."""
+    for k in range(at.SAMPLES):
+        s = st.path_s[0] + st.path_sense[0] * (CAMERA_AT + AHEAD_FROM + AHEAD_STEP * k)
+        lay_piece(st, k, 0.5 * row_width(n, st.path_row[0], s))

@@ -25,7 +25,20 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import clip, logistic, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.columns.view import HIDDEN, OUTPUTS, SIDE_SIZE, UNITS, V_BOTH, VIEW_SIZE
+from scenario_compiler.engine.columns.view import (
+    HIDDEN,
+    OUTPUTS,
+    S_BESIDE,
+    S_BROKEN,
+    S_COVERED,
+    S_VOTES,
+    SIDE_SIZE,
+    UNITS,
+    V_BOTH,
+    V_CONTRAST,
+    V_SPEED,
+    VIEW_SIZE,
+)
 from scenario_compiler.engine.ego.bends import speed_for_bends
 from scenario_compiler.engine.ego.failures import health_of_camera
 from scenario_compiler.engine.ego.objects_ahead import gap_to_keep
@@ -81,22 +94,58 @@ def draw_at(road: int, lane: int, side: int, cell: int) -> float:
 
 
 @compiled
-def noise_at(st: State, road: int, lane: int, side: int, s: float, cell: float) -> float:
-    """Return the noise at s, with mean 0 and standard deviation 1, linear between cells of length `cell`, m.
+def draw_cell(st: State, road: int, lane: int, side: int, number: int) -> None:
+    """Draw the random numbers of a cell's beginning and end, unless they are known, also from a neighbouring cell."""
+    apart = number - st.noise_cell[side]
+    if st.noise_road[side] != road or st.noise_lane[side] != lane or apart * apart > 1:
+        st.noise_here[side] = draw_at(road, lane, side, number)
+        st.noise_there[side] = draw_at(road, lane, side, number + 1)
+    elif apart == 1:
+        st.noise_here[side] = st.noise_there[side]
+        st.noise_there[side] = draw_at(road, lane, side, number + 1)
+    elif apart == -1:
+        st.noise_there[side] = st.noise_here[side]
+        st.noise_here[side] = draw_at(road, lane, side, number)
+    st.noise_road[side] = road
+    st.noise_lane[side] = lane
+    st.noise_cell[side] = number
 
-    The random numbers of a cell are kept while the ego is in it.
-    """
+
+@compiled
+def noise_at(st: State, road: int, lane: int, side: int, s: float, cell: float) -> float:
+    """Return the noise at s, with mean 0 and standard deviation 1, linear between cells of length `cell`, m."""
     place = s / max(cell, 0.1)
     number = int(clip(place, 0.0, 1.0e9))
     share = clip(place - number, 0.0, 1.0)
-    if st.noise_cell[side] != number or st.noise_road[side] != road or st.noise_lane[side] != lane:
-        st.noise_road[side] = road
-        st.noise_lane[side] = lane
-        st.noise_cell[side] = number
-        st.noise_here[side] = draw_at(road, lane, side, number)
-        st.noise_there[side] = draw_at(road, lane, side, number + 1)
+    draw_cell(st, road, lane, side, number)
     whole = safe_sqrt(share * share + (1.0 - share) * (1.0 - share))
     return ((1.0 - share) * st.noise_here[side] + share * st.noise_there[side]) / max(whole, 0.5)
+
+
+@compiled
+def note_differing(st: State, begin: int, end: int, count: int) -> int:
+    """Append to `changed` the features from `begin` to `end` that differ from those taken up; return its new length."""
+    for k in range(begin, end):
+        st.changed[count] = k  # overwritten by the next feature unless this one differs
+        count += 1 if st.view[k] != st.taken_up[k] else 0
+    return count
+
+
+@compiled
+def find_differing(st: State) -> int:
+    """Write to `changed`, in their order, the features that may have to be taken up, and return their number.
+
+    Those that are known not to have been written since the last time are passed over.
+    """
+    lasting = st.lasting_anew[0]
+    count = 0
+    for side in range(2):
+        base = SIDE_SIZE * side
+        sums = st.side_anew[side]
+        count = note_differing(st, base if sums == 1 else base + S_BESIDE, base + (S_BROKEN if sums == 1 else S_VOTES), count)
+        count = note_differing(st, base + (S_BROKEN if lasting == 1 else S_COVERED), base + SIDE_SIZE, count)
+    count = note_differing(st, V_BOTH, V_SPEED if lasting == 1 else V_CONTRAST, count)
+    return note_differing(st, V_SPEED, VIEW_SIZE, count)
 
 
 @compiled
@@ -104,16 +153,12 @@ def take_up(p: Program, st: State) -> int:
     """Bring `unit` up to date with the view, held within the domain; return 1 where a feature was outside.
 
     Only features that have changed since they were last taken up cost anything, and small changes wait until they have
-    added up: most features stay nearly as they are from look to look.
+    added up: most features stay nearly as they are from look to look. While one is outside, all are looked at.
     """
     low = p.surrogate_const[0]
-    differing = 0
-    for k in range(VIEW_SIZE):
-        st.changed[differing] = k  # overwritten by the next feature unless this one differs
-        differing += 1 if st.view[k] != st.taken_up[k] else 0
     outside = 0
     count = 0
-    for place in range(differing):
+    for place in range(find_differing(st)):
         k = st.changed[place]
         value = st.view[k]
         least = p.const[low + k]
@@ -127,6 +172,9 @@ def take_up(p: Program, st: State) -> int:
             st.changed[count] = k
             st.change[count] = change
             count += 1
+    st.side_anew[0] = outside
+    st.side_anew[1] = outside
+    st.lasting_anew[0] = outside
     first = 0
     while first + 4 <= count:
         add_four(p, st, first)

@@ -16,14 +16,17 @@ from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.ego.air_ahead import AHEAD_FROM, AHEAD_STEP, note_air, note_common, note_glare
-from scenario_compiler.engine.ego.lane_confidence import mark_visibility, note_even_marks
+from scenario_compiler.engine.ego.air_ahead import AHEAD_FROM, AHEAD_STEP, note_air, note_glare, note_lasting
+from scenario_compiler.engine.ego.lane_confidence import note_even_marks, visibility_of
 from scenario_compiler.engine.ego.paint_ahead import (
     CAMERA_AT,
+    lay_even_lines,
+    lay_lines,
+    lay_way,
     note_clutter,
-    see_even_lines,
-    see_lines,
+    see_side,
 )
+from scenario_compiler.engine.motion.collision import face
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_grade
@@ -65,9 +68,10 @@ HALF_LANE = 1.75
 OBSTACLE_HEIGHT = 1.0
 OBSTACLE_REACH = 40.0
 NEAREST_CORNER = 0.3
+WIDEST_BEARING = 0.5
 NOWHERE = 9.0
-"""Least height of an obstacle that hides the ground, up to where it does, how near its corners may be, m, and a
-direction in which nothing is."""
+"""Least height of an obstacle that hides the ground, up to where it does, how near its corners may be, m, within which
+directions to both sides it does, and one in which nothing is."""
 
 BESIDE_LINE = 0.3
 FARTHEST_RIVAL = 5.0
@@ -107,16 +111,16 @@ def note_mirrored(st: State, feature: int, value: float) -> None:
 
 
 @compiled
-def note_line(n: RoadTables, st: State, base: int, road: int, lane: int, s: float) -> int:
-    """Write the kind of the line that bounds one side; return its colour's code."""
+def note_line(n: RoadTables, st: State, base: int, road: int, lane: int, s: float) -> None:
+    """Write the kind and the colour of the line that bounds one side."""
     mark = mark_row(n, road, lane, s)
     kind = n.mark_type[mark] if mark >= 0 else 0
     colour = painted_colour(n, mark)
-    st.view[base + at.S_BROKEN] = 1.0 if kind in (MARK_BROKEN, MARK_BROKEN_BROKEN) else 0.0
-    st.view[base + at.S_WIDTH] = painted_width(n, mark)
-    st.view[base + at.S_YELLOW] = 1.0 if colour == YELLOW else 0.0
-    st.view[base + at.S_DOUBLE] = 1.0 if kind >= MARK_SOLID_SOLID and kind <= MARK_BROKEN_BROKEN else 0.0
-    return colour
+    st.line_colour[1 if base > 0 else 0] = colour
+    note_lasting(st, base + at.S_BROKEN, 1.0 if kind in (MARK_BROKEN, MARK_BROKEN_BROKEN) else 0.0)
+    note_lasting(st, base + at.S_WIDTH, painted_width(n, mark))
+    note_lasting(st, base + at.S_YELLOW, 1.0 if colour == YELLOW else 0.0)
+    note_lasting(st, base + at.S_DOUBLE, 1.0 if kind >= MARK_SOLID_SOLID and kind <= MARK_BROKEN_BROKEN else 0.0)
 
 
 @compiled
@@ -144,6 +148,7 @@ def look_beside(n: RoadTables, p: Program, st: State, road: int, row: int, s: fl
     section = n.lane_section[row]
     left = half
     right = half
+    st.lasting_anew[0] = 1
     for side in range(2):
         st.view[at.SIDE_SIZE * side + at.S_RIVAL] = FARTHEST_RIVAL
         st.view[at.SIDE_SIZE * side + at.S_RIVAL_PAINT] = 0.0
@@ -152,9 +157,9 @@ def look_beside(n: RoadTables, p: Program, st: State, road: int, row: int, s: fl
         middle, _ = row_centre(n, road, beside, s)
         wide = 0.5 * row_width(n, beside, s) if lane != 0 else 0.0
         border = sense * (middle - centre + (wide if lane > 0 else -wide))
-        if abs(border) > half + BESIDE_LINE:
+        if abs(border) > half + BESIDE_LINE and abs(border) - half < FARTHEST_RIVAL:
             mark = row_mark(n, beside, s)
-            paint = painted_share(n, mark, s - LONG_RUN, s + LONG_RUN) * mark_visibility(n, p, road, lane, s)
+            paint = painted_share(n, mark, s - LONG_RUN, s + LONG_RUN) * visibility_of(n, p, mark, road, lane, s)
             note_rival(st, 0, border - half, paint)
             note_rival(st, at.SIDE_SIZE, -border - half, paint)
         if wide > 0.0 and n.lane_type[beside] not in (NONE, MEDIAN, RAIL):
@@ -175,21 +180,29 @@ def look_at_lines(n: RoadTables, p: Program, st: State) -> None:
         row = st.path_row[0]
         s = st.path_s[0]
     look_beside(n, p, st, road, row, s)
-    outer = 0
-    inner = at.SIDE_SIZE
-    if (lane > 0) != (lane_direction(n, road, lane) > 0):
-        outer = at.SIDE_SIZE
-        inner = 0
-    outer_colour = note_line(n, st, outer, road, lane, s)
-    inner_colour = note_line(n, st, inner, road, lane_inside(lane), s)
-    left_colour = outer_colour if outer == 0 else inner_colour
-    right_colour = inner_colour if outer == 0 else outer_colour
+    if paint_stays(st) == 0 or st.lines_laid[0] == 0:
+        st.summed[0] = 0
+        find_lines(n, p, st, road, lane, s)
+    if paint_stays(st) == 1:
+        lay_way(n, st)
+    see_side(st, 0)
+    see_side(st, at.SIDE_SIZE)
+    st.summed[0] = 1
+
+
+@compiled
+def find_lines(n: RoadTables, p: Program, st: State, road: int, lane: int, s: float) -> None:
+    """Write the kinds of the lines on both sides, which are read at a place ahead, and note their paint."""
+    outer = 0 if (lane > 0) == (lane_direction(n, road, lane) > 0) else at.SIDE_SIZE
+    note_line(n, st, outer, road, lane, s)
+    note_line(n, st, at.SIDE_SIZE - outer, road, lane_inside(lane), s)
     if paint_stays(st) == 0:
         note_even_marks(n, p, st)
+        st.lines_laid[0] = 0
     if paint_stays(st) == 1:
-        see_even_lines(n, st, left_colour, right_colour)
+        lay_even_lines(n, st)
     else:
-        see_lines(n, p, st, left_colour, right_colour)
+        lay_lines(n, p, st)
 
 
 @compiled
@@ -208,27 +221,27 @@ def look_at_way(n: RoadTables, p: Program, st: State, i: int) -> None:
     st.way_bend[0] = near - BEND_NEAR * st.way_bend_rate[0]
     note_mirrored(st, at.S_BEND_NEAR, 40.0 * near)
     note_mirrored(st, at.S_BEND_FAR, 40.0 * far)
-    note_common(st, at.V_CURVED_NEAR, 40.0 * abs(near))
-    note_common(st, at.V_CURVED_FAR, 40.0 * abs(far))
-    note_common(st, at.V_TILT, tilt)
-    note_common(st, at.V_TILT_SIZE, abs(tilt))
-    note_common(st, at.V_GRADE_CHANGE, 50.0 * clip(change, -0.2, 0.2))
-    note_common(st, at.V_LANE_WIDTH, width)
-    note_common(st, at.V_WIDENING, abs(row_width(n, row, s) - width) if row >= 0 else width)
+    st.view[at.V_CURVED_NEAR] = 40.0 * abs(near)
+    st.view[at.V_CURVED_FAR] = 40.0 * abs(far)
+    st.view[at.V_TILT] = tilt
+    st.view[at.V_TILT_SIZE] = abs(tilt)
+    st.view[at.V_GRADE_CHANGE] = 50.0 * clip(change, -0.2, 0.2)
+    st.view[at.V_LANE_WIDTH] = width
+    st.view[at.V_WIDENING] = abs(row_width(n, row, s) - width) if row >= 0 else width
 
 
 @compiled
 def look_at_camera(st: State) -> None:
     """Write the failures of the camera."""
-    note_common(st, at.V_NOISE, 0.025 * st.sigma[0])
-    note_common(st, at.V_BLACKOUT, st.failure_now[op.FAILURE_BLACKOUT])
-    note_common(st, at.V_BLUR, st.failure_now[op.FAILURE_BLUR])
-    note_common(st, at.V_DIRT, st.failure_now[op.FAILURE_DIRT])
-    note_common(st, at.V_IMPULSES, st.failure_now[op.FAILURE_IMPULSE_NOISE])
-    note_common(st, at.V_OVEREXPOSURE, st.failure_now[op.FAILURE_OVEREXPOSURE])
-    note_common(st, at.V_DEAD_ROWS, st.failure_now[op.FAILURE_DEAD_ROWS])
-    note_common(st, at.V_QUANTISATION, st.failure_now[op.FAILURE_QUANTISATION])
-    note_common(st, at.V_LATENCY, st.failure_now[op.FAILURE_LATENCY])
+    note_lasting(st, at.V_NOISE, 0.025 * st.sigma[0])
+    note_lasting(st, at.V_BLACKOUT, st.failure_now[op.FAILURE_BLACKOUT])
+    note_lasting(st, at.V_BLUR, st.failure_now[op.FAILURE_BLUR])
+    note_lasting(st, at.V_DIRT, st.failure_now[op.FAILURE_DIRT])
+    note_lasting(st, at.V_IMPULSES, st.failure_now[op.FAILURE_IMPULSE_NOISE])
+    note_lasting(st, at.V_OVEREXPOSURE, st.failure_now[op.FAILURE_OVEREXPOSURE])
+    note_lasting(st, at.V_DEAD_ROWS, st.failure_now[op.FAILURE_DEAD_ROWS])
+    note_lasting(st, at.V_QUANTISATION, st.failure_now[op.FAILURE_QUANTISATION])
+    note_lasting(st, at.V_LATENCY, st.failure_now[op.FAILURE_LATENCY])
 
 
 @compiled
@@ -256,7 +269,7 @@ def look_at_others(p: Program, st: State, i: int) -> None:
             left = max(left, weight)
         if st.low[j] < COVERED - half and st.high[j] > -half - COVERED:
             right = max(right, weight)
-    note_common(st, at.V_LEADER, leader)
+    st.view[at.V_LEADER] = leader
     st.view[at.S_COVERED] = left
     st.view[at.SIDE_SIZE + at.S_COVERED] = right
     near = 0.0
@@ -266,9 +279,26 @@ def look_at_others(p: Program, st: State, i: int) -> None:
         near = exp(clip(-st.hides_at[0] / LEADER_SCALE, -50.0, 0.0))
         width = min(st.hides_to[0] - st.hides_from[0], 2.0)
         bearing = clip(0.5 * (st.hides_from[0] + st.hides_to[0]), -1.0, 1.0)
-    note_common(st, at.V_OBSTACLE, near)
-    note_common(st, at.V_OBSTACLE_WIDTH, width)
+    st.view[at.V_OBSTACLE] = near
+    st.view[at.V_OBSTACLE_WIDTH] = width
     note_mirrored(st, at.S_BEARING, bearing)
+
+
+@compiled
+def may_hide(st: State, ahead: float, beside: float, center: float, around: float) -> int:
+    """Return 0 if an entity cannot be the nearest that hides the ground, whichever way it is turned.
+
+    Args:
+        st: The state, with the nearest so far.
+        ahead: Distance of its reference point ahead of the camera, m.
+        beside: Distance of its reference point from the ego's axis, m.
+        center: Distance of its box's centre from its reference point, m.
+        around: Length and width of its box together, m.
+    """
+    reach = center + 0.5 * around
+    if ahead + center <= NEAREST_CORNER or ahead - reach >= st.hides_at[0] or ahead - reach >= OBSTACLE_REACH:
+        return 0
+    return 1 if beside - reach < WIDEST_BEARING * max(ahead + reach, NEAREST_CORNER) else 0
 
 
 @compiled
@@ -282,20 +312,28 @@ def note_obstacle(p: Program, st: State, i: int, j: int) -> None:
     reach = OBSTACLE_REACH + p.const[base + slot.E_LENGTH]
     if dx * dx + dy * dy > reach * reach:
         return
-    c = cos(st.h[i])
-    w = sin(st.h[i])
+    face(st, i)
+    c = st.box_cos[i]
+    w = st.box_sin[i]
+    ahead = c * dx + w * dy
+    beside = c * dy - w * dx
+    length = p.const[base + slot.E_LENGTH]
+    width = p.const[base + slot.E_WIDTH]
+    center = p.const[base + slot.E_CENTER]
+    if may_hide(st, ahead - CAMERA_AT, abs(beside), abs(center), length + width) == 0:
+        return
     along = cos(st.h[j] - st.h[i])
     across = sin(st.h[j] - st.h[i])
-    x = c * dx + w * dy + p.const[base + slot.E_CENTER] * along - CAMERA_AT
-    y = c * dy - w * dx + p.const[base + slot.E_CENTER] * across
+    x = ahead + center * along - CAMERA_AT
+    y = beside + center * across
     nearest = op.FAR
     begin = NOWHERE
     end = -NOWHERE
     for corner in range(4):
-        ahead = p.const[base + slot.E_LENGTH] * (0.5 if corner < 2 else -0.5)
-        aside = p.const[base + slot.E_WIDTH] * (0.5 if corner % 2 == 0 else -0.5)
-        at_x = x + ahead * along - aside * across
-        bearing = (y + ahead * across + aside * along) / max(at_x, NEAREST_CORNER)
+        lengthwise = length * (0.5 if corner < 2 else -0.5)
+        crosswise = width * (0.5 if corner % 2 == 0 else -0.5)
+        at_x = x + lengthwise * along - crosswise * across
+        bearing = (y + lengthwise * across + crosswise * along) / max(at_x, NEAREST_CORNER)
         nearest = min(nearest, at_x)
         begin = min(begin, bearing)
         end = max(end, bearing)
@@ -303,8 +341,8 @@ def note_obstacle(p: Program, st: State, i: int, j: int) -> None:
         nearest > NEAREST_CORNER
         and nearest < st.hides_at[0]
         and nearest < OBSTACLE_REACH
-        and begin < 0.5
-        and end > -0.5
+        and begin < WIDEST_BEARING
+        and end > -WIDEST_BEARING
     ):
         st.hides_at[0] = nearest
         st.hides_from[0] = begin
@@ -323,8 +361,8 @@ def look_at_view(n: RoadTables, p: Program, st: State) -> int:
     look_at_others(p, st, i)
     look_at_way(n, p, st, i)
     look_at_lines(n, p, st)
-    note_common(st, at.V_SPEED, 0.05 * st.v[i])
-    note_common(st, at.V_PITCH, 50.0 * st.body_pitch[i])
+    st.view[at.V_SPEED] = 0.05 * st.v[i]
+    st.view[at.V_PITCH] = 50.0 * st.body_pitch[i]
     note_mirrored(st, at.S_OFFSET, st.path_off[0])
     note_mirrored(st, at.S_HEADING, 5.0 * st.path_heading[0])
     st.view_looks[0] += 1
