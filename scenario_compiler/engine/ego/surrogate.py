@@ -142,7 +142,9 @@ def find_differing(st: State) -> int:
     for side in range(2):
         base = SIDE_SIZE * side
         sums = st.side_anew[side]
-        count = note_differing(st, base if sums == 1 else base + S_BESIDE, base + (S_BROKEN if sums == 1 else S_VOTES), count)
+        count = note_differing(
+            st, base if sums == 1 else base + S_BESIDE, base + (S_BROKEN if sums == 1 else S_VOTES), count
+        )
         count = note_differing(st, base + (S_BROKEN if lasting == 1 else S_COVERED), base + SIDE_SIZE, count)
     count = note_differing(st, V_BOTH, V_SPEED if lasting == 1 else V_CONTRAST, count)
     return note_differing(st, V_SPEED, VIEW_SIZE, count)
