@@ -21,8 +21,6 @@ from scenario_compiler.recording.takeovers import Takeover
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.vocabulary.word import QUANTITIES
 
-CODEBOOK = "codebook.csv"
-
 PARAMETER = "parameter."
 """Prefix of the columns of parameters."""
 

@@ -14,16 +14,9 @@ import pyarrow as pa
 
 from scenario_compiler.batch.codebook import Column
 from scenario_compiler.batch.distributions import SweepError
+from scenario_compiler.batch.folder import TABLE, TAKEOVER_TABLE, is_sweep
 from scenario_compiler.batch.measuring import Columns
-from scenario_compiler.batch.results import (
-    FORMAT,
-    KEY,
-    MANIFEST,
-    TABLE,
-    TAKEOVER_TABLE,
-    read_columns,
-    schema_of,
-)
+from scenario_compiler.batch.results import FORMAT, KEY, read_columns, schema_of
 from scenario_compiler.recording.arrow import opened_parquet
 from scenario_compiler.recording.recording import Floats, Integers
 
@@ -78,11 +71,6 @@ class FinishedSweep:
     manifest: Mapping[str, Any]
     variants: SweepTable
     takeovers: SweepTable
-
-
-def is_sweep(path: Path) -> bool:
-    """Return whether a path is the folder of a sweep or of a search, finished or not."""
-    return any((path / name).is_file() for name in (MANIFEST, TABLE))
 
 
 def open_sweep(folder: Path) -> FinishedSweep:

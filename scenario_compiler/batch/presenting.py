@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from scenario_compiler.batch.codebook import PARAMETER
+from scenario_compiler.batch.folder import TABLE
 from scenario_compiler.batch.measuring import Columns
-from scenario_compiler.batch.results import TABLE
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import OnProgress, Progress
 from scenario_compiler.batch.variants import Families

@@ -19,7 +19,6 @@ import pyarrow.parquet as pq
 from pyarrow import compute
 
 from scenario_compiler.batch.codebook import (
-    CODEBOOK,
     Column,
     ColumnKind,
     codebook_text,
@@ -27,6 +26,7 @@ from scenario_compiler.batch.codebook import (
     takeover_columns,
 )
 from scenario_compiler.batch.distributions import SweepError
+from scenario_compiler.batch.folder import CODEBOOK, LOCK, MANIFEST, PARTS, TABLE, TAKEOVER_TABLE
 from scenario_compiler.batch.measuring import TAKEOVERS, Columns
 from scenario_compiler.batch.tally import TALLIED, Tally
 from scenario_compiler.outputs import LockedError, locked, make_folder, whole_file, write_whole
@@ -34,11 +34,6 @@ from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts, opened
 from scenario_compiler.recording.break_off import equal_reasons
 
 FORMAT = "scenario-compiler/sweep/1"
-MANIFEST = "sweep.json"
-LOCK = "sweep.lock"
-TABLE = "results.parquet"
-TAKEOVER_TABLE = "takeovers.parquet"
-PARTS = "parts"
 GROUP = 1 << 16
 """Least number of rows in a row group of the table; a part is never split."""
 

@@ -97,7 +97,7 @@ def _compare_sweeps(options: argparse.Namespace) -> int:
     """
     from scenario_compiler.batch.comparison import compare_sweeps
     from scenario_compiler.batch.distributions import SweepError
-    from scenario_compiler.batch.results import TABLE, TAKEOVER_TABLE
+    from scenario_compiler.batch.folder import TABLE, TAKEOVER_TABLE
 
     if options.camera:
         raise WrongUse("--camera draws pictures of runs, and these are sweeps")
@@ -123,7 +123,7 @@ def _compare_sweeps(options: argparse.Namespace) -> int:
 
 def _are_sweeps(first: Path, second: Path) -> bool:
     """Return whether both paths are folders of sweeps; raise WrongUse if only one of them is."""
-    from scenario_compiler.batch.finished import is_sweep
+    from scenario_compiler.batch.folder import is_sweep
 
     there = [is_sweep(path) for path in (first, second)]
     if any(there) and not all(there):

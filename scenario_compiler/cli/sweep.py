@@ -142,7 +142,7 @@ def sweep_command(options: argparse.Namespace) -> int:
     from pydantic import ValidationError
 
     from scenario_compiler.batch.distributions import SweepError
-    from scenario_compiler.batch.results import MANIFEST
+    from scenario_compiler.batch.folder import MANIFEST
     from scenario_compiler.languages import ScenarioNameNeededError
 
     sink = new_sink(options)
