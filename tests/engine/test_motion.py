@@ -273,7 +273,7 @@ def test_the_remembered_road_and_lane_agree_with_the_map(s: float, speed: float)
 def test_a_step_that_ends_where_a_section_begins_is_in_a_lane_of_that_section(
     lane_id: int, s: float, speed: float, wanted: float
 ) -> None:
-    """At 20 m/s each step has 1 m, so an entity comes to s = 100 exactly; lane -2 becomes -1 there, and lane -1 ends."""
+    """At 20 m/s a step has 1 m, so an entity comes to s = 100 exactly; lane -2 becomes -1 there, and lane -1 ends."""
     before = section(right=lane(-1) + lane(-2, link='<successor id="-1"/>'))
     after = section(right=lane(-1, link='<predecessor id="-2"/>'), s=100.0)
     draft = Draft(network_of(road_of(length=200.0, lanes=before + after)), {slots.K_STEP: 0.05})
