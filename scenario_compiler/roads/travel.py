@@ -124,7 +124,8 @@ def advance(n: RoadTables, road: int, lane: int, s: float, ds: float, next_road:
 def advance_row(n: RoadTables, row: int, s: float, ds: float, next_road: int) -> tuple[int, float, float]:
     """Return (row, s, rest) as `advance` does, from a known row of a lane.
 
-    At the end of its section, s belongs to the next one, whose row is another one.
+    An s at which another section of the road begins belongs to that section, and the row is one of it if the lane goes
+    on there.
     """
     section = n.lane_section[row]
     forward = 1
@@ -137,7 +138,8 @@ def advance_row(n: RoadTables, row: int, s: float, ds: float, next_road: int) ->
         end = AT_END
         if sense == 1:
             room = n.section_end[section] - s
-            if left <= room:
+            last = 1 if section + 1 == n.road_section[n.section_road[section] + 1] else 0
+            if left < room or (left <= room and last == 1):
                 return row, s + left, 0.0
             s = n.section_end[section]
         else:

@@ -265,3 +265,26 @@ def test_the_remembered_road_and_lane_agree_with_the_map(s: float, speed: float)
         rows.add((st.here_row[0], st.here_piece[0]))
     assert len(rows) >= 6
     assert st.s[0] > 140.0 if speed > 0.0 else st.s[0] < 60.0
+
+
+@pytest.mark.parametrize(
+    ("lane_id", "s", "speed", "wanted"), [(-2, 90.0, 20.0, -1.75), (-1, 90.0, 20.0, -1.75), (-1, 110.0, -20.0, -5.25)]
+)
+def test_a_step_that_ends_where_a_section_begins_is_in_a_lane_of_that_section(
+    lane_id: int, s: float, speed: float, wanted: float
+) -> None:
+    """At 20 m/s a step has 1 m, so an entity comes to s = 100 exactly; lane -2 becomes -1 there, and lane -1 ends."""
+    before = section(right=lane(-1) + lane(-2, link='<successor id="-1"/>'))
+    after = section(right=lane(-1, link='<predecessor id="-2"/>'), s=100.0)
+    draft = Draft(network_of(road_of(length=200.0, lanes=before + after)), {slots.K_STEP: 0.05})
+    draft.moving(lane_id, s, speed)
+    run = draft.start()
+    st, ys = run.st, []
+    for _ in range(12):
+        begin_step(run.n, run.p, st)
+        move_step(run.n, run.p, st)
+        end_step(run.n, run.p, st)
+        ys.append(st.y[0])
+    assert st.s[0] == s + math.copysign(12.0, speed)
+    left = 9 if speed > 0.0 else 10
+    assert ys == pytest.approx([3.5 * lane_id + 1.75] * left + [wanted] * (12 - left))

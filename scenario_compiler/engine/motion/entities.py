@@ -31,6 +31,7 @@ from scenario_compiler.roads.lanes import (
     lane_at,
     lane_centre,
     lane_direction,
+    lane_exists,
     row_place,
     row_width,
 )
@@ -139,7 +140,7 @@ def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> 
         rest = abs(s + along - to_s)
     else:
         to_road, to_lane, to_s, rest = advance(n, road, lane, s, ahead, next_turn(n, p, st, i, road))
-    if rest > op.TOLERANCE:
+    if rest > op.TOLERANCE or (to_lane != 0 and lane_exists(n, to_road, to_lane, to_s) == 0):
         forward = 1 if ahead > 0.0 else -1
         beside, from_s = lane_after_end(n, to_road, to_lane, to_s, st.kept_off[i], forward)
         if beside != 0:
