@@ -9,7 +9,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
-from matplotlib.colors import to_rgba
+from matplotlib.colors import to_rgba, to_rgba_array
 from matplotlib.figure import Figure
 
 from scenario_compiler.compiler import Compilation, compile_target
@@ -75,12 +75,8 @@ def test_no_road_id_covers_the_scale_bar() -> None:
 def painted_yellow(axes: Axes) -> int:
     """Return the number of yellow quads among the marks."""
     yellow = to_rgba("#ffd400")
-    return sum(
-        tuple(colour) == yellow
-        for marks in axes.collections
-        if isinstance(marks, LineCollection)
-        for colour in marks.get_colors()
-    )
+    marks = [one for one in axes.collections if isinstance(one, LineCollection)]
+    return sum(to_rgba(colour) == yellow for one in marks for colour in to_rgba_array(one.get_colors()))
 
 
 @pytest.mark.parametrize(
