@@ -59,7 +59,7 @@ def secondary_lines(plan: Plan) -> list[SecondaryLine]:
 
 
 def lines_beside(plan: Plan, network: Network, poses: Sequence[Pose]) -> list[SecondaryLine]:
-    """Return the lines that the plan adds beside entities; there are none beside an entity that is not on a road.
+    """Return the lines that the plan adds beside its entities; there are none beside one that is not on a road.
 
     Args:
         plan: The plan.
@@ -70,7 +70,7 @@ def lines_beside(plan: Plan, network: Network, poses: Sequence[Pose]) -> list[Se
     starts = {entity.id: pose for entity, pose in zip(plan.entities, poses, strict=True)}
     found = []
     for line in plan.secondary_markings:
-        if not isinstance(line, LineBeside):
+        if not isinstance(line, LineBeside) or line.entity not in starts:
             continue
         pose = starts[line.entity]
         for place in network.locate(pose.x, pose.y, nearest=True)[:1]:

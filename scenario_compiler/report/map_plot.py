@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -37,7 +37,7 @@ from scenario_compiler.report.map_shapes import (
     turning_paths,
 )
 from scenario_compiler.report.surroundings import Window
-from scenario_compiler.roads import geometry, mesh
+from scenario_compiler.roads import SecondaryLine, geometry, mesh
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.spawn_points import NamedPosition
 
@@ -154,6 +154,7 @@ def draw_map(
     *,
     spawn_points: Mapping[str, NamedPosition] | None = None,
     labels: bool = True,
+    secondary: Sequence[SecondaryLine] = (),
 ) -> list[Patch | Line2D]:
     """Draw a network into axes, with the window as limits, equal scales and a scale bar.
 
@@ -163,6 +164,7 @@ def draw_map(
         window: The least part to show; None for everything.
         spawn_points: Named places to mark.
         labels: Whether to write the ids of roads and junctions and the names of spawn points.
+        secondary: Lines beside the map's marks.
 
     Returns:
         The entries of a legend.
@@ -181,7 +183,7 @@ def draw_map(
         spine.set_color("#b0b4b8")
     shapes = lane_shapes(network, shown)
     _draw_lanes(axes, shapes)
-    paints = _draw_marks(axes, network, shown, scale)
+    paints = _draw_marks(axes, network, shown, scale, secondary)
     hulls = junction_hulls(network, shapes, shown)
     _draw_junctions(axes, hulls)
     close = scale < CLOSE_VIEW
@@ -246,9 +248,11 @@ def _draw_lanes(axes: Axes, shapes: list[LaneShape]) -> None:
         )
 
 
-def _draw_marks(axes: Axes, network: Network, window: Window, scale: float) -> list[mesh.Paint]:
+def _draw_marks(
+    axes: Axes, network: Network, window: Window, scale: float, secondary: Sequence[SecondaryLine]
+) -> list[mesh.Paint]:
     """Draw every mark; return the used colours."""
-    marks = mesh.road_marks(network)
+    marks = mesh.road_marks(network, secondary=secondary)
     kept, lines = mark_lines(marks, window)
     colours = np.array([mpl.colors.to_rgba(_MARK_COLOURS[paint]) for paint in mesh.Paint])[marks.colour[kept]]
     colours[:, 3] = 0.12 + 0.88 * np.clip(marks.quality[kept], 0.0, 1.0)

@@ -23,6 +23,7 @@ from scenario_compiler.frames import center_from_reference
 from scenario_compiler.legible import legible
 from scenario_compiler.plan.binding import Binder
 from scenario_compiler.plan.model import Entity, Plan, RouteLeg, StartPose
+from scenario_compiler.plan.painted import lines_beside, secondary_lines
 from scenario_compiler.plan.standing import Standing, stands_at
 from scenario_compiler.report.happenings import Happening, happenings_of, last_known_time
 from scenario_compiler.report.lettering import LETTERING
@@ -30,7 +31,7 @@ from scenario_compiler.report.map_plot import draw_map, extent_of, save_picture
 from scenario_compiler.report.palette import BLUE, GREY, ORANGE, VERMILION
 from scenario_compiler.report.surroundings import Window
 from scenario_compiler.roads.network import Network
-from scenario_compiler.roads.positions import LanePosition
+from scenario_compiler.roads.positions import LanePosition, Pose, SecondaryLine
 from scenario_compiler.vocabulary.scenario import parameter_values
 
 WIDTH = 11.0
@@ -163,11 +164,11 @@ def _leg_points(network: Network, leg: RouteLeg) -> Iterator[tuple[float, float]
 
 def draw_section(axes: Axes, plan: Plan, network: Network, window: Window) -> None:
     """Draw a part of the map into axes, the route ahead, and the starts of entities with their paths and labels."""
-    draw_map(axes, network, window)
+    shown = tuple(one for one in plan.entities if one.id in plan.derived)
+    draw_map(axes, network, window, secondary=_lines_added(plan, network, shown))
     way = way_ahead(plan, network)
     axes.plot([x for x, _ in way], [y for _, y in way], color=BLUE, linewidth=2.2, alpha=0.55, zorder=6)
     wide = axes.get_xlim()[1] - axes.get_xlim()[0]
-    shown = [one for one in plan.entities if one.id in plan.derived]
     labels = labels_of(one.id for one in shown)
     taken = [text.get_window_extent() for text in axes.texts]
     for entity in shown:
@@ -176,6 +177,13 @@ def draw_section(axes: Axes, plan: Plan, network: Network, window: Window) -> No
         taken.append(_draw_entity(axes, plan, entity, wide))
     for number, entity in enumerate(one for one in shown if one.id in labels):
         _write_label(axes, plan, entity, labels[entity.id], 1 if number % 2 == 0 else -1, taken)
+
+
+def _lines_added(plan: Plan, network: Network, shown: tuple[Entity, ...]) -> list[SecondaryLine]:
+    """Return the lines that the plan adds to the map's marks, also beside the starts of the shown entities."""
+    starts = [plan.derived[one.id] for one in shown]
+    poses = [Pose(one.x, one.y, one.z, one.heading, 0.0, 0.0) for one in starts]
+    return [*secondary_lines(plan), *lines_beside(plan.model_copy(update={"entities": shown}), network, poses)]
 
 
 def own_path(plan: Plan, network: Network, entity: Entity) -> list[tuple[float, float]]:

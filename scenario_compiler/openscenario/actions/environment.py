@@ -13,8 +13,9 @@ Conversion of the standard's terms when reading:
     wind          its speed relative to that of a hurricane (Beaufort 12, 32.7 m/s), as percent
     sun           the azimuth is measured from north (y) over east (x), CARLA's from x
 
-Writing does the reverse, and adds CARLA's numbers as properties of the road's condition, which take precedence when the
-file is read.
+Writing does the reverse, for the numbers that a change of the weather names, and adds CARLA's numbers as properties of
+the road's condition, which take precedence when the file is read. 1.0 requires all parts of the weather; there the
+others are those of a clear noon, which is reported.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.parameters import with_parameters
 from scenario_compiler.openscenario.spelling import Form, made
 from scenario_compiler.vocabulary.actions import EnvironmentAction, WeatherAction
-from scenario_compiler.vocabulary.weather import complete_weather, weather_numbers
+from scenario_compiler.vocabulary.kept import KEPT
+from scenario_compiler.vocabulary.weather import CLEAR_NOON, complete_weather, weather_numbers
 
 SNOW = Code(
     "SC784",
@@ -58,6 +60,12 @@ _WETNESS = {
     "lowFlooded": (80.0, 100.0),
     "highFlooded": (100.0, 100.0),
 }
+_WATER = ("precipitation_deposits", "wetness")
+"""CARLA's numbers that `wetness` stands for, in the order of its pairs."""
+
+_TOGETHER = {"sun_altitude_angle": ("sun_azimuth_angle",), "fog_density": ("fog_distance", "fog_falloff")}
+"""Numbers that have an element of the standard only together with another one."""
+
 _PERCENT_PER_MM = 2.0
 _HURRICANE = 32.7
 FOG_AT_ONE, FOG_THINNED = 0.07, 0.083
@@ -180,51 +188,92 @@ def _exact_weather(environment: Node) -> WeatherAction | None:
 
 def _write_weather(word: WeatherAction, output: Output) -> etree._Element:
     full = complete_weather(word) or word
-    numbers = dict(zip(_NUMBERS, weather_numbers(full), strict=True))
+    written = {name: getattr(full, name) for name in _NUMBERS}
+    numbers = {name: number for name, number in written.items() if number != KEPT}
+    _tell_unsaid(numbers, word, output)
     properties = [
         made("Property", name=name, value=output.text(value, word))
-        for name, value in [*((name, getattr(full, name)) for name in _NUMBERS), ("over_time", word.over_time)]
+        for name, value in [*written.items(), ("over_time", word.over_time)]
     ]
     road = made("RoadCondition", made("Properties", *properties), frictionScaleFactor="1")
-    if output.version >= (1, 2):
+    if output.version >= (1, 2) and not numbers.keys().isdisjoint(_WATER):
         road.set("wetness", _nearest_wetness(numbers))
     environment = made("Environment", name="weather")
     if output.version == (1, 0):
         environment.append(made("TimeOfDay", animation="false", dateTime="2020-06-21T12:00:00"))
-    environment.extend([_weather_element(numbers, word, output), road])
+        numbers = dict(zip(_NUMBERS, weather_numbers(full), strict=True))
+    weather = _weather_element(numbers, word, output)
+    if len(weather) or weather.attrib:
+        environment.append(weather)
+    environment.append(road)
     return made("EnvironmentAction", environment)
 
 
+def _tell_unsaid(numbers: dict[str, float], word: WeatherAction, output: Output) -> None:
+    """Report numbers that the standard has only together with one that is kept, and that 1.0 requires all parts."""
+    for needed, others in _TOGETHER.items():
+        alone = [name for name in others if name in numbers and needed not in numbers]
+        if alone:
+            output.tell_lost(word, f"{' and '.join(alone)} of the weather cannot be expressed without {needed}")
+    if output.version == (1, 0):
+        unsaid = [name for name in ("cloudiness", "precipitation", *_TOGETHER) if name not in numbers]
+        if unsaid:
+            kept = ", ".join(unsaid)
+            output.tell_lost(word, f"1.0 has no change of a part of the weather: {kept} are those of a clear noon")
+
+
 def _weather_element(numbers: dict[str, float], word: WeatherAction, output: Output) -> etree._Element:
-    cloudiness, rain = numbers["cloudiness"], numbers["precipitation"]
+    """Return the <Weather> of some of CARLA's numbers; a missing azimuth, and details of fog, are those of noon."""
+    weather = made("Weather")
+    noon = dict(zip(_NUMBERS, CLEAR_NOON, strict=True))
+    if "sun_altitude_angle" in numbers:
+        weather.append(_sun({**noon, **numbers}, word, output))
+    if "fog_density" in numbers:
+        weather.append(_fog({**noon, **numbers}, word, output))
+    if "precipitation" in numbers:
+        weather.append(_falling(numbers["precipitation"], word, output))
+    if "wind_intensity" in numbers and output.version > (1, 0):
+        speed = output.text(_HURRICANE * numbers["wind_intensity"] / 100.0, word)
+        weather.append(made("Wind", direction="0", speed=speed))
+    if "cloudiness" in numbers:
+        cloudiness = numbers["cloudiness"]
+        if output.version >= (1, 2):
+            weather.set("fractionalCloudCover", f"{_OKTAS[round(cloudiness / 12.5)]}Oktas")
+        else:
+            weather.set("cloudState", "free" if cloudiness < 30 else "cloudy" if cloudiness < 80 else "overcast")
+    return weather
+
+
+def _sun(numbers: dict[str, float], word: WeatherAction, output: Output) -> etree._Element:
     azimuth = math.radians(numbers["sun_azimuth_angle"] + 90.0) % (2.0 * math.pi)
     light = "illuminance" if output.version >= (1, 2) else "intensity"
     altitude = math.radians(numbers["sun_altitude_angle"])
     bright = max(math.sin(altitude), 0.0)
     sun = made("Sun", azimuth=output.text(azimuth, word), elevation=output.text(altitude, word))
     sun.set(light, output.text(100000.0 * bright if light == "illuminance" else bright, word))
+    return sun
+
+
+def _fog(numbers: dict[str, float], word: WeatherAction, output: Output) -> etree._Element:
     dense = numbers["fog_density"] / 100.0 * math.exp(-FOG_THINNED * min(max(numbers["fog_falloff"], 0.0), 5.0))
     seen = _FIVE_PERCENT / (FOG_AT_ONE * dense**1.5) if dense > 1.0e-6 else _CLEAREST
-    fog = made("Fog", visualRange=output.text(min(seen + max(numbers["fog_distance"], 0.0), _CLEAREST), word))
+    return made("Fog", visualRange=output.text(min(seen + max(numbers["fog_distance"], 0.0), _CLEAREST), word))
+
+
+def _falling(rain: float, word: WeatherAction, output: Output) -> etree._Element:
     falling = made("Precipitation", precipitationType="rain" if rain > 0.0 else "dry")
     if output.version == (1, 0):
         falling.set("intensity", output.text(rain / 100.0, word))
     else:
         falling.set("precipitationIntensity", output.text(rain / _PERCENT_PER_MM, word))
-    weather = made("Weather", sun, fog, falling)
-    if output.version > (1, 0):
-        speed = output.text(_HURRICANE * numbers["wind_intensity"] / 100.0, word)
-        weather.append(made("Wind", direction="0", speed=speed))
-    if output.version >= (1, 2):
-        weather.set("fractionalCloudCover", f"{_OKTAS[round(cloudiness / 12.5)]}Oktas")
-    else:
-        weather.set("cloudState", "free" if cloudiness < 30 else "cloudy" if cloudiness < 80 else "overcast")
-    return weather
+    return falling
 
 
 def _nearest_wetness(numbers: dict[str, float]) -> str:
-    water = (numbers["precipitation_deposits"], numbers["wetness"])
-    return min(_WETNESS, key=lambda name: math.dist(_WETNESS[name], water))
+    """Return the standard's word that is nearest to the deposits and the wetness, or to the one that is given."""
+    places = [place for place, name in enumerate(_WATER) if name in numbers]
+    water = [numbers[_WATER[place]] for place in places]
+    return min(_WETNESS, key=lambda name: math.dist([_WETNESS[name][place] for place in places], water))
 
 
 def _write_environment(word: EnvironmentAction, output: Output) -> etree._Element:

@@ -43,7 +43,7 @@ from scenario_compiler.vocabulary.positions import (
 )
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.storyboard import ConditionGroup, Trigger, TriggerCondition
-from scenario_compiler.vocabulary.weather import Weather, weather_preset
+from scenario_compiler.vocabulary.weather import Weather, weather_numbers, weather_of, weather_preset
 
 USUAL_WEATHER = "ClearNoon"
 """The weather if a file does not set one."""
@@ -187,11 +187,12 @@ class _Export:
             self.writer.add_init(init.action, init.entity)
 
     def add_weather(self, weather: Weather) -> None:
-        """Set the weather at the start, unless a plan without automated vehicle has the default weather."""
+        """Set the whole weather at the start, unless a plan without automated vehicle has the default weather."""
         numbers = weather.model_dump(exclude={"word", "preset"})
         action = WeatherAction.model_validate({"preset": weather.preset, **numbers})
         if self.automated or weather != weather_preset(USUAL_WEATHER):
-            self.writer.add_init(action, for_others=self.automated)
+            whole = weather_of(weather_numbers(weather)).model_dump(exclude={"word"})
+            self.writer.add_init(action, said=WeatherAction.model_validate(whole), for_others=self.automated)
 
     def add_start(self, entity: Entity) -> None:
         """Add an entity's start position, speed, destination and path."""
