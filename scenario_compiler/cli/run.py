@@ -211,7 +211,7 @@ def run_command(options: argparse.Namespace) -> int:
     if interrupted:  # what was recorded until then is written
         raise KeyboardInterrupt
     print_run(finished, options.output, text_stream(options))
-    note_failures(finished.recording, options, sink)
+    note_failures(finished.recording, finished.plan, options, sink)
     if show(sink, options):
         return AT_FAULT
     return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
@@ -297,12 +297,15 @@ def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> No
         draw_route(run.plan, run.network, folder / "route.png")
 
 
-def note_failures(recording: Recording, options: argparse.Namespace, sink: Diagnostics) -> None:
-    """Report why a run broke off: one diagnostic for each event that ended it."""
+def note_failures(recording: Recording, plan: Plan, options: argparse.Namespace, sink: Diagnostics) -> None:
+    """Report why a run broke off: one diagnostic for each event that ended it, at the entity that it names, if any."""
+    from scenario_compiler.plan.provenance import place_of
+
     for event in recording.events:
         code = code_named(event.cause) if event.kind == "broken_off" else None
         if code is not None:
-            sink.add(code, event.message, FilePlace(split_target(options.target)[0]))
+            place = place_of(plan, f"entities/{event.entity}")
+            sink.add(code, event.message, place if place.line else FilePlace(split_target(options.target)[0]))
 
 
 def run_with_progress(

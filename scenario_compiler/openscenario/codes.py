@@ -165,3 +165,11 @@ REPEATED_PARAMETER = Code(
     '    <ParameterDeclaration name="speed" parameterType="double" value="20"/>     speed is 20',
     Severity.WARNING,
 )
+NO_ACTOR = Code(
+    "SC760",
+    "action-without-actor",
+    "An action that belongs to an entity is in a maneuver group without actors, so nobody executes it: its <Actors> "
+    "name no entity, or select triggering entities and no condition names one.\n\n"
+    '    <Actors selectTriggeringEntities="false"/>     <Actors ...><EntityRef entityRef="Ego"/></Actors>',
+    Severity.WARNING,
+)

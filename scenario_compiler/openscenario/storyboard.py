@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from scenario_compiler.openscenario.actions import read_actions
 from scenario_compiler.openscenario.catalogs import entry_of
-from scenario_compiler.openscenario.codes import TRIGGERING_ACTORS
+from scenario_compiler.openscenario.codes import NO_ACTOR, TRIGGERING_ACTORS
 from scenario_compiler.openscenario.element_names import Siblings, with_full_names
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.parameters import with_parameters
@@ -85,16 +85,28 @@ def _act(node: Node, names: Siblings) -> Act:
 def _group(node: Node, names: Siblings) -> ManeuverGroup:
     inside = Siblings()
     maneuvers: list[Maneuver] = []
+    of_entities: list[Node] = []
     for one in node.children("Maneuver", "CatalogReference"):
         maneuver = with_parameters(one) if one.tag == "Maneuver" else entry_of(one, "Maneuver")
         if maneuver is not None:
             maneuvers.append(_maneuver(maneuver, inside))
+            of_entities += _private_actions(maneuver)
+    actors = _actors(node, maneuvers)
+    if not actors:
+        for one in of_entities:
+            one.report(NO_ACTOR, "nobody executes this action: its maneuver group has no actors")
     return ManeuverGroup.model_construct(
         name=names.name(node),
         maximum_execution_count=_count(node),
-        actors=_actors(node, maneuvers),
+        actors=actors,
         maneuvers=tuple(maneuvers),
     ).written_at(node.origin)
+
+
+def _private_actions(maneuver: Node) -> Iterator[Node]:
+    for event in maneuver.children("Event"):
+        for action in event.children("Action"):
+            yield from action.children("PrivateAction")
 
 
 def _actors(node: Node, maneuvers: Iterable[Maneuver]) -> tuple[str, ...]:

@@ -31,7 +31,7 @@ from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.perception.faults import FAULTLESS, CameraFaults
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.break_off import BROKE_OFF, QUANTITIES, break_off_text
+from scenario_compiler.recording.break_off import BROKE_OFF, OF_ENTITIES, QUANTITIES, break_off_text
 from scenario_compiler.recording.names import SOURCES, STOP_REASONS, TAKEOVER_STATES, WISHES, EventKind, StopReason
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.recording.versions import processor, versions
@@ -398,7 +398,8 @@ class Execution:
             ids = [entity.id for entity in self.plan.entities]
             values = {name: getattr(st, name)[at] for name in QUANTITIES} if 0 <= at < len(ids) else {}
             why = break_off_text(st.flag[0], at, ids, values, st.clock[0])
-            self.builder.event(st.clock[0], "broken_off", cause=BROKE_OFF.id, message=why)
+            entity = ids[at] if st.flag[0] in OF_ENTITIES and 0 <= at < len(ids) else ""
+            self.builder.event(st.clock[0], "broken_off", entity=entity, cause=BROKE_OFF.id, message=why)
         self.builder.event(st.clock[0], "stop", message=reason)
         return self.builder.finish(reason, st.flag[0])
 

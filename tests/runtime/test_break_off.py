@@ -42,10 +42,10 @@ def test_a_run_that_breaks_off_gives_the_reason_and_keeps_its_recording(
     content["parameters"][0]["default"] = "1e18"
     plan.write_text(json.dumps(content), encoding="utf-8")
     assert call("run", plan, "-o", out) == 1
-    assert "error[SC523]: 'lead' has the speed 1e+18 m/s at 0 s" in capsys.readouterr().err
+    assert f"{conflict}:5:5: error[SC523]: 'lead' has the speed 1e+18 m/s at 0 s" in capsys.readouterr().err
     recording = read_recording(out / "recording.parquet")
-    told = [event.message for event in recording.events if event.kind == "broken_off"]
-    assert told == ["'lead' has the speed 1e+18 m/s at 0 s"]
+    told = [(event.entity, event.message) for event in recording.events if event.kind == "broken_off"]
+    assert told == [("lead", "'lead' has the speed 1e+18 m/s at 0 s")]
     assert recording.header.processor
     assert {"python", "numpy", "scipy", "opencv", "pyarrow", "lxml", "pydantic"} <= set(recording.header.versions)
     assert call("report", out) == 0
