@@ -12,6 +12,7 @@ from scenario_compiler.compiler import Overrides
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots
 from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.ego.bends import acceleration_for_bends
 from scenario_compiler.engine.moves.table import NUMBERS as ACTION
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.simulation import Simulation
@@ -192,6 +193,14 @@ def test_after_the_hand_back_the_automation_slows_down_for_a_bend() -> None:
     rows = rows_until(run, BEFORE + ALONG - 10.0)
     assert 0.0 < run.time_of(op.EVENT_HAND_BACK) < BEFORE / 25.0
     assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(LATERAL * middle(60.0))
+
+
+def test_who_brakes_more_gently_searches_again_and_begins_earlier() -> None:
+    """250 m before the bend a driver who brakes by 2 m/s2 is free; an automation with 0.2 m/s2 must already brake."""
+    run = draft_on(curve(60.0), 17.0, s=BEFORE - 250.0).start().go(0.05)
+    for _ in range(2):
+        assert acceleration_for_bends(run.n, run.p, run.st, 0, LATERAL, 2.0) > 10.0
+        assert acceleration_for_bends(run.n, run.p, run.st, 0, LATERAL, 0.2) < 0.0
 
 
 def test_on_a_straight_road_bends_are_searched_seldom() -> None:

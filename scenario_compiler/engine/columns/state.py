@@ -409,8 +409,9 @@ class State(Columns):
     slow_at: list[float] = column(RUN)
     """Odometer at which that bend begins, m."""
     slow_row: list[int] = column(RUN, op.NONE)
-    """Row of the path, and lateral acceleration in bends, m/s2, for which that bend is known."""
+    """Row of the path, lateral acceleration and braking, m/s2, for which that bend is known."""
     slow_lateral: list[float] = column(RUN)
+    slow_braking: list[float] = column(RUN)
     slow_until: list[float] = column(RUN, -1.0)
     """Odometer up to which that bend is known to be the one that limits the speed, m."""
     slow_known: list[float] = column(RUN)

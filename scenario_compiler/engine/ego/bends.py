@@ -53,6 +53,7 @@ def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float,
     fastest = p.const[base + slot.E_MAX_SPEED]
     st.slow_row[0] = st.path_row[0]
     st.slow_lateral[0] = lateral
+    st.slow_braking[0] = braking
     st.slow_square[0] = op.FAR
     st.slow_at[0] = st.odometer[i]
     st.slow_until[0] = st.odometer[i] + KNOWN_FOR
@@ -87,6 +88,14 @@ def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float,
 
 
 @compiled
+def bends_are_known(st: State, lateral: float, braking: float) -> int:
+    """Return 1 if the last search for bends was on this row of the path and for these numbers."""
+    if st.slow_row[0] != st.path_row[0] or st.slow_lateral[0] != lateral or st.slow_braking[0] != braking:
+        return 0
+    return 1
+
+
+@compiled
 def speed_for_bends(
     n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float, reach: float
 ) -> float:
@@ -104,8 +113,7 @@ def speed_for_bends(
         braking: Comfortable deceleration, m/s2.
         reach: Distance up to which bends are known, m.
     """
-    moved = st.odometer[i] >= st.slow_until[0]
-    if moved or st.slow_row[0] != st.path_row[0] or st.slow_lateral[0] != lateral:
+    if st.odometer[i] >= st.slow_until[0] or bends_are_known(st, lateral, braking) == 0:
         look_for_bends(n, p, st, i, lateral, braking, reach)
     before = max(st.slow_at[0] - st.odometer[i], 0.0)
     return safe_sqrt(st.slow_square[0] + 2.0 * braking * before)
@@ -113,13 +121,13 @@ def speed_for_bends(
 
 @compiled
 def acceleration_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float) -> float:
-    """Return the acceleration that the bends ahead allow, m/s2; FAR if none limits the speed.
+    """Return the acceleration that the bends ahead allow, m/s2; FAR where no bend can limit the speed.
 
     All bends that limit the present speed are known. The car brakes comfortably, not below the speed in the bend, and
     harder only if it is too fast for that. Where the bends allow more than the present speed, they are not considered
     again before the car can have become too fast for them.
     """
-    if st.odometer[i] < st.free_until[0] and st.slow_row[0] == st.path_row[0] and st.slow_lateral[0] == lateral:
+    if st.odometer[i] < st.free_until[0] and bends_are_known(st, lateral, braking) == 1:
         return op.FAR
     v = st.v[i]
     reach = NEAREST + 0.5 * v * v / max(braking, 0.1) + FARTHER
