@@ -249,8 +249,10 @@ class Totals(Columns):
     before_v: list[float] = column(RUN)
     before_width: list[float] = column(RUN)
     before_heading: list[float] = column(RUN)
+    before_intact: list[int] = column(RUN)
+    """1 if the row is not after the first collision."""
     before_after: list[int] = column(RUN)
-    """1 if the row is after the request."""
+    """1 if the row is after the request and not after the first collision."""
     added_after: list[int] = column(RUN)
     before_answered: list[int] = column(RUN)
     """1 if the row is after the response."""
