@@ -89,7 +89,7 @@ class Totals(Columns):
     least_confidence: list[float] = column(RUN, op.FAR)
     greatest_offset: list[float] = column(RUN, -1.0)
     """Greatest distance from the lane's centre, m."""
-    time_off_lanes: list[float] = column(RUN, -1.0)
+    time_off_road: list[float] = column(RUN, -1.0)
     rows_off_lanes: list[int] = column(RUN)
     rows_off_road: list[int] = column(RUN)
     departures: list[int] = column(RUN)
