@@ -188,9 +188,11 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
     """
     axes = spec.axes
     spec.traces_wanted()
-    if not axes:
+    if not axes and spec.samples * spec.repeat == 1:
         Families(target, spec, {}, sink, maps)  # what is wrong with the scenario itself comes first
-        raise SweepError("nothing varies: give --vary NAME=DISTRIBUTION")
+        raise SweepError(
+            "nothing varies: give --vary NAME=DISTRIBUTION, or --samples N for runs that differ in their random numbers"
+        )
     declared = {} if str(target).endswith(".json") else declared_parameters(target)
     constrained = {name for expression in constraints_of(spec) for name in expression.names}
     check_axes(axes, declared, constrained)
