@@ -191,9 +191,11 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
     found = found_target(target, sink)
     if found is None:
         raise CompileError(sink)
-    if not axes:
+    if not axes and spec.samples * spec.repeat == 1:
         Families(found, spec, {}, sink, maps)  # what is wrong with the scenario itself comes first
-        raise SweepError("nothing varies: give --vary NAME=DISTRIBUTION")
+        raise SweepError(
+            "nothing varies: give --vary NAME=DISTRIBUTION, or --samples N for runs that differ in their random numbers"
+        )
     declared = {} if str(found).endswith(".json") else declared_parameters(found)
     constrained = {name for expression in constraints_of(spec) for name in expression.names}
     check_axes(axes, declared, constrained)

@@ -18,7 +18,7 @@ import numpy as np
 
 from scenario_compiler.batch.distributions import Distribution, SweepError
 from scenario_compiler.batch.spec import SweepSpec
-from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
+from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value, parse_expression
 from scenario_compiler.randomness import hash_bits, uniform
 from scenario_compiler.recording.recording import Floats
 
@@ -82,7 +82,8 @@ class Sampler:
             values = self._point(number, attempt)
             if not self._drawn_again or self._holds(values, self._drawn_again):
                 return values
-        raise SweepError(f"no sample meets {self._shown} in {ATTEMPTS} draws for one variant")
+        at = " and ".join(f"{name} = {format_value(values[name])}" for name in self.crossed) or "one variant"
+        raise SweepError(f"no sample meets {self._shown} in {ATTEMPTS} draws for {at}")
 
     def choose(self) -> None:
         """Keep the points that fulfil the constraints which another draw cannot change.

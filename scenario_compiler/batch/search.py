@@ -97,6 +97,8 @@ class Search:
         """
         if spec.repeat > 1:
             raise SweepError("a search runs each value once, so it does not accept --repeat")
+        if not spec.vary:
+            raise SweepError("a search needs a range: write --vary NAME=uniform(least, greatest)")
         sink = Diagnostics() if sink is None else sink
         self.sweep: Sweep = prepare(target, spec, sink, maps)
         self.ranges = {name: _range_of(name, axis) for name, axis in spec.axes.items()}

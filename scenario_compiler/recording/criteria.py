@@ -111,17 +111,16 @@ def _event(kind: EventKind) -> tuple[Callable[..., Floats], Callable[..., Boolea
     return first_time, happened
 
 
-def _off_lanes(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
+def _off_road(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
     del reached, limit
     assert isinstance(criterion, StayOnRoad)
-    off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
-    return _first_time(traces, off & traces.present[..., 0] & criterion.required)
+    return _first_time(traces, ~traces.on_road & traces.present[..., 0] & criterion.required)
 
 
-def _was_off_lanes(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
+def _was_off_road(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
     del reached, limit
     assert isinstance(criterion, StayOnRoad)
-    return ~np.isnan(totals.column("time_off_lanes")) & criterion.required
+    return ~np.isnan(totals.column("time_off_road")) & criterion.required
 
 
 def _not_reached(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
@@ -255,9 +254,9 @@ def _collision_found(recording: Recording, traces: Traces, when: float | None, l
     return f"collision{f' with {whom}' if whom else ''} at {when:.2f} s"
 
 
-def _lanes_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+def _road_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
     del recording, traces, limit
-    return "the reference point stayed on a lane" if when is None else f"off the lanes from {when:.2f} s"
+    return "the reference point stayed on the road" if when is None else f"off the road from {when:.2f} s"
 
 
 def _destination_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
@@ -321,7 +320,7 @@ def _avoidable_found(recording: Recording, traces: Traces, when: float | None, l
 
 RULES: dict[type[Criterion], Rule] = {
     NoCollision: Rule(*_event("collision"), _collision_found),
-    StayOnRoad: Rule(_off_lanes, _was_off_lanes, _lanes_found),
+    StayOnRoad: Rule(_off_road, _was_off_road, _road_found),
     ReachDestination: Rule(_not_reached, _never_reached, _destination_found),
     MinimumTimeToCollision: Rule(_too_soon, _was_too_soon, _least_time_found),
     TakeoverWithin: Rule(_late_response, _responded_late, _response_found),

@@ -29,7 +29,8 @@ class Sides:
         to_right: Distance of its rightmost corner from the reference point, m.
         width: Width of the lane, m; 0 if there is none.
         on_lane: Whether the reference point is on a lane.
-        out: Whether a side is beyond its edge or the reference point is on no lane; false if the ego is absent.
+        out: Whether a side is beyond its edge or the reference point is on no lane; false if the ego is absent, and
+            after the first collision.
         crossing: Time until a side crosses its edge at the present lateral speed, s; 0 if one has crossed it, infinite
             if none will.
     """
@@ -88,7 +89,7 @@ class Departures:
 def sides_of(traces: Traces) -> Sides:
     """Return the ego's sides in its lane."""
     length, width, center = float(traces.length[0]), float(traces.width[0]), float(traces.center[0])
-    present, left = traces.present[..., 0], left_of_centre(traces)
+    there, left = traces.present[..., 0] & traces.until_collision, left_of_centre(traces)
     turned, along = traces.turned_in_lane
     front, rear = (center + 0.5 * length) * turned, (center - 0.5 * length) * turned
     half = 0.5 * width * np.abs(along)
@@ -97,9 +98,9 @@ def sides_of(traces: Traces) -> Sides:
     on_lane = (traces.road[..., 0] >= 0) & (traces.lane[..., 0] != 0)
     room_left, room_right = 0.5 * lane - (left + to_left), 0.5 * lane - (to_right - left)
     beyond = (lane > 0.0) & (np.minimum(room_left, room_right) < 0.0)
-    out = present & (~on_lane | beyond)
+    out = there & (~on_lane | beyond)
     across = traces.v[..., 0] * turned
-    nears = (lane > 0.0) & (across != 0.0) & present
+    nears = (lane > 0.0) & (across != 0.0) & there
     room = np.where(across > 0.0, room_left, room_right)
     crossing = np.where(nears, room / np.where(nears, np.abs(across), 1.0), np.inf)
     return Sides(left, to_left, to_right, lane, on_lane, out, np.where(out, 0.0, crossing))
@@ -153,7 +154,7 @@ def deepest_departure(traces: Traces) -> Floats:
 def _crossings(traces: Traces) -> Floats:
     """Return the times to lane crossing after the request that are below the horizon, s, (..., n); NaN elsewhere."""
     crossing = sides_of(traces).crossing
-    counts = traces.between(traces.times["request"]) & traces.present[..., 0] & (crossing < HORIZON)
+    counts = traces.since_request & traces.present[..., 0] & (crossing < HORIZON)
     return np.where(counts, crossing, np.nan)
 
 

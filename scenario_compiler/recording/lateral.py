@@ -27,12 +27,12 @@ def left_of_lane_at_request(traces: Traces) -> Floats:
 
     If the offset changes by more than `JUMP` from one row to the next, it is measured from another lane's centre. The
     distance of the two centres is that change less the vehicle's own motion, which is estimated from the row before.
-    Before the request the offset is relative to the present lane.
+    Before the request, and after the first collision, the offset is relative to the present lane.
     """
     left = np.nan_to_num(_held(left_of_centre(traces), traces.present[..., 0]))
     change = np.diff(left, axis=-1, prepend=left[..., :1])
     jumps = np.abs(change) > JUMP
-    after = traces.between(traces.times["request"])
+    after = traces.since_request
     counts = jumps & after & np.concatenate([np.zeros_like(after[..., :1]), after[..., :-1]], axis=-1)
     moved = _held(change, ~jumps)
     return left + np.add.accumulate(np.where(counts, moved - change, 0.0), axis=-1)
@@ -46,7 +46,7 @@ def _held(values: Floats, known: Booleans) -> Floats:
 
 def maximum_lateral_offset(traces: Traces) -> Floats:
     """Return the greatest distance from the centre of the lane at the request, m, (...), without rows off the lanes."""
-    counts = traces.between(traces.times["request"]) & (traces.lane[..., 0] != 0) & traces.present[..., 0]
+    counts = traces.since_request & (traces.lane[..., 0] != 0) & traces.present[..., 0]
     offsets = np.where(counts, np.abs(left_of_lane_at_request(traces)), np.nan)
     return np.asarray(np.fmax.reduce(offsets, axis=-1, initial=np.nan))
 
@@ -83,17 +83,18 @@ def settled_deviation(traces: Traces) -> Floats:
 
 
 def _deviation(traces: Traces, begin: Floats, end: Floats) -> Floats:
-    """Return the standard deviation of the lateral position in a window; NaN if it ends early or the lane changes."""
+    """Return the standard deviation of the lateral position in a window; NaN if it is cut short or the lane changes."""
     window = traces.between(begin, end)
     left = left_of_centre(traces)
     jumps = np.abs(np.diff(left, axis=-1)) > JUMP
     changes = (jumps & window[..., 1:] & window[..., :-1]).any(axis=-1)
     lasts = np.fmax.reduce(traces.t, axis=-1, initial=np.nan) >= end - 1e-6
+    intact = ~(traces.times["collision"] < end - 1e-6)
     count = window.sum(axis=-1)
     mean = _total(np.where(window, left, 0.0)) / np.maximum(count, 1)
     square = _total(np.where(window, (left - mean[..., None]) ** 2, 0.0))
     deviation = np.sqrt(square / np.maximum(count - 1, 1))
-    return np.where(lasts & ~changes & (count > 1), deviation, np.nan)
+    return np.where(lasts & intact & ~changes & (count > 1), deviation, np.nan)
 
 
 def _total(values: Floats) -> Floats:

@@ -241,17 +241,13 @@ def traffic_density(traces: Traces) -> Floats:
 
 def maximum_longitudinal_acceleration(traces: Traces) -> Floats:
     """Greatest acceleration or deceleration after the request."""
-    return _greatest(np.abs(traces.a[..., 0]), _after(traces))
+    return _greatest(np.abs(traces.a[..., 0]), traces.since_request)
 
 
 def maximum_lateral_acceleration(traces: Traces) -> Floats:
     """Greatest lateral acceleration after the request."""
     lateral = np.abs(traces.v[..., 0] * traces.v[..., 0] * traces.curvature)
-    return _greatest(lateral, _after(traces))
-
-
-def _after(traces: Traces) -> Booleans:
-    return traces.between(traces.times["request"]) & traces.until_collision
+    return _greatest(lateral, traces.since_request)
 
 
 def _greatest(values: Floats, where: Booleans) -> Floats:
@@ -320,7 +316,7 @@ MEASURES: tuple[Measure, ...] = (
         "eyes_on_time",
         "s",
         "Time from the request until the driver's eyes are on the road.",
-        "there was no request, or the driver never responded",
+        "there was no request, or the run ended, the vehicle collided or the driver never responded before that",
         eyes_on_time,
         eyes_on_time,
     ),
@@ -328,7 +324,7 @@ MEASURES: tuple[Measure, ...] = (
         "hands_on_time",
         "s",
         "Time from the request until the driver's hands are on the wheel.",
-        "there was no request, or the driver never responded",
+        "there was no request, or the run ended, the vehicle collided or the driver never responded before that",
         hands_on_time,
         hands_on_time,
     ),
@@ -365,7 +361,7 @@ MEASURES: tuple[Measure, ...] = (
         "first_brake_time",
         "s",
         f"Time from the request to the first row in which the brake is pressed by more than {100 * BRAKING:g} %. Only "
-        "rows in which the driver drives count, from the response until control is handed back.",
+        "rows in which the driver drives count, from the response until control is handed back or the first collision.",
         "there was no response, or no braking after it",
         first_brake_time,
         _first_brake_total,
@@ -517,7 +513,8 @@ MEASURES: tuple[Measure, ...] = (
         "lane_position_deviation",
         "m",
         f"Standard deviation (n - 1) of the lateral position in the lane over the {SETTLING:g} s after the response.",
-        f"there was no response or there was a lane change, or the run ended within {SETTLING:g} s of the response",
+        "there was no response or there was a lane change, or the run ended or the vehicle collided within "
+        f"{SETTLING:g} s of the response",
         lane_position_deviation,
         total("settling_deviation"),
         "standard deviation of lateral position (SDLP)",
@@ -527,7 +524,8 @@ MEASURES: tuple[Measure, ...] = (
         "m",
         f"Standard deviation (n - 1) of the lateral position in the lane from {SETTLING:g} s to {SETTLED:g} s "
         "after the response.",
-        f"there was no response, a lane change in that time, or the run ended within {SETTLED:g} s of the response",
+        "there was no response, a lane change in that time, or the run ended or the vehicle collided within "
+        f"{SETTLED:g} s of the response",
         settled_deviation,
         total("settled_deviation"),
         "standard deviation of lateral position (SDLP)",
@@ -536,9 +534,9 @@ MEASURES: tuple[Measure, ...] = (
         "stabilisation_time",
         "s",
         "Time from the request until lane keeping is stable. From the response on, the time in which the "
-        f"driver drives is divided into consecutive windows of {WINDOW:g} s. Lane keeping is stable from the "
-        "start of the first window from which on the standard deviation of the lateral position is at most "
-        f"{BAND:g} m in every window. A lane change counts as motion.",
+        "driver drives, up to the first collision, is divided into consecutive windows of "
+        f"{WINDOW:g} s. Lane keeping is stable from the start of the first window from which on the standard "
+        f"deviation of the lateral position is at most {BAND:g} m in every window. A lane change counts as motion.",
         f"there was no response or no such window, or the driver drove for less than {WINDOW:g} s",
         stabilisation_time,
         stabilisation_time_total,
@@ -547,8 +545,8 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "maximum_lateral_offset",
         "m",
-        "Greatest absolute distance, from the request on, of the reference point from the centre of the lane in which "
-        "it was at the request. Rows off every lane are ignored.",
+        "Greatest absolute distance, from the request to the end or the first collision, of the reference point from "
+        "the centre of the lane in which it was at the request. Rows off every lane are ignored.",
         "there was no request",
         maximum_lateral_offset,
         total("greatest_offset_after"),
@@ -558,7 +556,7 @@ MEASURES: tuple[Measure, ...] = (
         "1/min",
         "Reversals of the steering wheel per minute, of at least 3 degrees after a low-pass filter of 0.6 Hz "
         "(Butterworth, second order, forwards). Only rows in which the driver drives count, from the response until "
-        "control is handed back.",
+        "control is handed back or the first collision.",
         f"the driver drove for less than {LEAST:g} s",
         coarse_rate,
         coarse_total,
@@ -596,7 +594,7 @@ MEASURES: tuple[Measure, ...] = (
         "1",
         "Number of lane departures. One begins when a corner of the box passes an edge of the lane that contains the "
         "reference point, or when this point leaves every lane; it ends when the box is within one lane again. A lane "
-        "change counts as one.",
+        "change counts as one. Rows after the first collision are ignored, here and in the next two measures.",
         "never",
         lane_departures,
         lane_departures_total,
@@ -622,10 +620,10 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "minimum_time_to_lane_crossing",
         "s",
-        "Least time to line crossing over the rows from the request on: the distance from the outermost corner "
-        "of the box to the lane's edge, on the side to which the vehicle moves, divided by its lateral speed. "
-        "The lateral speed is the speed times the sine of the heading relative to the lane. It is 0 in a lane "
-        f"departure. Values of {HORIZON:g} s or more are ignored.",
+        "Least time to line crossing over the rows from the request to the end or the first collision: the distance "
+        "from the outermost corner of the box to the lane's edge, on the side to which the vehicle moves, divided by "
+        "its lateral speed. The lateral speed is the speed times the sine of the heading relative to the lane. It is 0 "
+        f"in a lane departure. Values of {HORIZON:g} s or more are ignored.",
         f"there was no request, or no edge would have been crossed within {HORIZON:g} s",
         least_time_to_crossing,
         total("least_crossing"),
@@ -634,7 +632,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "mean_time_to_lane_crossing",
         "s",
-        "Mean time to line crossing over the rows from the request on that have one.",
+        "Mean time to line crossing over the rows from the request to the end or the first collision that have one.",
         f"there was no request, or no edge would have been crossed within {HORIZON:g} s",
         mean_time_to_crossing,
         mean_time_to_crossing_total,

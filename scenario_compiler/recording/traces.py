@@ -186,12 +186,14 @@ class Traces:
     def driven(self) -> Booleans:
         """Rows driven by the driver who responded first, until control was handed back, (..., n).
 
-        The row of the response is not included, because the automation commanded the motion up to it.
+        The row of the response is not included, because the automation commanded the motion up to it; nor are rows
+        after the first collision, because nobody commands the motion any more.
         """
         with np.errstate(invalid="ignore"):
             after = self.t > self.times["response"][..., None] + SAME_TIME
         manual = np.isin(self.takeover_state, (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK))
-        return np.asarray(after & np.logical_and.accumulate(manual | ~after, axis=-1) & self.present[..., 0])
+        there = self.present[..., 0] & self.until_collision
+        return np.asarray(after & np.logical_and.accumulate(manual | ~after, axis=-1) & there)
 
     @cached_property
     def turned_in_lane(self) -> tuple[Floats, Floats]:
@@ -247,6 +249,11 @@ class Traces:
         way = np.where(moving, v * np.diff(self.t, axis=-1), 1.0)
         curvature = np.where(moving, turned / way, 0.0)
         return np.concatenate([np.full_like(self.t[..., :1], np.nan), curvature], axis=-1)
+
+    @property
+    def since_request(self) -> Booleans:
+        """Rows from the first request to the end or the first collision, (..., n)."""
+        return self.between(self.times["request"]) & self.until_collision
 
     @property
     def last_time(self) -> Floats:

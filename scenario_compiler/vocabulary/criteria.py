@@ -16,7 +16,7 @@ class NoCollision(Word):
 
 
 class StayOnRoad(Word):
-    """The ego vehicle's reference point stays on a lane.
+    """The ego vehicle's reference point stays on the road: on lanes for motor traffic, shoulders and parking lanes.
 
     This criterion always applies to an automated vehicle, even if it is not written, unless `required` is false.
     """

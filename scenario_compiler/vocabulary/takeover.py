@@ -192,8 +192,8 @@ class Takeover(Word):
         exclusive=True,
     )
     warning_lead: Number = attribute(
-        "Least time from the warning to the request, for causes that can be foreseen, s. There is no "
-        "warning of a limit that is detected too late for this.",
+        "Least time at unchanged speed from the warning to the request, for causes that can be foreseen, s. There is "
+        "no warning of a limit that is detected too late for this.",
         default=1.0,
         quantity="time",
         minimum=0,

@@ -67,6 +67,16 @@ def test_a_row_agrees_with_the_outcome_of_its_run(conflict: Path, tmp_path: Path
     assert [one["column"] for one in about["columns"]] == list(rows)
 
 
+def test_without_parameters_the_runs_differ_in_their_random_numbers_only(conflict: Path, tmp_path: Path) -> None:
+    spec = _spec(vary=(), samples=12, repeat=2)
+    run_sweep(conflict, spec, tmp_path / "sweep", workers=1)
+    rows, _ = read_results(tmp_path / "sweep")
+    assert len(set(rows["digest"])) == 1
+    assert rows["seed"] == 12 * [1, 2]
+    assert len(set(rows["takeover_time"])) > 6
+    assert "random numbers only" in (tmp_path / "sweep" / "report.html").read_text(encoding="utf-8")
+
+
 def _library_targets() -> Iterator[ParameterSet]:
     """Yield every scenario of the library; all but the first of every third file are slow."""
     for number, path in enumerate(sorted(LIBRARY.glob("*.xml"))):
@@ -169,7 +179,7 @@ def test_a_value_outside_its_limits_is_a_row_with_its_error(conflict: Path, tmp_
 @pytest.mark.parametrize("vary", [("distanse=uniform(1, 2)",), ("distance=uniform(5, 60)",), ()])
 def test_a_wrong_sweep_writes_nothing(conflict: Path, tmp_path: Path, vary: tuple[str, ...]) -> None:
     with pytest.raises((CompileError, SweepError)):
-        run_sweep(conflict, _spec(vary=vary), tmp_path / "sweep", report=False)
+        run_sweep(conflict, _spec(vary=vary, samples=1), tmp_path / "sweep", report=False)
     assert not (tmp_path / "sweep").exists()
 
 

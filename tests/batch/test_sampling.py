@@ -205,6 +205,14 @@ def test_listed_points_that_no_draw_can_save_are_left_out() -> None:
     assert [shorter.sample(index) for index in range(shorter.total)] == rows[: shorter.total]
 
 
+def test_a_listed_value_that_no_draw_can_match_is_named() -> None:
+    spec = SweepSpec.model_validate({"vary": ("a=values(3, 1)", "c=uniform(0, 1)"), "where": ("a > 2 + c",)})
+    sampler = make_sampler(spec)
+    assert sampler.sample(0)["a"] == 3.0
+    with pytest.raises(SweepError, match=r"draws for a = 1$"):
+        sampler.sample(1)
+
+
 @pytest.mark.parametrize("where", ["a > 20", "a >", "a > nothing"])
 def test_an_impossible_constraint_is_refused(where: str) -> None:
     with pytest.raises(SweepError, match=r"constraint|no sample"):

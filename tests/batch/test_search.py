@@ -33,6 +33,12 @@ def test_the_distance_at_which_collisions_begin_is_found(conflict: Path, tmp_pat
     assert again == found
 
 
+def test_a_search_without_a_range_is_refused(conflict: Path, tmp_path: Path) -> None:
+    spec = SweepSpec(vary=(), samples=5, perception="ideal")
+    with pytest.raises(SweepError, match="needs a range"):
+        minimise(conflict, spec, tmp_path / "search", measure="takeover_time", evaluations=5)
+
+
 def test_an_interrupted_search_is_resumed(conflict: Path, tmp_path: Path) -> None:
     spec = _spec("distance=uniform(20, 200)", settings={"speed": "8"})
     whole = find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0)

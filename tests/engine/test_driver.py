@@ -318,3 +318,21 @@ def test_every_constant_has_a_source_or_is_called_chosen(repository: Path) -> No
                 said = next((one for one in body[at:] if isinstance(one, ast.Expr)), None)
                 assert said is not None, label
                 assert source.search(ast.unparse(said)), f"{name}.{label}"
+
+
+def test_a_driver_moves_into_the_lane_beside_only_where_it_is() -> None:
+    """A car stands 10 m behind the start of a second lane: before that, a way past the car leaves the road."""
+    after = '<successor elementType="road" elementId="2" contactPoint="start"/>'
+    before = '<predecessor elementType="road" elementId="1" contactPoint="end"/>'
+    one = road(1, 220.0, lane(-1, link='<successor id="-1"/>'), link=after)
+    two = road(2, 800.0, lane(-1, link='<predecessor id="-1"/>'), lane(-2), x=220.0, link=before)
+    draft = Draft(network_of(one, two), {slots.K_DRIVER_TIME: 2.0})
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.ego(speed=14.0)
+    draft.entity(op.MOTION_STATIC, draft.position(1, -1, 10.0), 0.0)
+    run = draft.start()
+    while run.st.stop[0] == op.STOP_NONE:
+        run.go(run.st.clock[0] + 0.05)
+        assert run.st.on_road[0] == 1, run.st.x[0]
+    assert run.time_of(op.EVENT_RESPONSE) > 0.0
+    assert run.st.crashed[0] == 0

@@ -131,6 +131,29 @@ def test_the_minimum_risk_manoeuvre_has_the_given_deceleration_and_begins_when_t
     assert run.st.v[0] == 0.0
 
 
+@pytest.mark.parametrize(("driver", "responds"), [(6.5, True), (8.0, False)])
+def test_a_collision_ends_the_takeover(driver: float, responds: bool) -> None:
+    """With a budget of 7 s and a car that neither slows down nor stops by itself, a driver of 8 s comes too late."""
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: driver})
+    draft.program.minimum_risk[0] = 0
+    draft.program.after_request[0] = op.BEHAVIOUR_HOLD_SPEED
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.ego(speed=SPEED)
+    draft.parked(250.0)
+    run = draft.start()
+    while run.st.crashed[0] == 0:
+        run.go(run.st.clock[0] + 0.05)
+    crash = run.time_of(op.EVENT_COLLISION)
+    assert (run.time_of(op.EVENT_RESPONSE) > 0.0) == responds
+    run.st.ordered_request[0] = op.CAUSE_SCHEDULED
+    run.go()
+    assert run.st.stop[0] == op.STOP_COLLISION
+    assert run.st.clock[0] > crash + 3.0
+    assert run.st.requests[0] == 1
+    for kind in (op.EVENT_ESCALATION, op.EVENT_HANDS_ON, op.EVENT_RESPONSE, op.EVENT_STANDSTILL):
+        assert run.time_of(kind) <= crash
+
+
 def test_a_driver_may_take_over_during_the_minimum_risk_manoeuvre() -> None:
     draft = Draft(highway(), {slots.K_DRIVER_TIME: 11.0, slots.K_HEALTH_COUNT: 1.0, slots.K_NOISE: 60.0})
     draft.ego(speed=25.0)

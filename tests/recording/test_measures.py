@@ -153,6 +153,30 @@ def test_only_braking_by_the_driver_counts(handed_back: float, expected: float) 
     assert value("braking_time", run) == pytest.approx(expected, nan_ok=True)
 
 
+@pytest.mark.parametrize(
+    ("crash", "braking", "departures", "offset"), [(math.inf, 2.0, 2.0, 0.95), (3.0, math.nan, 1.0, 0.8)]
+)
+def test_the_takeover_is_measured_up_to_the_first_collision(
+    crash: float, braking: float, departures: float, offset: float
+) -> None:
+    """The brake from 4 s on and the second departure, from 6 s on, are those of the vehicle after the collision."""
+
+    def row(t: float) -> Row:
+        aside = 0.8 if 2.35 < t < 2.75 else 0.95 if t > 5.95 else 0.0
+        brake = 1.0 if t > 3.95 else 0.0
+        state = opcodes.TAKEOVER_MANUAL if t > 2.05 else opcodes.TAKEOVER_REQUEST
+        lane = {"road": (0,), "lane": (-1,), "lane_width": (3.5,), "s": (9 * t,), "off": (aside,)}
+        return {"x": (9 * t,), "v": (9.0,), "brake": (brake,), "takeover_state": (state,), **lane}
+
+    events = [(2.0, "request", "path_blocked"), (2.0, "response", "")]
+    run = record(("ego",), 140, row, [*events, *([(crash, "collision", "parked")] if crash < math.inf else [])])
+    for name in ("braking_time", "first_brake_time"):
+        assert value(name, run) == pytest.approx(braking, nan_ok=True)
+    assert value("lane_departures", run) == departures
+    assert value("maximum_lateral_offset", run) == pytest.approx(offset)
+    assert math.isnan(value("lane_position_deviation", run)) == (crash < math.inf)
+
+
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_the_lateral_offset_is_counted_from_the_lane_at_the_request(direction: float) -> None:
     """At 1 m/s to the left from 2 s to 5.5 s, over lanes 3.5 m wide: 3.5 m, half of it in the offset."""

@@ -35,11 +35,13 @@ def test_a_collision_fails_and_says_with_whom_and_when() -> None:
     }
 
 
-@pytest.mark.parametrize(("road", "lane"), [(-1, 0), (0, 0)])
-def test_leaving_the_lanes_fails(road: int, lane: int) -> None:
+@pytest.mark.parametrize(("road", "lane"), [(-1, 0), (0, 0), (0, -3)])
+def test_leaving_the_road_fails(road: int, lane: int) -> None:
+    """The ego leaves every lane, or drives onto lane -3, which is a pavement."""
+
     def row(t: float) -> Row:
         on = t < 0.25
-        return {"x": (t,), "road": (0 if on else road,), "lane": (-1 if on else lane,)}
+        return {"x": (t,), "road": (0 if on else road,), "lane": (-1 if on else lane,), "on_road": (on,)}
 
     outcome = judge(plan_of("ego", criteria=(StayOnRoad(),)), record(("ego",), 5, row))
     assert outcome.criteria[0].when == pytest.approx(0.3)

@@ -89,7 +89,7 @@ class Totals(Columns):
     least_confidence: list[float] = column(RUN, op.FAR)
     greatest_offset: list[float] = column(RUN, -1.0)
     """Greatest distance from the lane's centre, m."""
-    time_off_lanes: list[float] = column(RUN, -1.0)
+    time_off_road: list[float] = column(RUN, -1.0)
     rows_off_lanes: list[int] = column(RUN)
     rows_off_road: list[int] = column(RUN)
     departures: list[int] = column(RUN)
@@ -249,8 +249,10 @@ class Totals(Columns):
     before_v: list[float] = column(RUN)
     before_width: list[float] = column(RUN)
     before_heading: list[float] = column(RUN)
+    before_intact: list[int] = column(RUN)
+    """1 if the row is not after the first collision."""
     before_after: list[int] = column(RUN)
-    """1 if the row is after the request."""
+    """1 if the row is after the request and not after the first collision."""
     added_after: list[int] = column(RUN)
     before_answered: list[int] = column(RUN)
     """1 if the row is after the response."""

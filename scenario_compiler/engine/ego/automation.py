@@ -150,7 +150,8 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     if p.person[0] == 1:
         heed_person(p, st)
     automated = 1 - driven_by_hand(st)
-    step_takeover(n, p, st, i)
+    if st.crashed[0] == 0:
+        step_takeover(n, p, st, i)
     if automated == 1 and driven_by_hand(st) == 1:
         blocker = sense(n, p, st, i)
     state = st.takeover_state[0]

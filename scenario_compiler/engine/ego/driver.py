@@ -279,6 +279,20 @@ def evasion_length(p: Program, st: State, i: int) -> float:
 
 
 @compiled
+def lane_beside_begins(n: RoadTables, p: Program, st: State, side: int, against: int, out: float) -> int:
+    """Return 1 if the neighbouring lane of a corridor is there already where the ego moves into it.
+
+    It is looked for halfway and at the end of the move, `out` m ahead. Beside the block there may be a lane that begins
+    behind a junction, where the ego would still drive on the pavement.
+    """
+    for k in range(2):
+        road, lane, _, s, _ = path_ahead(n, p, st, 0.5 * (k + 1.0) * out)
+        if beside_width(n, road, lane, s, side) <= 0.0 or same_direction(n, road, lane, s, side) == against:
+            return 0
+    return 1
+
+
+@compiled
 def corridor_beside(
     n: RoadTables, p: Program, st: State, i: int, blocker: int, road: int, lane: int, s: float, side: int, against: int
 ) -> tuple[int, float]:
@@ -313,6 +327,8 @@ def corridor_beside(
     if against == 0:
         high = low
     out = evasion_over(p, st, i, blocker, centre)
+    if side != 0 and lane_beside_begins(n, p, st, side, against, out) == 0:
+        return 0, 0.0
     if meets_standing(p, st, i, centre, out, begin) == 1:
         return 0, 0.0
     if meets_oncoming(p, st, i, centre, out, evasion_length(p, st, i), op.NONE, 0.0, MEETING_TIME, 0, low, high) == 1:

@@ -68,7 +68,7 @@ def surely_inside(p: Program, m: Totals, left: float) -> int:
 @compiled
 def add_in_lane(p: Program, m: Totals, left: float) -> None:
     """Add the waiting row, whose offset `left` to the left of its lane's centre is known now, m."""
-    if m.before_present[0] == 0:
+    if m.before_present[0] == 0 or m.before_intact[0] == 0:
         m.departed[0] = 0
         return
     if m.before_after[0] == 0 and m.departed[0] == 0 and surely_inside(p, m, left) == 1:

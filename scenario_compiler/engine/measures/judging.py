@@ -49,10 +49,10 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
         m.greatest_offset[0] = max(m.greatest_offset[0], abs(m.row_off[0]))
         if m.row_road[0] < 0 or m.row_lane[0] == 0:
             m.rows_off_lanes[0] += 1
-            if m.time_off_lanes[0] < 0.0:
-                m.time_off_lanes[0] = m.row_time[0]
         if m.row_on_road[0] == 0:
             m.rows_off_road[0] += 1
+            if m.time_off_road[0] < 0.0:
+                m.time_off_road[0] = m.row_time[0]
     before = m.time_collision[0] < 0.0 or m.row_time[0] < m.time_collision[0] - SAME_TIME
     if behind_collision(m) == 0:
         m.least_lane_time[0] = min(m.least_lane_time[0], m.row_lane_time[0])

@@ -8,7 +8,7 @@ from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.in_lane import JUMP, add_in_lane
-from scenario_compiler.engine.measures.takeover import SAME_TIME, since
+from scenario_compiler.engine.measures.takeover import SAME_TIME, behind_collision, since
 from scenario_compiler.marker import compiled
 
 SETTLING = 10.0
@@ -69,10 +69,11 @@ def add_stability(p: Program, m: Totals, position: float) -> None:
 
 @compiled
 def finish_keeping(m: Totals) -> None:
-    """Write the standard deviations of the windows that the run covers completely and without a lane change."""
+    """Write the standard deviations of the windows that the run covers without a collision or a lane change."""
     for k in range(2):
         end = m.time_response[0] + (SETTLING if k == 0 else SETTLED)
-        lasts = m.time_response[0] >= 0.0 and m.row_time[0] >= end - SAME_TIME
+        intact = m.time_collision[0] < 0.0 or m.time_collision[0] >= end - SAME_TIME
+        lasts = intact and m.time_response[0] >= 0.0 and m.row_time[0] >= end - SAME_TIME
         if lasts and m.spread_broken[k] == 0 and m.spread_count[k] > 1:
             if k == 0:
                 m.settling_deviation[0] = deviation_of(m, k)
@@ -149,7 +150,8 @@ def add_to_keeping(p: Program, m: Totals) -> None:
     m.before_v[0] = m.row_v[0]
     m.before_width[0] = m.row_width[0]
     m.before_heading[0] = m.row_heading[0]
-    m.before_after[0] = since(m, m.time_request[0])
+    m.before_intact[0] = 1 - behind_collision(m)
+    m.before_after[0] = since(m, m.time_request[0]) * m.before_intact[0]
     m.before_answered[0] = since(m, m.time_response[0])
     m.before_driven[0] = 1 if m.driving[0] == 1 else 0
     m.before_inside[0] = 0

@@ -59,12 +59,13 @@ def add_driving(m: Totals) -> None:
 def follow_driving(m: Totals) -> None:
     """Record whether the driver of the first response drives in the last row.
 
-    The row of the response does not count, because the automation still commanded its motion.
+    The row of the response does not count, because the automation still commanded its motion; nor do rows after the
+    first collision, because nobody commands the motion any more.
     """
     if m.driving[0] == 2 or m.time_response[0] < 0.0 or m.row_time[0] <= m.time_response[0] + SAME_TIME:
         return
     drives = m.row_state[0] in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK)
-    m.driving[0] = 1 if drives else 2
+    m.driving[0] = 1 if drives and behind_collision(m) == 0 else 2
 
 
 @compiled
