@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -121,18 +121,20 @@ class TemplateScope:
         self.numbered[stem] = number
         return f"{stem}{number}"
 
-    def resolve(self, name: str) -> str | None:
-        """Return the id in the whole scenario to which a name refers here; the innermost scope that has it counts."""
+    def _outwards(self) -> Iterator[TemplateScope]:
+        """Yield this scope and those around it, from the innermost one."""
         scope: TemplateScope | None = self
         while scope is not None:
-            if name in scope.ids:
-                return scope.ids[name]
+            yield scope
             scope = scope.parent
-        return None
+
+    def resolve(self, name: str) -> str | None:
+        """Return the id in the whole scenario to which a name refers here; the innermost scope that has it counts."""
+        return next((scope.ids[name] for scope in self._outwards() if name in scope.ids), None)
 
     def known(self) -> set[str]:
         """Return every name that can be resolved here."""
-        return set(self.ids) | (self.parent.known() if self.parent else set())
+        return {one for scope in self._outwards() for one in scope.ids}
 
     def resolved(self, word: AnyWord, sink: Diagnostics) -> AnyWord:
         """Return the word with full ids of all entities in it and below it; report unknown ids."""
@@ -179,21 +181,12 @@ class TemplateScope:
 
     def resolve_event(self, name: str) -> str | None:
         """Return the name in the whole scenario to which the name of an event refers here."""
-        scope: TemplateScope | None = self
-        while scope is not None:
-            if name in scope.events:
-                return scope.events[name]
-            scope = scope.parent
-        return None
+        return next((scope.events[name] for scope in self._outwards() if name in scope.events), None)
 
     def _unknown_event(self, named: str, word: Word, attribute: str, sink: Diagnostics) -> str:
         something_unread = any(one.code.id.startswith("SC1") for one in sink)
         if self._complete() and not something_unread:
-            known: set[str] = set()
-            scope: TemplateScope | None = self
-            while scope is not None:
-                known.update(scope.events)
-                scope = scope.parent
+            known = {one for scope in self._outwards() for one in scope.events}
             hint = did_you_mean(named, known) or 'give the <when> that is meant a name: <when name="brakes">'
             sink.add(names.UNKNOWN_EVENT, f"there is no event '{named}'", word.place_of(attribute), hint=hint)
         return named

@@ -98,7 +98,7 @@ def test_a_name_is_found_however_it_is_written(written: str) -> None:
 
 
 @given(st.data())
-def test_a_damaged_text_has_findings(data: st.DataObject) -> None:
+def test_findings_in_damaged_text_have_a_place_in_it(data: st.DataObject) -> None:
     at = data.draw(st.integers(0, len(TEXT)))
     text = TEXT[:at] + data.draw(st.sampled_from(["<", '"', "&", ">", "<a>", "${", "\x00"])) + TEXT[at:]
     for one in findings(str(HERE / "draft.xml"), Draft(text)):

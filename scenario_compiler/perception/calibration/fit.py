@@ -86,7 +86,6 @@ class Reliability:
 
     Attributes:
         count: Number of observations.
-        accuracy: Share in which p > 0.5 agreed with the outcome.
         area: Area under the receiver operating characteristic; NaN if all outcomes were equal.
         brier: Mean squared difference of probability and outcome.
         expected_error: Mean over the observations of the difference between a bin's probability and frequency.
@@ -95,7 +94,6 @@ class Reliability:
     """
 
     count: int
-    accuracy: float
     area: float
     brier: float
     expected_error: float
@@ -113,7 +111,6 @@ def reliability(p: Floats, outcomes: Floats) -> Reliability:
             bins.append((low, high, int(inside.sum()), float(p[inside].mean()), float(outcomes[inside].mean())))
     return Reliability(
         count=len(p),
-        accuracy=float(((p > 0.5) == right).mean()),
         area=area_under_curve(p, right),
         brier=float(((p - outcomes) ** 2).mean()),
         expected_error=sum(count * abs(mean - seen) for _, _, count, mean, seen in bins) / len(p),

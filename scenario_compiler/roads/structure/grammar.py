@@ -20,7 +20,7 @@ from scenario_compiler.structure.grammar import Faults, Grammar
 from scenario_compiler.structure.notation import Declaration
 
 FIRST_MINOR, LAST_MINOR = 1, 8
-"""Last declared minor version of OpenDRIVE 1."""
+"""First and last declared minor version of OpenDRIVE 1."""
 
 
 def _additional(minor: int) -> Model:
