@@ -135,7 +135,7 @@ def note_differing(st: State, begin: int, end: int, count: int) -> int:
 def find_differing(st: State) -> int:
     """Write to `changed`, in their order, the features that may have to be taken up, and return their number.
 
-    Those that are known not to have been written since the last time are passed over.
+    Those that are known not to have been written since the last time are left out.
     """
     lasting = st.lasting_anew[0]
     count = 0
