@@ -391,8 +391,9 @@ WAY_SIZE = 16
 ROUTE_REACH = 40
 """Distance for which the ego's controller knows the route ahead, m: what a camera sees of the ground, and some more."""
 
-OUTLOOK_HEAD = 3
-"""Number of values of an outlook before its points: gap to the leader, its speed, and distance to the next junction."""
+OUTLOOK_HEAD = 4
+"""Number of values of an outlook before its points: gap to the leader, its speed, distance to the next junction, and
+speed for the bends ahead."""
 
 OUTLOOK_SIZE = OUTLOOK_HEAD + 2 * (ROUTE_REACH + 1)
 

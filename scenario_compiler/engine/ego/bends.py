@@ -44,13 +44,14 @@ SETTLING = 0.5
 
 
 @compiled
-def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float, reach: float) -> None:
-    """Find the bend within `reach` metres that limits the speed most.
+def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float) -> None:
+    """Find the bend that limits the speed most, as far ahead as comfortable braking from the present speed needs.
 
     Bends that allow every speed do not count, nor do those so far ahead that braking for any bend there suffices.
     """
     base = p.entity_const[i]
     fastest = p.const[base + slot.E_MAX_SPEED]
+    reach = NEAREST + 0.5 * st.v[i] * st.v[i] / max(braking, 0.1) + FARTHER
     st.slow_row[0] = st.path_row[0]
     st.slow_lateral[0] = lateral
     st.slow_braking[0] = braking
@@ -96,13 +97,11 @@ def bends_are_known(st: State, lateral: float, braking: float) -> int:
 
 
 @compiled
-def speed_for_bends(
-    n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float, reach: float
-) -> float:
-    """Return the greatest speed from which comfortable braking suffices for the bends within `reach` metres, m/s.
+def speed_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float) -> float:
+    """Return the greatest speed from which comfortable braking suffices for the bends ahead, m/s.
 
-    The bend is kept for some metres; where none is within reach, until the ego can be near one, at its greatest
-    acceleration.
+    It is FAR where no bend limits the speed. The bend is kept for some metres; where none is within reach, until the
+    ego can be near one, at its greatest acceleration.
 
     Args:
         n: The roads.
@@ -111,10 +110,11 @@ def speed_for_bends(
         i: The ego.
         lateral: Lateral acceleration in bends, m/s2.
         braking: Comfortable deceleration, m/s2.
-        reach: Distance up to which bends are known, m.
     """
     if st.odometer[i] >= st.slow_until[0] or bends_are_known(st, lateral, braking) == 0:
-        look_for_bends(n, p, st, i, lateral, braking, reach)
+        look_for_bends(n, p, st, i, lateral, braking)
+    if st.slow_square[0] >= op.FAR:
+        return op.FAR
     before = max(st.slow_at[0] - st.odometer[i], 0.0)
     return safe_sqrt(st.slow_square[0] + 2.0 * braking * before)
 
@@ -130,8 +130,7 @@ def acceleration_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral
     if st.odometer[i] < st.free_until[0] and bends_are_known(st, lateral, braking) == 1:
         return op.FAR
     v = st.v[i]
-    reach = NEAREST + 0.5 * v * v / max(braking, 0.1) + FARTHER
-    allowed = speed_for_bends(n, p, st, i, lateral, braking, reach)
+    allowed = speed_for_bends(n, p, st, i, lateral, braking)
     most = max(p.const[p.entity_const[i] + slot.E_MAX_ACCELERATION], 0.0)
     free = min(allowed * allowed, 2.0 * braking * (st.slow_known[0] - st.odometer[i]))
     minded = v + SETTLING * (most + braking)
