@@ -13,6 +13,7 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.ego.bends import acceleration_for_bends
+from scenario_compiler.engine.motion.surroundings import COMFORT_SHARE, SETS_FRICTION, TYRES_HOLD
 from scenario_compiler.engine.moves.table import NUMBERS as ACTION
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.simulation import Simulation
@@ -63,6 +64,13 @@ def draft_on(network: Network, speed: float, s: float = 50.0, **numbers: float) 
     draft = Draft(network, {slots.K_DURATION: 60.0, **{getattr(slots, name): value for name, value in numbers.items()}})
     draft.ego(speed=speed, s=s)
     return draft
+
+
+def slippery(draft: Draft, friction: float) -> None:
+    """Multiply the friction of the road by a factor from the start."""
+    k = draft.run_action(ACTION["environment"], value=friction)
+    draft.program.action_flags[k] = SETS_FRICTION
+    draft.event(draft.maneuver(), draft.at_time(0.0), k)
 
 
 def requested(draft: Draft, time: float) -> None:
@@ -289,10 +297,40 @@ def test_a_car_that_has_become_faster_on_a_straight_sees_the_bend_in_time() -> N
     assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(LATERAL * middle(30.0))
 
 
+@pytest.mark.parametrize("friction", [0.8, 0.4, 0.2])
+@pytest.mark.parametrize("driven_by", ["automation", "driver", "reference", "minimum risk"])
+def test_a_bend_of_a_slippery_road_is_driven_with_half_of_what_the_tyres_hold(driven_by: str, friction: float) -> None:
+    """Before, at a friction of 0.2, where the tyres hold 1.7 m/s2, 2.5 m/s2 were aimed for, and the lane was left."""
+    draft = draft_on(curve(60.0), 17.0, s=20.0, K_DRIVER_TIME=0.5 if driven_by == "driver" else 1.0e6)
+    slippery(draft, friction)
+    if driven_by == "reference":
+        draft.program.replaced_by[0] = op.REFERENCE_CAREFUL
+    if driven_by in ("driver", "minimum risk"):
+        requested(draft, 0.5)
+    if driven_by == "minimum risk":
+        draft.program.const[slots.K_MINIMUM_RISK_DECELERATION] = 0.3
+        for cause in range(op.CAUSES):
+            draft.program.const[slots.K_RISK_AFTER + cause] = 0.5
+    run = draft.start()
+    rows = rows_until(run, BEFORE + 60.0)
+    held = min(LATERAL, COMFORT_SHARE * TYRES_HOLD * friction)
+    assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(held * middle(60.0))
+    assert min(a for s, _, a, _ in rows if s < BEFORE - 20.0) > -1.6 * min(BRAKING, COMFORT_SHARE * 8.0 * friction)
+    assert max(abs(off) for *_, off in rows) < 0.85
+
+
+def test_a_lateral_acceleration_above_the_share_stays_what_the_scenario_says_on_a_dry_road() -> None:
+    run = draft_on(curve(60.0), 25.0, K_LATERAL=6.0).start()
+    rows = rows_until(run, BEFORE + ALONG - 10.0)
+    assert max(v for s, v, _, _ in rows if s > BEFORE + 30.0) == pytest.approx(math.sqrt(6.0 * middle(60.0)), rel=0.01)
+
+
+@pytest.mark.parametrize("friction", [1.0, 0.3, 0.0])
 @pytest.mark.parametrize("radius", [15.0, 60.0, 400.0])
 @pytest.mark.parametrize("answers", [0.5, 1.0e6])
-def test_both_forms_drive_a_bend_equally(radius: float, answers: float) -> None:
+def test_both_forms_drive_a_bend_equally(radius: float, answers: float, friction: float) -> None:
     draft = draft_on(curve(radius), 30.0, K_DRIVER_TIME=answers, K_DURATION=20.0)
+    slippery(draft, friction)
     requested(draft, 5.0)
     program = draft.done()
     both = run_both(draft.network.tables, program, [list(program.const)], [make_draws(1)], 400)
