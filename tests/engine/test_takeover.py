@@ -154,6 +154,22 @@ def test_a_collision_ends_the_takeover(driver: float, responds: bool) -> None:
         assert run.time_of(kind) <= crash
 
 
+@pytest.mark.parametrize(("parked", "stop"), [(250.0, op.STOP_COLLISION), (1500.0, op.STOP_DESTINATION)])
+def test_a_wreck_that_slides_to_the_destination_has_not_arrived(parked: float, stop: int) -> None:
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_DURATION: 60.0})
+    draft.program.minimum_risk[0] = 0
+    draft.program.after_request[0] = op.BEHAVIOUR_HOLD_SPEED
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.program.destination_road[0] = 0
+    draft.ego(speed=SPEED)
+    draft.parked(parked)
+    run = draft.start()
+    run.st.destination_x[0], run.st.destination_y[0] = 258.0, run.st.y[0]
+    run.go()
+    assert run.st.x[0] > 250.0
+    assert run.st.stop[0] == stop
+
+
 def test_a_driver_may_take_over_during_the_minimum_risk_manoeuvre() -> None:
     draft = Draft(highway(), {slots.K_DRIVER_TIME: 11.0, slots.K_HEALTH_COUNT: 1.0, slots.K_NOISE: 60.0})
     draft.ego(speed=25.0)

@@ -258,7 +258,7 @@ def judge_view(n: RoadTables, p: Program, st: State) -> None:
     """
     keep_view(n, p, st)
     outside = take_up(p, st)
-    automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
+    automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING) and st.crashed[0] == 0
     if outside == 1 and automated and st.time_outside_domain[0] < 0.0:
         st.time_outside_domain[0] = st.clock[0]
         log_event(st, op.EVENT_OUTSIDE_DOMAIN, 0.0)
