@@ -703,5 +703,6 @@ MEASURES: tuple[Measure, ...] = (
     _time_of("standstill", "standstill"),
     _time_of("collision", "collision"),
     _time_of("outside_domain", "look outside the domain of surrogate perception"),
+    _time_of("short_start", "control step if the run begins within the time budget of a limit ahead"),
 )
 """All measures, in the order in which they are shown."""

@@ -325,6 +325,7 @@ EVENT_HANDS_ON = 23
 EVENT_OVERRIDE = 24
 EVENT_OBSTRUCTION = 25
 EVENT_OUTSIDE_DOMAIN = 26
+EVENT_SHORT_START = 27
 LOG_SIZE = 128
 """Number of events that a run keeps; later ones are only counted."""
 

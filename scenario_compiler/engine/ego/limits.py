@@ -44,6 +44,13 @@ def request_distance(p: Program, closing: float, own: int, count: int) -> float:
 
 
 @compiled
+def short_distance(p: Program, closing: float, own: int, count: int) -> float:
+    """Return the distance to a limit below which a request, noticed only now, comes a control step late or more, m."""
+    waits = max(p.const[count] - 2.0, -1.0) * control_period(p)
+    return (budget_of(p, own) + waits) * closing
+
+
+@compiled
 def arrives_before(n: RoadTables, p: Program, st: State, distance: float) -> int:
     """Return 1 if the destination lies on the last measured path, nearer than a distance, m."""
     road = p.destination_road[0]

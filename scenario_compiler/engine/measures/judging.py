@@ -31,6 +31,7 @@ def note_events(st: State, m: Totals) -> None:
     m.time_no_progress[0] = st.time_no_progress[0]
     m.time_outside_domain[0] = st.time_outside_domain[0]
     m.time_obstruction[0] = st.time_obstruction[0]
+    m.time_short_start[0] = st.time_short_start[0]
     if st.crashed[0] == 1 and m.time_collision[0] < 0.0:
         at = first_logged(st, op.EVENT_COLLISION)
         if at >= 0:
