@@ -375,7 +375,8 @@ MEASURES: tuple[Measure, ...] = (
         "by the speed at that moment, to the nearest whole step. For a blocked path or the end of the lane, "
         "the limit is that place; the speed of an obstacle that comes towards the vehicle is added. For lane "
         "confidence, the limit is the place, up to 60 m ahead, from which on neither side has sufficiently "
-        "visible paint. For other causes, and where no such place is in sight, it is the time until a side of "
+        "visible paint; the budget is 0 if the front bumper has reached it, as at most requests for lost "
+        "paint. For other causes, and where no such place is in sight, it is the time until a side of "
         "the vehicle would leave its lane at unchanged speed and steering angle, if that is less than "
         f"{HORIZON:g} s.",
         "there was no request, or its limit would not be reached",
