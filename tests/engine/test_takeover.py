@@ -154,6 +154,21 @@ def test_a_collision_ends_the_takeover(driver: float, responds: bool) -> None:
         assert run.time_of(kind) <= crash
 
 
+@pytest.mark.parametrize("friction", [1.0, 0.3, 0.2])
+def test_the_minimum_risk_manoeuvre_stops_in_time_on_a_slippery_road(friction: float) -> None:
+    """Before, it began where 4 m/s2 would have sufficed, which tyres do not hold below a friction of 0.5."""
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_BUDGET: 9.0})
+    draft.program.after_request[0] = op.BEHAVIOUR_HOLD_SPEED
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.ego(speed=SPEED)
+    draft.parked(250.0)
+    run = draft.start()
+    run.st.friction[0] = friction
+    run.go()
+    assert run.st.stop[0] == op.STOP_STANDSTILL
+    assert 1.0 < run.st.blocked_distance[0] < 6.0
+
+
 @pytest.mark.parametrize(("parked", "stop"), [(250.0, op.STOP_COLLISION), (1500.0, op.STOP_DESTINATION)])
 def test_a_wreck_that_slides_to_the_destination_has_not_arrived(parked: float, stop: int) -> None:
     draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_DURATION: 60.0})
