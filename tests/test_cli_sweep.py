@@ -219,7 +219,8 @@ def test_the_summary_agrees_with_the_table(capsys: pytest.CaptureFixture[str]) -
     assert counts == [2, 4, 2]
     told = capsys.readouterr().out
     unasked = sum(end == "no_request" for end in rows["resolution"])
-    assert f"8 variants: 2 passed, 4 failed, 2 broken off; {unasked} without a request: " in told
+    short = sum(time is not None and not math.isnan(time) for time in rows["short_start_time"])
+    assert f"8 variants: 2 passed, 4 failed, 2 broken off; {unasked} without a request; {short} that begin " in told
 
 
 @pytest.mark.parametrize("target", ["it.xml", "varied.xosc"])
@@ -324,3 +325,14 @@ def test_surrogate_perception_says_which_variants_leave_its_domain(capsys: pytes
     rows, _ = read_results(Path("out"))
     left = rows["outside_domain_time"]
     assert [time is None or math.isnan(time) for time in left] == [True, False]
+
+
+def test_a_sweep_says_which_variants_begin_within_the_time_budget(capsys: pytest.CaptureFixture[str]) -> None:
+    """At 13.9 m/s the budget of 7 s is 97 m; the table alone shows only that their time budgets are smaller."""
+    options = ("--vary", "distance=values(60, 90, 130, 200)", "--perception", "ideal", "--no-report", "-o", "out")
+    assert call("sweep", "obstacle_ahead", *options) == 0
+    assert "2 that begin within the time budget" in capsys.readouterr().out
+    rows, _ = read_results(Path("out"))
+    short = rows["short_start_time"]
+    assert [time is None or math.isnan(time) for time in short] == [False, False, True, True]
+    assert [budget < 6.5 for budget in rows["time_budget"]] == [True, True, False, False]

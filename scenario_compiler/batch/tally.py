@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from scenario_compiler.recording.resolution import WITHOUT_REQUEST
 
-TALLIED = ("result", "resolution", "outside_domain_time")
+TALLIED = ("result", "resolution", "outside_domain_time", "short_start_time")
 """Columns of a sweep's table that `Tally.of` counts from, in its order."""
 
 
@@ -23,6 +23,7 @@ class Tally:
         broken_off: There is no result: the values were refused, or the run could not go on.
         unasked: Of those with a result, runs without a takeover request.
         outside: Runs that left the domain for which surrogate perception was fitted.
+        short: Runs that began within the time budget of a limit ahead.
     """
 
     passed: int = 0
@@ -30,15 +31,18 @@ class Tally:
     broken_off: int = 0
     unasked: int = 0
     outside: int = 0
+    short: int = 0
 
     @classmethod
-    def of(cls, results: Iterable[Any], resolutions: Iterable[Any], outside: Iterable[Any]) -> Tally:
-        """Count runs by their columns `TALLIED`; `outside` is NaN or None if a run stays inside."""
+    def of(
+        cls, results: Iterable[Any], resolutions: Iterable[Any], outside: Iterable[Any], short: Iterable[Any]
+    ) -> Tally:
+        """Count runs by their columns `TALLIED`; a time is NaN or None if its event did not happen."""
         pairs = list(zip(results, resolutions, strict=True))
         passed, failed, broken_off = (sum(one == kind for one, _ in pairs) for kind in ("pass", "fail", "error"))
         unasked = sum(end in WITHOUT_REQUEST and one != "error" for one, end in pairs)
-        left = sum(time is not None and not math.isnan(time) for time in outside)
-        return cls(passed, failed, broken_off, unasked, left)
+        left, late = (sum(t is not None and not math.isnan(t) for t in times) for times in (outside, short))
+        return cls(passed, failed, broken_off, unasked, left, late)
 
     def __add__(self, other: Tally) -> Tally:
         """Return the numbers of both together."""
@@ -48,6 +52,7 @@ class Tally:
             self.broken_off + other.broken_off,
             self.unasked + other.unasked,
             self.outside + other.outside,
+            self.short + other.short,
         )
 
     @property
@@ -60,7 +65,9 @@ class Tally:
         words = f"{self.passed} passed, {self.failed} failed, {self.broken_off} broken off"
         if automated:
             words = f"{words}; {self.unasked} without a request"
-        return f"{words}; {self.outside} outside the domain of surrogate perception" if self.outside else words
+        if self.outside:
+            words = f"{words}; {self.outside} outside the domain of surrogate perception"
+        return f"{words}; {self.short} that begin within the time budget" if self.short else words
 
 
 Stage = Literal["variants", "traces", "cases", "evaluations"]

@@ -4,7 +4,8 @@ Pure pursuit of the middle between the detected boundaries and a proportional sp
 numbers (look-ahead 0.4 s within 3 to 20 m, speed gain 2). When the detector loses the lane, the last trusted path is
 kept in the odometry's frame and followed to its end, and beyond its end at the curvature that the lane had. If a
 junction is in sight, a boundary that leaves the planned route does not belong to the lane to follow: the sooner it
-leaves, the less it counts. Anything that the forward sensor sees ahead in the path is followed at a time gap.
+leaves, the less it counts. Anything that the forward sensor sees ahead in the path is followed at a time gap. Bends are
+driven at the speed that the planned route allows.
 """
 
 from __future__ import annotations
@@ -50,9 +51,6 @@ BEND_SHARE = 0.1
 
 END_POINTS = 6
 """Number of points at the path's end from which its direction is taken; the end of a single image is too noisy."""
-
-BEND_SPAN = 4
-"""Number of points of the route, a metre apart, on either side over which a bend is measured."""
 
 USUAL_WIDTH = 3.5
 """Assumed width of a lane of which only one side has been seen, m."""
@@ -148,7 +146,7 @@ class LaneDetectionController(ControllerModel):
 
     def _pedals(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> tuple[float, float]:
         """Return throttle and brake that hold the desired speed, or the gap to what is ahead."""
-        desired = min(vehicle.desired_speed, self._speed_of_bends(sensor_data.route))
+        desired = min(vehicle.desired_speed, sensor_data.bend_speed)
         missing = self.params.speed_gain * (desired - speed)
         throttle, brake = min(max(missing, 0.0), 1.0), min(max(-missing / 4.0, 0.0), 1.0)
         if sensor_data.lead_gap is None:
@@ -157,16 +155,6 @@ class LaneDetectionController(ControllerModel):
         if followed >= 0.0:
             return min(throttle, followed / vehicle.max_acceleration), brake
         return 0.0, max(brake, min(-followed / vehicle.max_deceleration, 1.0))
-
-    def _speed_of_bends(self, way: Sequence[Point]) -> float:
-        """Return the highest speed from which comfortable braking is enough for the bends of the route ahead, m/s."""
-        slowest = math.inf
-        for k in range(BEND_SPAN, len(way) - BEND_SPAN):
-            curvature = _curvature(way[k - BEND_SPAN], way[k], way[k + BEND_SPAN])
-            if curvature > 0.0:
-                in_bend = self.params.lateral_acceleration / curvature
-                slowest = min(slowest, in_bend + 2.0 * self.params.following_deceleration * (k - BEND_SPAN))
-        return math.sqrt(slowest)
 
     def _following(self, speed: float, lead: float, gap: float, desired: float) -> float:
         """Return the acceleration of the intelligent driver model (Treiber, Hennecke and Helbing 2000), m/s2."""
@@ -254,13 +242,6 @@ def _way_of(sensor_data: SensorData, ahead: float) -> list[Point]:
     if junction is None or junction > ahead + LOOKED_AT[1]:
         return []
     return [(x - ahead, y - sensor_data.camera.y) for x, y in sensor_data.route]
-
-
-def _curvature(before: Point, at: Point, after: Point) -> float:
-    """Return the curvature of the circle through three points, 1/m."""
-    (ax, ay), (bx, by) = (at[0] - before[0], at[1] - before[1]), (after[0] - before[0], after[1] - before[1])
-    sides = math.hypot(ax, ay) * math.hypot(bx, by) * math.dist(at, after)
-    return 2.0 * abs(ax * by - ay * bx) / sides if sides > 0.0 else 0.0
 
 
 def _on_way(boundary: Boundary, way: Sequence[Point]) -> Boundary:

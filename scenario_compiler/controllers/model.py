@@ -6,6 +6,7 @@ base class `ControllerModel` and a class `Params`.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -89,6 +90,9 @@ class SensorData:
             the rear axle, m, one metre apart, beginning beside the axle; empty if the ego is off every road.
         junction: Distance along the route to the next junction, m, rounded to the metre, 0 inside a junction; None if
             there is none on the known route.
+        bend_speed: Greatest speed from which comfortable braking suffices for the bends of the planned route, m/s. The
+            properties `lateral_acceleration` and `following_deceleration` of the controller say what is comfortable; by
+            default 2.5 and 2 m/s2. Infinite if no bend limits the speed.
     """
 
     t: float
@@ -98,6 +102,7 @@ class SensorData:
     lead_speed: float = 0.0
     route: tuple[tuple[float, float], ...] = ()
     junction: float | None = None
+    bend_speed: float = math.inf
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,12 +39,15 @@ class Outlook:
         gap: Distance from the front bumper to the leader that the forward sensor sees, m; FAR if there is none.
         lead_speed: Its speed along the route, m/s.
         junction: Distance along the route to the next junction, m; FAR if there is none in reach.
+        bend_speed: Greatest speed from which comfortable braking suffices for the bends ahead, m/s; FAR if none
+            limits it.
         way: Points of the planned route, 1 m apart, as (x ahead, y left) of the reference point, m.
     """
 
     gap: float
     lead_speed: float
     junction: float
+    bend_speed: float
     way: tuple[tuple[float, float], ...]
 
 
@@ -221,7 +224,7 @@ class Simulation:
         out = array("d", bytes(8 * op.OUTLOOK_SIZE))
         count = self.form.enter("look_out", out)
         points = tuple(zip(out[op.OUTLOOK_HEAD :: 2][:count], out[op.OUTLOOK_HEAD + 1 :: 2][:count], strict=True))
-        return Outlook(out[0], out[1], out[2], points)
+        return Outlook(out[0], out[1], out[2], out[3], points)
 
     def look_at_view(self) -> NDArray[np.float64] | None:
         """Return the features of surrogate perception, (2, VIEW_SIZE), for the left and for the right side.

@@ -114,7 +114,8 @@ def _event(kind: EventKind) -> tuple[Callable[..., Floats], Callable[..., Boolea
 def _off_road(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
     del reached, limit
     assert isinstance(criterion, StayOnRoad)
-    return _first_time(traces, ~traces.on_road & traces.present[..., 0] & criterion.required)
+    off = ~traces.on_road & traces.present[..., 0] & traces.until_collision
+    return _first_time(traces, off & criterion.required)
 
 
 def _was_off_road(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
@@ -134,9 +135,12 @@ def _never_reached(criterion: Criterion, totals: RunTotals, reached: Booleans, l
 
 
 def _late_response(criterion: Criterion, runs: Traces | RunTotals, reached: Booleans, limit: Floats) -> Floats:
-    """Return the time by which the driver should have responded but did not, s; NaN otherwise."""
+    """Return the time by which the driver should have responded but did not, s; NaN otherwise.
+
+    It is the time of a collision before that, after which nobody responds.
+    """
     del criterion, reached
-    due = runs.times["request"] + limit
+    due = np.minimum(runs.times["request"] + limit, np.fmin(runs.times["collision"], np.inf))
     response = runs.times["response"]
     late = np.where(np.isnan(response), runs.last_time >= due, response > due + SAME_TIME)
     return np.where(late, due, np.nan)
@@ -169,7 +173,8 @@ def _was_requested(criterion: Criterion, runs: Timed, cause: Floats) -> Booleans
 
 def _too_far_off(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
     del criterion, reached
-    return _first_time(traces, (np.abs(traces.off[..., 0]) > limit[..., None]) & traces.present[..., 0])
+    far = np.abs(traces.off[..., 0]) > limit[..., None]
+    return _first_time(traces, far & traces.present[..., 0] & traces.until_collision)
 
 
 def _was_too_far_off(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
@@ -306,7 +311,7 @@ def _obstruction_found(recording: Recording, traces: Traces, when: float | None,
 
 def _offset_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
     del recording, when
-    offsets = np.abs(traces.off[..., 0][traces.present[..., 0]])
+    offsets = np.abs(traces.off[..., 0][traces.present[..., 0] & traces.until_collision])
     return f"the greatest was {float(offsets.max(initial=0.0)):.2f} m, at most {limit:g} m is allowed"
 
 

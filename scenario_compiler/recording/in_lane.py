@@ -182,7 +182,8 @@ def heading_error_at_response(traces: Traces) -> Floats:
 
 def time_off_road(traces: Traces) -> Floats:
     """Return the duration for which the reference point was off the road, s, (...)."""
-    return np.asarray((~traces.on_road & traces.present[..., 0]).sum(axis=-1) * traces.step)
+    off = ~traces.on_road & traces.present[..., 0] & traces.until_collision
+    return np.asarray(off.sum(axis=-1) * traces.step)
 
 
 def lane_departures_total(totals: RunTotals) -> Floats:

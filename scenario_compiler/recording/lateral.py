@@ -14,8 +14,8 @@ from scenario_compiler.recording.traces import Traces
 
 def left_of_centre(traces: Traces) -> Floats:
     """Return the offset to the left of the centre of the present lane, in the driving direction, m, (..., n)."""
-    same_road = np.diff(traces.road[..., 0], axis=-1) == 0
-    step = np.sign(np.where(same_road, np.diff(traces.s[..., 0], axis=-1), 0.0))
+    driven = (np.diff(traces.road[..., 0], axis=-1) == 0) & traces.until_collision[..., 1:]
+    step = np.sign(np.where(driven, np.diff(traces.s[..., 0], axis=-1), 0.0))
     none = np.zeros_like(traces.t[..., :1])
     ahead, behind = np.concatenate([step, none], axis=-1), np.concatenate([none, step], axis=-1)
     direction = np.where(ahead != 0, ahead, behind)
@@ -62,7 +62,7 @@ def lateral_offset_at_response(traces: Traces) -> Floats:
 def time_off_lanes(traces: Traces) -> Floats:
     """Return the duration for which the reference point was on no lane, s, (...)."""
     off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
-    return np.asarray((off & traces.present[..., 0]).sum(axis=-1) * traces.step)
+    return np.asarray((off & traces.present[..., 0] & traces.until_collision).sum(axis=-1) * traces.step)
 
 
 def time_off_lanes_total(totals: RunTotals) -> Floats:

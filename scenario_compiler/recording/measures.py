@@ -2,7 +2,8 @@
 
 A measure is computed in two ways with the same result: from `Traces`, the arrays of recordings with any leading axes
 for runs, and from `RunTotals`, which the engine adds up during the run. Both return one number per run, NaN if the
-measure is not defined. Every file that contains the number also contains its definition.
+measure is not defined. Rows after the first collision do not change a measure, except the final speed. Every file that
+contains the number also contains its definition.
 """
 
 from __future__ import annotations
@@ -255,9 +256,10 @@ def _greatest(values: Floats, where: Booleans) -> Floats:
 
 
 def minimum_confidence(traces: Traces) -> Floats:
-    """Least lane confidence, each time of the better side."""
+    """Least lane confidence up to the first collision, each time of the better side."""
     better = np.fmax(traces.confidence_left, traces.confidence_right)
-    return np.asarray(np.fmin.reduce(better, axis=-1, initial=np.nan))
+    intact = np.where(traces.until_collision, better, np.nan)
+    return np.asarray(np.fmin.reduce(intact, axis=-1, initial=np.nan))
 
 
 def final_speed(traces: Traces) -> Floats:
@@ -373,7 +375,8 @@ MEASURES: tuple[Measure, ...] = (
         "by the speed at that moment, to the nearest whole step. For a blocked path or the end of the lane, "
         "the limit is that place; the speed of an obstacle that comes towards the vehicle is added. For lane "
         "confidence, the limit is the place, up to 60 m ahead, from which on neither side has sufficiently "
-        "visible paint. For other causes, and where no such place is in sight, it is the time until a side of "
+        "visible paint; the budget is 0 if the front bumper has reached it, as at most requests for lost "
+        "paint. For other causes, and where no such place is in sight, it is the time until a side of "
         "the vehicle would leave its lane at unchanged speed and steering angle, if that is less than "
         f"{HORIZON:g} s.",
         "there was no request, or its limit would not be reached",
@@ -642,7 +645,8 @@ MEASURES: tuple[Measure, ...] = (
         "time_off_road",
         "s",
         "Time for which the reference point was off the road: off every lane, or on a lane that is neither for motor "
-        "traffic nor a shoulder or parking lane. It is the number of such rows times the step.",
+        "traffic nor a shoulder or parking lane. It is the number of such rows up to the first collision times the "
+        "step.",
         "never",
         time_off_road,
         time_off_road_total,
@@ -650,7 +654,8 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "time_off_lanes",
         "s",
-        "Time for which the reference point was off every lane: the number of such rows times the step.",
+        "Time for which the reference point was off every lane: the number of such rows up to the first collision "
+        "times the step.",
         "never",
         time_off_lanes,
         time_off_lanes_total,
@@ -659,7 +664,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "minimum_confidence",
         "1",
-        "Least lane confidence of the run, each time of the better side.",
+        "Least lane confidence of the run up to the first collision, each time of the better side.",
         "no lane confidence was recorded",
         minimum_confidence,
         total("least_confidence"),
@@ -667,7 +672,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "final_speed",
         "m/s",
-        "Speed in the last row of the run.",
+        "Speed in the last row of the run, also after a collision.",
         "no row",
         final_speed,
         total("row_v"),
@@ -699,5 +704,6 @@ MEASURES: tuple[Measure, ...] = (
     _time_of("standstill", "standstill"),
     _time_of("collision", "collision"),
     _time_of("outside_domain", "look outside the domain of surrogate perception"),
+    _time_of("short_start", "control step if the run begins within the time budget of a limit ahead"),
 )
 """All measures, in the order in which they are shown."""

@@ -33,6 +33,7 @@ TIMED_EVENTS: tuple[EventKind, ...] = (
     "obstruction",
     "collision",
     "outside_domain",
+    "short_start",
 )
 """Events whose first time is used in a measure."""
 

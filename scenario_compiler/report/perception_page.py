@@ -174,7 +174,8 @@ unknown tilt may do to the boundary. The ego's body pitches as it brakes, by the
 [vehicle](language.md#Vehicle).
 
 **Bends.** The controller reduces the speed so that the lateral acceleration stays at 2.5 m/s2 (its property
-`lateral_acceleration`). It knows the bends on the next 40 m of the planned route.
+`lateral_acceleration`). It knows the bends of the planned route from the map, as far ahead as it needs to brake
+comfortably ([the law](takeover.md#bends)).
 
 **The packaged confidence** is the mean of two fits with 32 hidden units each, to 480 clips of each of 18 maps, among
 them CARLA's towns 01, 03, 04 and 05. On these four towns it has an area of 0.976, an expected error of 0.005 and a

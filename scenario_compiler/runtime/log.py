@@ -103,5 +103,7 @@ class EventLog:
             return EventRow(t=t, kind=kind, entity=reported, cause=cause, message=STANDING_PLACES[place])
         if code in (op.EVENT_FAILURE, op.EVENT_FAILURE_END):
             return EventRow(t=t, kind=kind, entity=reported, cause=FAILURES[int(value)])
+        if code == op.EVENT_SHORT_START:
+            return EventRow(t=t, kind=kind, entity=reported, cause=CAUSES[int(value)])
         number = value if code == op.EVENT_HAZARD_LIGHTS else None
         return EventRow(t=t, kind=kind, entity=reported, cause=cause if code in CAUSED else "", value=number)

@@ -415,6 +415,7 @@ class Execution:
             lead_speed=0.0 if outlook.gap >= op.FAR else outlook.lead_speed,
             route=outlook.way,
             junction=None if outlook.junction >= op.FAR else outlook.junction,
+            bend_speed=math.inf if outlook.bend_speed >= op.FAR else outlook.bend_speed,
         )
         vehicle = VehicleState(
             x=st.x[0],

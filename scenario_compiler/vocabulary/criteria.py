@@ -18,7 +18,8 @@ class NoCollision(Word):
 class StayOnRoad(Word):
     """The ego vehicle's reference point stays on the road: on lanes for motor traffic, shoulders and parking lanes.
 
-    This criterion always applies to an automated vehicle, even if it is not written, unless `required` is false.
+    This criterion always applies to an automated vehicle, even if it is not written, unless `required` is false. Where
+    the vehicle goes after its first collision does not count.
     """
 
     word: Literal["stay_on_road"] = "stay_on_road"
@@ -27,7 +28,7 @@ class StayOnRoad(Word):
 
 
 class ReachDestination(Word):
-    """The ego vehicle reaches its destination."""
+    """The ego vehicle reaches its destination without a collision on the way."""
 
     word: Literal["reach_destination"] = "reach_destination"
 
@@ -41,7 +42,7 @@ class MinimumTimeToCollision(Word):
 
 
 class TakeoverWithin(Word):
-    """The driver responds to the first request in time. A run without a request meets this criterion."""
+    """The driver responds to the first request in time, and before a collision. A run without a request meets it."""
 
     word: Literal["takeover_within"] = "takeover_within"
 
@@ -83,7 +84,7 @@ class NoObstruction(Word):
 
 
 class MaximumLateralOffset(Word):
-    """The ego vehicle's reference point stays near the middle of a lane."""
+    """The ego vehicle's reference point stays near the middle of a lane, up to its first collision."""
 
     word: Literal["maximum_lateral_offset"] = "maximum_lateral_offset"
 

@@ -44,13 +44,14 @@ def program_of(tmp_path: Path) -> Callable[..., Program]:
     return made
 
 
-def answers(p: Program, request: int = 1) -> Floats:
+def answers(p: Program, request: int = 1, cause: int = op.CAUSE_NONE) -> Floats:
     """Return the takeover times at one request of many runs, s."""
     state = new_state(p)
     times = []
     for k in range(DRAWS):
         state.draw[:] = make_draws(1, k)
         state.requests[0] = request
+        state.cause[0] = cause
         times.append(takeover_time(p, state))
     return np.array(times)
 
@@ -128,6 +129,21 @@ def test_each_effect_moves_the_mean_and_keeps_the_shape(
     times = answers(program_of(takeover, budget), request_number)
     assert accepted(times, lognormal(*STUDY_MEANS, share=(before + added) / before))
     assert times.mean() == pytest.approx(before + added, abs=0.06)
+
+
+@pytest.mark.parametrize(
+    ("cause", "added"), [(op.CAUSE_PATH_BLOCKED, -0.54), (op.CAUSE_LANE_ENDS, 0.54), (op.CAUSE_LANE_CONFIDENCE, 0.0)]
+)
+def test_the_budget_is_that_of_the_requests_cause(program_of: Callable[..., Program], cause: int, added: float) -> None:
+    """Before, a driver who had 5 s for an obstacle took as long as one with the 7 s of the policy."""
+    own = '<cause kind="path_blocked" budget="5"/><cause kind="lane_ends" budget="9"/><cause kind="lane_confidence"/>'
+    assert answers(program_of(f"{own}<driver/>"), cause=cause).mean() == pytest.approx(
+        mean_of(*STUDY_MEANS) + added, abs=0.06
+    )
+    if cause == op.CAUSE_PATH_BLOCKED:
+        assert answers(program_of(f'{own}<driver preset="sumo_toc"/>'), cause=cause).mean() == pytest.approx(
+            3.5, abs=0.1
+        )
 
 
 def test_a_task_of_the_measurements_is_not_added_again(program_of: Callable[..., Program]) -> None:

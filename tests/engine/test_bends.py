@@ -13,10 +13,12 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.ego.bends import acceleration_for_bends
+from scenario_compiler.engine.motion.surroundings import COMFORT_SHARE, SETS_FRICTION, TYRES_HOLD
 from scenario_compiler.engine.moves.table import NUMBERS as ACTION
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.sensors import Perception
 from tests.engine.both import run_both
 from tests.engine.make import Draft, Run, highway, lane, network_of, road
 
@@ -31,7 +33,7 @@ PLAN_VIEW = """<geometry s="0" x="0" y="0" hdg="0" length="{before}"><line/></ge
 <geometry s="{beyond}" x="{x}" y="{y}" hdg="{turned}" length="600"><line/></geometry>"""
 
 
-def curve(radius: float, *, left: bool = True, shape: str = "") -> Network:
+def curve_text(radius: float, *, left: bool = True, shape: str = "") -> str:
     """Return a straight road with a bend of a radius, m, to the left or to the right, and then straight on."""
     k = 1.0 / radius if left else -1.0 / radius
     turned = k * ALONG
@@ -46,7 +48,11 @@ def curve(radius: float, *, left: bool = True, shape: str = "") -> Network:
     )
     text = road(1, BEFORE + ALONG + 600.0, lane(-1, "solid"), left=lane(1, "solid"))
     begin, end = text.index("<geometry"), text.index("</planView>")
-    return network_of(text[:begin] + view + text[end:])
+    return text[:begin] + view + text[end:]
+
+
+def curve(radius: float, *, left: bool = True, shape: str = "") -> Network:
+    return network_of(curve_text(radius, left=left, shape=shape))
 
 
 def middle(radius: float, *, left: bool = True, side: int = -1) -> float:
@@ -58,6 +64,13 @@ def draft_on(network: Network, speed: float, s: float = 50.0, **numbers: float) 
     draft = Draft(network, {slots.K_DURATION: 60.0, **{getattr(slots, name): value for name, value in numbers.items()}})
     draft.ego(speed=speed, s=s)
     return draft
+
+
+def slippery(draft: Draft, friction: float) -> None:
+    """Multiply the friction of the road by a factor from the start."""
+    k = draft.run_action(ACTION["environment"], value=friction)
+    draft.program.action_flags[k] = SETS_FRICTION
+    draft.event(draft.maneuver(), draft.at_time(0.0), k)
 
 
 def requested(draft: Draft, time: float) -> None:
@@ -97,6 +110,67 @@ def test_before_a_bend_the_car_brakes_comfortably_however_fast_it_is(radius: flo
     distance = (speed**2 - LATERAL * middle(radius)) / (2.0 * BRAKING)
     begins = next(s for s, v, _, _ in rows if v < speed - 0.1)
     assert begins == pytest.approx(BEFORE - distance, abs=2.0 * speed)
+
+
+CURVE = """<scenarios version="1"><scenario name="curve" map="curve.xodr" duration="40">
+  <ego speed="{speed}"><start><lane road="1" lane="-1" s="50"/></start>{controller}</ego>
+  <takeover><cause kind="path_blocked"/></takeover>
+</scenario></scenarios>"""
+
+
+def compiled_in(folder: Path, perception: Perception, radius: float, speed: float, controller: str = "") -> Simulation:
+    """Return a run from 300 m before a bend, which the scenario language describes."""
+    header = '<header revMajor="1" revMinor="4" name="" version="1" date="2026"/>'
+    (folder / "curve.xodr").write_text(f"<OpenDRIVE>{header}{curve_text(radius)}</OpenDRIVE>", encoding="utf-8")
+    path = folder / "curve.xml"
+    path.write_text(CURVE.format(speed=speed, controller=controller), encoding="utf-8")
+    plan = compile_scenario(path, overrides=Overrides(perception=perception))
+    network = load_network(plan.map.file)
+    simulation = Simulation(network.tables, build_program(plan, network))
+    simulation.reset(make_draws(1))
+    return simulation
+
+
+@pytest.mark.parametrize("perception", ["ideal", "surrogate"])
+@pytest.mark.parametrize(("radius", "speed"), [(60.0, 25.0), (35.0, 20.0), (200.0, 33.0)])
+def test_every_perception_brakes_comfortably_before_a_bend(
+    tmp_path: Path, perception: Perception, radius: float, speed: float
+) -> None:
+    """Surrogate perception, like the camera's controller, knew only 36 m of its route, and braked with up to 8 m/s2."""
+    run = compiled_in(tmp_path, perception, radius, speed)
+    st, hardest, inside = run.state, 0.0, []
+    while run.step() and st.s[0] < BEFORE + 60.0:
+        hardest = min(hardest, st.a[0])
+        if st.s[0] >= BEFORE:
+            inside.append(st.v[0])
+    assert hardest > -1.75 * BRAKING
+    assert max(inside) < 1.05 * math.sqrt(LATERAL * middle(radius))
+
+
+@pytest.mark.parametrize(
+    ("controller", "lateral", "braking"),
+    [
+        ("", LATERAL, BRAKING),
+        ('<controller><property name="lateral_acceleration" value="1.5"/></controller>', 1.5, BRAKING),
+        (
+            '<controller model="mine.py:Mine"><property name="following_deceleration" value="1"/>'
+            '<property name="lateral_acceleration" value="much"/></controller>',
+            LATERAL,
+            1.0,
+        ),
+    ],
+)
+def test_a_controller_is_given_the_speed_for_the_bends_of_its_route(
+    tmp_path: Path, controller: str, lateral: float, braking: float
+) -> None:
+    run = compiled_in(tmp_path, "camera", 60.0, 25.0, controller)
+    distance = BEFORE - run.state.s[0] - 4.0
+    in_bend = lateral * middle(60.0)
+    assert run.look_out().bend_speed == pytest.approx(math.sqrt(in_bend + 2.0 * braking * distance), rel=0.02)
+
+
+def test_without_a_bend_a_controller_is_given_no_speed_for_bends(tmp_path: Path) -> None:
+    assert compiled_in(tmp_path, "camera", 1.0e6, 25.0).look_out().bend_speed == op.FAR
 
 
 def test_after_the_bend_the_car_takes_up_its_speed_again() -> None:
@@ -223,10 +297,40 @@ def test_a_car_that_has_become_faster_on_a_straight_sees_the_bend_in_time() -> N
     assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(LATERAL * middle(30.0))
 
 
+@pytest.mark.parametrize("friction", [0.8, 0.4, 0.2])
+@pytest.mark.parametrize("driven_by", ["automation", "driver", "reference", "minimum risk"])
+def test_a_bend_of_a_slippery_road_is_driven_with_half_of_what_the_tyres_hold(driven_by: str, friction: float) -> None:
+    """Before, at a friction of 0.2, where the tyres hold 1.7 m/s2, 2.5 m/s2 were aimed for, and the lane was left."""
+    draft = draft_on(curve(60.0), 17.0, s=20.0, K_DRIVER_TIME=0.5 if driven_by == "driver" else 1.0e6)
+    slippery(draft, friction)
+    if driven_by == "reference":
+        draft.program.replaced_by[0] = op.REFERENCE_CAREFUL
+    if driven_by in ("driver", "minimum risk"):
+        requested(draft, 0.5)
+    if driven_by == "minimum risk":
+        draft.program.const[slots.K_MINIMUM_RISK_DECELERATION] = 0.3
+        for cause in range(op.CAUSES):
+            draft.program.const[slots.K_RISK_AFTER + cause] = 0.5
+    run = draft.start()
+    rows = rows_until(run, BEFORE + 60.0)
+    held = min(LATERAL, COMFORT_SHARE * TYRES_HOLD * friction)
+    assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * math.sqrt(held * middle(60.0))
+    assert min(a for s, _, a, _ in rows if s < BEFORE - 20.0) > -1.6 * min(BRAKING, COMFORT_SHARE * 8.0 * friction)
+    assert max(abs(off) for *_, off in rows) < 0.85
+
+
+def test_a_lateral_acceleration_above_the_share_stays_what_the_scenario_says_on_a_dry_road() -> None:
+    run = draft_on(curve(60.0), 25.0, K_LATERAL=6.0).start()
+    rows = rows_until(run, BEFORE + ALONG - 10.0)
+    assert max(v for s, v, _, _ in rows if s > BEFORE + 30.0) == pytest.approx(math.sqrt(6.0 * middle(60.0)), rel=0.01)
+
+
+@pytest.mark.parametrize("friction", [1.0, 0.3, 0.0])
 @pytest.mark.parametrize("radius", [15.0, 60.0, 400.0])
 @pytest.mark.parametrize("answers", [0.5, 1.0e6])
-def test_both_forms_drive_a_bend_equally(radius: float, answers: float) -> None:
+def test_both_forms_drive_a_bend_equally(radius: float, answers: float, friction: float) -> None:
     draft = draft_on(curve(radius), 30.0, K_DRIVER_TIME=answers, K_DURATION=20.0)
+    slippery(draft, friction)
     requested(draft, 5.0)
     program = draft.done()
     both = run_both(draft.network.tables, program, [list(program.const)], [make_draws(1)], 400)

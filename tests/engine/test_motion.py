@@ -120,6 +120,22 @@ def test_the_bicycle_turns_no_more_tightly_than_its_tyres_hold(friction: float) 
     assert turned / 0.5 * speed == pytest.approx(8.3 * friction, rel=1e-3, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("brake", "friction", "expected"), [(0.25, 1.0, 2.0), (0.25, 0.5, 2.0), (1.0, 0.5, 4.0), (1.0, 0.0, 0.0)]
+)
+def test_a_pedal_has_its_effect_up_to_what_the_tyres_hold(brake: float, friction: float, expected: float) -> None:
+    """Before, half of the friction halved the effect of every brake pedal, also of one far below the tyres' limit."""
+    draft = Draft(highway())
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.causes()
+    draft.ego(speed=20.0)
+    run = draft.start()
+    run.st.friction[0] = friction
+    run.st.auto_brake[0] = brake
+    run.go(2.0)
+    assert run.st.v[0] == pytest.approx(20.0 - 2.0 * expected, abs=0.1 * expected + 1e-9)
+
+
 def test_braking_stops_exactly() -> None:
     draft = Draft(highway())
     draft.program.perception[0] = op.PERCEPTION_CAMERA

@@ -154,6 +154,37 @@ def test_a_collision_ends_the_takeover(driver: float, responds: bool) -> None:
         assert run.time_of(kind) <= crash
 
 
+@pytest.mark.parametrize("friction", [1.0, 0.3, 0.2])
+def test_the_minimum_risk_manoeuvre_stops_in_time_on_a_slippery_road(friction: float) -> None:
+    """Before, it began where 4 m/s2 would have sufficed, which tyres do not hold below a friction of 0.5."""
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_BUDGET: 9.0})
+    draft.program.after_request[0] = op.BEHAVIOUR_HOLD_SPEED
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.ego(speed=SPEED)
+    draft.parked(250.0)
+    run = draft.start()
+    run.st.friction[0] = friction
+    run.go()
+    assert run.st.stop[0] == op.STOP_STANDSTILL
+    assert 1.0 < run.st.blocked_distance[0] < 6.0
+
+
+@pytest.mark.parametrize(("parked", "stop"), [(250.0, op.STOP_COLLISION), (1500.0, op.STOP_DESTINATION)])
+def test_a_wreck_that_slides_to_the_destination_has_not_arrived(parked: float, stop: int) -> None:
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_DURATION: 60.0})
+    draft.program.minimum_risk[0] = 0
+    draft.program.after_request[0] = op.BEHAVIOUR_HOLD_SPEED
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.program.destination_road[0] = 0
+    draft.ego(speed=SPEED)
+    draft.parked(parked)
+    run = draft.start()
+    run.st.destination_x[0], run.st.destination_y[0] = 258.0, run.st.y[0]
+    run.go()
+    assert run.st.x[0] > 250.0
+    assert run.st.stop[0] == stop
+
+
 def test_a_driver_may_take_over_during_the_minimum_risk_manoeuvre() -> None:
     draft = Draft(highway(), {slots.K_DRIVER_TIME: 11.0, slots.K_HEALTH_COUNT: 1.0, slots.K_NOISE: 60.0})
     draft.ego(speed=25.0)
@@ -256,6 +287,36 @@ def test_an_object_seen_too_late_for_a_warning_is_requested_at_its_budget(seen_b
         run.go(run.st.clock[0] + 0.05)
     assert run.st.blocked_distance[0] / speed == pytest.approx(budget, abs=0.1)
     assert run.time_of(op.EVENT_WARNING) == -1.0
+
+
+@pytest.mark.parametrize("control_every", [1, 2, 4])
+@pytest.mark.parametrize("count", [1.0, 2.0, 5.0])
+@pytest.mark.parametrize("distance", [30.0, 70.0, 94.4, 96.1, 98.5, 99.5, 101.0, 104.0, 120.0, 200.0])
+def test_a_run_that_begins_within_the_time_budget_says_so(distance: float, count: float, control_every: int) -> None:
+    """A budget of 7 s is 98 m at 14 m/s; a request that comes more than a control step later is short of it."""
+    draft = Draft(highway(), {slots.K_BLOCKED_COUNT: count, slots.K_BLOCKED_OF: count, slots.K_BUDGET: 7.0})
+    draft.program.control_every[0] = control_every
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.ego(speed=SPEED)
+    draft.parked(50.0 + 3.7 + distance + 1.0)
+    run = draft.start()
+    while run.st.requests[0] == 0 and run.st.clock[0] < 20.0:
+        run.go(run.st.clock[0] + 0.05)
+    budget = run.st.blocked_distance[0] / SPEED
+    said = run.time_of(op.EVENT_SHORT_START)
+    assert said == (0.0 if budget < 7.0 - 0.05 * control_every - 1e-9 else -1.0)
+
+
+def test_a_lane_that_ends_within_its_budget_from_the_start_is_logged_and_a_disabled_cause_is_not() -> None:
+    for causes, said in (((op.CAUSE_LANE_ENDS,), 0.0), ((op.CAUSE_PATH_BLOCKED,), -1.0)):
+        draft = Draft(ramp(), {slots.K_BUDGET: 7.0})
+        draft.causes(*causes)
+        draft.ego(lane=-2, s=200.0, speed=SPEED)
+        for s in range(140, 300, 8):
+            draft.moving(-1, float(s), SPEED)
+        run = draft.start().go(1.0)
+        assert run.time_of(op.EVENT_SHORT_START) == said
+        assert run.time_of(op.EVENT_WARNING) == -1.0
 
 
 @pytest.mark.parametrize("speed", [8.0, 14.0, 17.0])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,13 @@ from scenario_compiler.recording.on_path import (
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, InputLimits, Traces, traces_of
+from scenario_compiler.vocabulary.criteria import (
+    Criterion,
+    MaximumLateralOffset,
+    MinimumTimeToCollision,
+    StayOnRoad,
+    TakeoverWithin,
+)
 from scenario_compiler.vocabulary.horizon import HORIZON
 from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_runs, record
 
@@ -175,6 +183,64 @@ def test_the_takeover_is_measured_up_to_the_first_collision(
     assert value("lane_departures", run) == departures
     assert value("maximum_lateral_offset", run) == pytest.approx(offset)
     assert math.isnan(value("lane_position_deviation", run)) == (crash < math.inf)
+
+
+def crashed(after: Callable[[float], Row]) -> Recording:
+    """Return a run that ends in a collision at 6.1 s, whose rows after it are those of a function of the time since."""
+    before = approach()
+
+    def row(t: float) -> Row:
+        lane = {"lane_width": (3.5,), "lane_heading": (0.01,), "on_road": (True,), "lane_time_to_collision": (9.0,)}
+        place = {"steer": (0.02 * math.sin(t), 0.0), "off": (0.05 * t, 0.0), "a": (-0.1 * t, 0.0)}
+        return {**before(t), **lane, **place, **(after(t - 6.1) if t > 6.15 else {})}
+
+    events = [(1.0, "request", "path_blocked"), (3.0, "response", ""), (6.1, "collision", "parked")]
+    return record(IDS, 200, row, events)
+
+
+def at_rest(since: float) -> Row:
+    return {"x": (61.0, 64.0), "v": (0.0, 0.0), "s": (61.0, 64.0)}
+
+
+def thrown_about(since: float) -> Row:
+    """It spins off the road and into an oncoming lane, without any lane in sight."""
+    off = since < 3.0
+    lane = {"road": (-1 if off else 0, 0), "lane": (0 if off else 1, -1), "off": (9.0, 0.0), "on_road": (not off,)}
+    seen = {"confidence_left": (0.0,), "confidence_right": (0.0,), "lane_time_to_collision": (0.01,)}
+    inputs = {"steer": (0.5 * math.sin(9.0 * since), 0.0), "brake": (1.0, 0.0), "a": (-15.0, 0.0)}
+    motion = {"x": (61.0 + 30.0 * since, 64.0), "y": (9.0, 0.0), "h": (3.0 * since, 0.0), "v": (30.0, 0.0)}
+    return {**lane, **seen, **inputs, **motion, "lane_heading": (1.5,), "s": (61.0 + 30.0 * since, 64.0)}
+
+
+@pytest.mark.parametrize("name", [one.name for one in MEASURES if one.name != "final_speed"])
+def test_what_happens_after_a_collision_changes_no_measure(name: str) -> None:
+    assert value(name, crashed(thrown_about)) == pytest.approx(value(name, crashed(at_rest)), nan_ok=True, abs=0.0)
+
+
+def test_what_happens_after_a_collision_changes_no_criterion() -> None:
+    required: tuple[Criterion, ...] = (
+        StayOnRoad(),
+        MaximumLateralOffset(at_most=1.0),
+        MinimumTimeToCollision(at_least=0.0),
+        TakeoverWithin(time=2.5),
+    )
+    for after in (at_rest, thrown_about):
+        found = judge(plan_of(*IDS, criteria=required), crashed(after)).criteria
+        assert [(one.passed, one.why) for one in found[:2]] == [
+            (True, "the reference point stayed on the road"),
+            (True, "the greatest was 0.31 m, at most 1 m is allowed"),
+        ]
+        assert all(one.passed for one in found)
+
+
+@pytest.mark.parametrize(("crash", "when"), [(1.5, 1.5), (4.0, 3.5), (math.inf, 3.5)])
+def test_a_driver_who_has_not_responded_before_a_collision_has_not_responded_in_time(crash: float, when: float) -> None:
+    """Before, a collision 0.5 s after the request broke the criterion or not by how long the wreck stood there."""
+    events = [(1.0, "request", "path_blocked"), *([(crash, "collision", "parked")] if crash < math.inf else [])]
+    for rows in (50, 200):
+        run = record(IDS, rows, approach(), events)
+        (found,) = judge(plan_of(*IDS, criteria=(TakeoverWithin(time=2.5),)), run).criteria
+        assert found.when == pytest.approx(when)
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])

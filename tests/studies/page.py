@@ -70,7 +70,8 @@ TAIL = """## What is not modelled
 - **Wrong expectations.** A driver who sees the obstacle and does not act (Victor et al. 2018) can only be modelled as a
   lapse, that is, as a driver who never responds.
 - **Age and experience** have no effect; a study's regression over them can be written as an expression.
-- **Motion.** Cars are kinematic: their tyres do not slide, so no evasion ends in a spin.
+- **Motion.** Cars are kinematic: their tyres do not slide, so no evasion ends in a spin. Friction limits turns and
+  braking only where an action sets it; [the weather does not](takeover.md#bends).
 - **Other road users** do not cooperate: background traffic follows and keeps its distance, scripted vehicles do what
   the scenario says, and none makes room for the automated vehicle.
 - **The driver's sight.** The driver sees 300 m by day in clear air (chosen), less in rain, fog and at night; glare and

@@ -108,6 +108,11 @@ EVENTS: dict[int, tuple[str, str]] = {
         "A feature of surrogate perception leaves, for the first time, the domain of the fit: from here on the camera "
         "could give another confidence.",
     ),
+    op.EVENT_SHORT_START: (
+        "short_start",
+        "The run begins within the time budget of a limit ahead, by more than a control step: the request for it comes "
+        "at once, with less time than the budget, and without a warning. `cause` is that of the request.",
+    ),
     op.EVENT_OVERRIDE: (
         "override",
         "The person at the wheel takes over without a request.",

@@ -325,6 +325,7 @@ EVENT_HANDS_ON = 23
 EVENT_OVERRIDE = 24
 EVENT_OBSTRUCTION = 25
 EVENT_OUTSIDE_DOMAIN = 26
+EVENT_SHORT_START = 27
 LOG_SIZE = 128
 """Number of events that a run keeps; later ones are only counted."""
 
@@ -391,8 +392,9 @@ WAY_SIZE = 16
 ROUTE_REACH = 40
 """Distance for which the ego's controller knows the route ahead, m: what a camera sees of the ground, and some more."""
 
-OUTLOOK_HEAD = 3
-"""Number of values of an outlook before its points: gap to the leader, its speed, and distance to the next junction."""
+OUTLOOK_HEAD = 4
+"""Number of values of an outlook before its points: gap to the leader, its speed, distance to the next junction, and
+speed for the bends ahead."""
 
 OUTLOOK_SIZE = OUTLOOK_HEAD + 2 * (ROUTE_REACH + 1)
 

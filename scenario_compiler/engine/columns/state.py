@@ -663,6 +663,7 @@ class State(Columns):
     time_no_progress: list[float] = column(RUN, -1.0)
     time_outside_domain: list[float] = column(RUN, -1.0)
     time_obstruction: list[float] = column(RUN, -1.0)
+    time_short_start: list[float] = column(RUN, -1.0)
     request_at: list[float] = column(RUN, -1.0)
     """Time of the present request, s."""
     answer_at: list[float] = column(RUN, op.FAR)

@@ -65,6 +65,7 @@ class Totals(Columns):
     time_no_progress: list[float] = column(RUN, -1.0)
     time_outside_domain: list[float] = column(RUN, -1.0)
     time_obstruction: list[float] = column(RUN, -1.0)
+    time_short_start: list[float] = column(RUN, -1.0)
     time_collision: list[float] = column(RUN, -1.0)
     collision_with: list[float] = column(RUN, -1.0)
     """First entity that the ego hit."""

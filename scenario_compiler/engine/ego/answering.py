@@ -17,6 +17,7 @@ from scenario_compiler.engine.columns.numbers import clip, logistic, ratio, safe
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.limits import budget_of_cause
 from scenario_compiler.marker import compiled
 from scenario_compiler.randomness import random_unit
 
@@ -63,11 +64,11 @@ def person_and_request(p: Program, st: State) -> float:
 
 
 @compiled
-def law_mean(p: Program) -> float:
+def law_mean(p: Program, st: State) -> float:
     """Return the mean takeover time without effects, s; for a normal distribution before it is cut at 0."""
     kind = p.driver_kind[0]
     if kind == op.DRIVER_SUMO:
-        budget = max(p.const[slot.K_BUDGET], 0.0)
+        budget = max(budget_of_cause(p, st.cause[0]), 0.0)
         return min(2.0 * safe_sqrt(budget), 0.7 * budget)
     mu = p.const[slot.K_DRIVER_MU]
     if kind == op.DRIVER_NORMAL:
@@ -106,7 +107,7 @@ def drawn_time(p: Program, st: State, mean: float) -> float:
     """Return a takeover time without effects from the distribution with the given mean, s."""
     kind = p.driver_kind[0]
     if kind == op.DRIVER_SUMO:
-        spread = (p.const[slot.K_BUDGET] - mean) * p.const[slot.K_DRIVER_SIGMA]
+        spread = (budget_of_cause(p, st.cause[0]) - mean) * p.const[slot.K_DRIVER_SIGMA]
         return drawn_positive(p, st, mean, max(spread, 0.0))
     if kind == op.DRIVER_NORMAL:
         return drawn_positive(p, st, mean, p.const[slot.K_DRIVER_SIGMA])
@@ -126,7 +127,7 @@ def added_time(p: Program, st: State) -> float:
     if st.requests[0] > 1:
         added += p.const[slot.K_EFFECT_REPETITION]
     if p.const[slot.K_REFERENCE_BUDGET] > 0.0:
-        budget = clip(p.const[slot.K_BUDGET], LEAST_BUDGET, GREATEST_BUDGET)
+        budget = clip(budget_of_cause(p, st.cause[0]), LEAST_BUDGET, GREATEST_BUDGET)
         added += p.const[slot.K_EFFECT_BUDGET] * (budget - p.const[slot.K_REFERENCE_BUDGET])
     return added
 
@@ -138,7 +139,7 @@ def takeover_time(p: Program, st: State) -> float:
         return max(p.const[slot.K_DRIVER_TIME], 0.0)
     if drawn_unit(st, DRAW_LAPSE) < p.const[slot.K_DRIVER_LAPSE]:
         return op.FAR
-    mean = law_mean(p)
+    mean = law_mean(p, st)
     share = max(ratio(mean + added_time(p, st), mean, 1.0), LEAST_SHARE)
     return share * drawn_time(p, st, mean)
 

@@ -2,7 +2,7 @@
 
 A bend with the curvature k is driven at most at the speed v with v^2 = a / k, where a is a lateral acceleration. At the
 distance d before it, comfortable braking by b allows the speed sqrt(v^2 + 2 b d). The curvature is that of the lane's
-centre.
+centre. On a slippery road both accelerations are smaller (`comfort`).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.path import path_ahead
+from scenario_compiler.engine.motion.surroundings import TYRES_HOLD, comfort
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import curvature_ahead, lane_curvature
 from scenario_compiler.roads.tables import RoadTables
@@ -44,13 +45,14 @@ SETTLING = 0.5
 
 
 @compiled
-def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float, reach: float) -> None:
-    """Find the bend within `reach` metres that limits the speed most.
+def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float) -> None:
+    """Find the bend that limits the speed most, as far ahead as comfortable braking from the present speed needs.
 
     Bends that allow every speed do not count, nor do those so far ahead that braking for any bend there suffices.
     """
     base = p.entity_const[i]
     fastest = p.const[base + slot.E_MAX_SPEED]
+    reach = NEAREST + 0.5 * st.v[i] * st.v[i] / max(braking, 0.1) + FARTHER
     st.slow_row[0] = st.path_row[0]
     st.slow_lateral[0] = lateral
     st.slow_braking[0] = braking
@@ -96,46 +98,53 @@ def bends_are_known(st: State, lateral: float, braking: float) -> int:
 
 
 @compiled
-def speed_for_bends(
-    n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float, reach: float
-) -> float:
-    """Return the greatest speed from which comfortable braking suffices for the bends within `reach` metres, m/s.
+def comfort_in_bends(p: Program, st: State, i: int, lateral: float, braking: float) -> tuple[float, float]:
+    """Return the lateral acceleration in bends and the braking before them that are comfortable on this road, m/s2."""
+    hardest = p.const[p.entity_const[i] + slot.E_MAX_DECELERATION]
+    return comfort(st, lateral, TYRES_HOLD), comfort(st, braking, hardest)
 
-    The bend is kept for some metres; where none is within reach, until the ego can be near one, at its greatest
-    acceleration.
+
+@compiled
+def speed_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float) -> float:
+    """Return the greatest speed from which comfortable braking suffices for the bends ahead, m/s.
+
+    It is FAR where no bend limits the speed. The bend is kept for some metres; where none is within reach, until the
+    ego can be near one, at its greatest acceleration.
 
     Args:
         n: The roads.
         p: The program.
         st: The state.
         i: The ego.
-        lateral: Lateral acceleration in bends, m/s2.
-        braking: Comfortable deceleration, m/s2.
-        reach: Distance up to which bends are known, m.
+        lateral: Lateral acceleration in bends on a dry road, m/s2.
+        braking: Comfortable deceleration on a dry road, m/s2.
     """
-    if st.odometer[i] >= st.slow_until[0] or bends_are_known(st, lateral, braking) == 0:
-        look_for_bends(n, p, st, i, lateral, braking, reach)
+    held, slowing = comfort_in_bends(p, st, i, lateral, braking)
+    if st.odometer[i] >= st.slow_until[0] or bends_are_known(st, held, slowing) == 0:
+        look_for_bends(n, p, st, i, held, slowing)
+    if st.slow_square[0] >= op.FAR:
+        return op.FAR
     before = max(st.slow_at[0] - st.odometer[i], 0.0)
-    return safe_sqrt(st.slow_square[0] + 2.0 * braking * before)
+    return safe_sqrt(st.slow_square[0] + 2.0 * slowing * before)
 
 
 @compiled
 def acceleration_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float, braking: float) -> float:
     """Return the acceleration that the bends ahead allow, m/s2; FAR where no bend can limit the speed.
 
-    All bends that limit the present speed are known. The car brakes comfortably, not below the speed in the bend, and
-    harder only if it is too fast for that. Where the bends allow more than the present speed, they are not considered
-    again before the car can have become too fast for them.
+    `lateral` and `braking` hold on a dry road. All bends that limit the present speed are known. The car brakes
+    comfortably, not below the speed in the bend, and harder only if it is too fast for that. Where the bends allow more
+    than the present speed, they are not considered again before the car can have become too fast for them.
     """
-    if st.odometer[i] < st.free_until[0] and bends_are_known(st, lateral, braking) == 1:
+    held, slowing = comfort_in_bends(p, st, i, lateral, braking)
+    if st.odometer[i] < st.free_until[0] and bends_are_known(st, held, slowing) == 1:
         return op.FAR
     v = st.v[i]
-    reach = NEAREST + 0.5 * v * v / max(braking, 0.1) + FARTHER
-    allowed = speed_for_bends(n, p, st, i, lateral, braking, reach)
+    allowed = speed_for_bends(n, p, st, i, lateral, braking)
     most = max(p.const[p.entity_const[i] + slot.E_MAX_ACCELERATION], 0.0)
-    free = min(allowed * allowed, 2.0 * braking * (st.slow_known[0] - st.odometer[i]))
-    minded = v + SETTLING * (most + braking)
-    st.free_until[0] = st.odometer[i] + (free - minded * minded) / max(2.0 * (most + braking), 0.1)
+    free = min(allowed * allowed, 2.0 * slowing * (st.slow_known[0] - st.odometer[i]))
+    minded = v + SETTLING * (most + slowing)
+    st.free_until[0] = st.odometer[i] + (free - minded * minded) / max(2.0 * (most + slowing), 0.1)
     if st.slow_at[0] <= st.odometer[i]:
         return (allowed - v) / SETTLING
-    return max((allowed - v) / SETTLING - braking, (safe_sqrt(st.slow_square[0]) - v) / SETTLING)
+    return max((allowed - v) / SETTLING - slowing, (safe_sqrt(st.slow_square[0]) - v) / SETTLING)

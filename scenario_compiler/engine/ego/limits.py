@@ -27,6 +27,16 @@ def budget_of(p: Program, own: int) -> float:
 
 
 @compiled
+def budget_of_cause(p: Program, cause: int) -> float:
+    """Return the time budget of requests for a cause, s; that of the policy unless the cause has its own."""
+    if cause == op.CAUSE_PATH_BLOCKED:
+        return budget_of(p, slot.K_BLOCKED_BUDGET)
+    if cause == op.CAUSE_LANE_ENDS:
+        return budget_of(p, slot.K_LANE_END_BUDGET)
+    return p.const[slot.K_BUDGET]
+
+
+@compiled
 def closing_speed(st: State, i: int) -> float:
     """Return the speed at which the ego and what blocks its path approach each other, m/s."""
     return st.v[i] + st.blocked_speed[0]
@@ -41,6 +51,13 @@ def request_distance(p: Program, closing: float, own: int, count: int) -> float:
     """
     waits = max(p.const[count] - 1.0, 0.0) * control_period(p)
     return max((budget_of(p, own) + waits) * closing, CLOSE)
+
+
+@compiled
+def short_distance(p: Program, closing: float, own: int, count: int) -> float:
+    """Return the distance to a limit below which a request, noticed only now, comes a control step late or more, m."""
+    waits = max(p.const[count] - 2.0, -1.0) * control_period(p)
+    return (budget_of(p, own) + waits) * closing
 
 
 @compiled

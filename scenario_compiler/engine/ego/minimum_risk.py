@@ -12,6 +12,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.limits import behaviour, control_period
 from scenario_compiler.engine.ego.sensor import lane_closes
+from scenario_compiler.engine.motion.surroundings import grip
 from scenario_compiler.marker import compiled
 
 STOP_MARGIN = 3.0
@@ -19,12 +20,15 @@ STOP_MARGIN = 3.0
 
 
 @compiled
-def stopping_distance(p: Program, v: float, towards: float) -> float:
+def stopping_distance(p: Program, st: State, i: int, towards: float) -> float:
     """Return the stopping distance at the manoeuvre's deceleration if it begins at the next control step, m.
 
-    It includes the distance that an entity approaching with the speed `towards`, m/s, covers until the vehicle stands.
+    On a slippery road the deceleration is at most what the tyres hold. The distance includes the one that an entity
+    approaching with the speed `towards`, m/s, covers until the vehicle stands.
     """
-    deceleration = max(p.const[slot.K_MINIMUM_RISK_DECELERATION], 0.1)
+    v = st.v[i]
+    hardest = grip(st, p.const[p.entity_const[i] + slot.E_MAX_DECELERATION])
+    deceleration = max(min(p.const[slot.K_MINIMUM_RISK_DECELERATION], hardest), 0.1)
     wait = control_period(p)
     return (0.5 * v + towards) * v / deceleration + (v + towards) * wait
 
@@ -37,7 +41,7 @@ def minimum_risk_due(p: Program, st: State, i: int) -> int:
     if st.clock[0] - st.request_at[0] >= p.const[slot.K_RISK_AFTER + st.cause[0]] - op.TOLERANCE:
         return 1
     blocked = st.blocked_distance[0]
-    if blocked < op.FAR and blocked <= stopping_distance(p, st.v[i], st.blocked_speed[0]) + STOP_MARGIN:
+    if blocked < op.FAR and blocked <= stopping_distance(p, st, i, st.blocked_speed[0]) + STOP_MARGIN:
         return 1
     end = lane_closes(st)
-    return 1 if end < op.FAR and end <= stopping_distance(p, st.v[i], 0.0) + STOP_MARGIN else 0
+    return 1 if end < op.FAR and end <= stopping_distance(p, st, i, 0.0) + STOP_MARGIN else 0

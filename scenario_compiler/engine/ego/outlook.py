@@ -1,4 +1,4 @@
-"""The controller's view of what is ahead: the gap to keep and the planned route.
+"""The controller's view of what is ahead: the gap to keep, the speed for the bends and the planned route.
 
 The route follows the centres of the lanes of the plan's route. Without a route, or off it, it goes straight on. It ends
 where the lanes end.
@@ -9,8 +9,10 @@ from __future__ import annotations
 from math import cos, sin
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.bends import speed_for_bends
 from scenario_compiler.engine.ego.objects_ahead import gap_to_keep, judge_objects
 from scenario_compiler.engine.ego.reach import look_with_sensor
 from scenario_compiler.engine.motion.path import advance_routed
@@ -26,7 +28,8 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
 
     `out` has OUTLOOK_SIZE numbers: the gap from the front bumper to what the automation keeps its distance to, m (see
     `gap_to_keep`; FAR without such an object), and its speed along the path, m/s; the distance to the next junction, m
-    (FAR if there is none in reach); then x (ahead) and y (left) of each point in the ego's axes, m.
+    (FAR if there is none in reach); the speed for the bends ahead, m/s (see `speed_for_bends`); then x (ahead) and y
+    (left) of each point in the ego's axes, m.
     """
     ego = p.ego[0]
     look_with_sensor(n, p, st, ego)
@@ -36,6 +39,7 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
     out[0] = gap
     out[1] = lead
     out[2] = op.FAR
+    out[3] = speed_for_bends(n, p, st, ego, p.const[slot.K_LATERAL], p.const[slot.K_DECELERATION])
     road = st.path_road[0]
     lane = st.path_lane[0]
     s = st.path_s[0]

@@ -78,9 +78,6 @@ BYTES_MEAN = 510.0
 BYTES_DEVIATION = 147.8
 """Mean and standard deviation of the sum of four uniformly distributed bytes."""
 
-BENDS_KNOWN = 36.0
-"""Distance up to which `lane_detection` knows the bends of its route, m."""
-
 NO_BOUND = 1000.0
 """Lateral acceleration that no vehicle reaches, m/s2: `lane_detection` steers without a bound."""
 
@@ -261,7 +258,7 @@ def judge_view(n: RoadTables, p: Program, st: State) -> None:
     """
     keep_view(n, p, st)
     outside = take_up(p, st)
-    automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
+    automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING) and st.crashed[0] == 0
     if outside == 1 and automated and st.time_outside_domain[0] < 0.0:
         st.time_outside_domain[0] = st.clock[0]
         log_event(st, op.EVENT_OUTSIDE_DOMAIN, 0.0)
@@ -325,7 +322,7 @@ def drive_as_seen(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Command throttle and brake as `lane_detection` does, for the desired speed or the gap to what is ahead."""
     base = p.entity_const[i]
     v = st.v[i]
-    in_bends = speed_for_bends(n, p, st, i, p.const[slot.K_LATERAL], p.const[slot.K_DECELERATION], BENDS_KNOWN)
+    in_bends = speed_for_bends(n, p, st, i, p.const[slot.K_LATERAL], p.const[slot.K_DECELERATION])
     desired = min(st.target_speed[0], in_bends)
     missing = p.const[slot.K_SPEED_GAIN] * (desired - v)
     st.command_throttle[i] = clip(missing, 0.0, 1.0)

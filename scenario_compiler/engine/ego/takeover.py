@@ -13,7 +13,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.answering import note_stages, plan_answer
 from scenario_compiler.engine.ego.around import note_density
-from scenario_compiler.engine.ego.limits import closing_speed, lane_ends, request_distance
+from scenario_compiler.engine.ego.limits import closing_speed, lane_ends, request_distance, short_distance
 from scenario_compiler.engine.ego.minimum_risk import minimum_risk_due
 from scenario_compiler.engine.ego.reach import look_with_sensor
 from scenario_compiler.engine.ego.standing import log_standstill
@@ -82,6 +82,25 @@ def asking_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
 
 
 @compiled
+def note_short_start(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Log a limit ahead that is already within its time budget at the first control step."""
+    if st.frame[0] != 1:
+        return
+    cause = op.CAUSE_NONE
+    if p.cause_on[op.CAUSE_LANE_ENDS] == 1:
+        within = short_distance(p, st.v[i], slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT)
+        if lane_ends(n, p, st, within) == 1:
+            cause = op.CAUSE_LANE_ENDS
+    if p.cause_on[op.CAUSE_PATH_BLOCKED] == 1:
+        within = short_distance(p, closing_speed(st, i), slot.K_BLOCKED_BUDGET, slot.K_BLOCKED_COUNT)
+        if st.blocked_distance[0] < within:
+            cause = op.CAUSE_PATH_BLOCKED
+    if cause != op.CAUSE_NONE:
+        st.time_short_start[0] = st.clock[0]
+        log_event(st, op.EVENT_SHORT_START, 1.0 * cause)
+
+
+@compiled
 def foreseen_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
     """Return the cause of which there is a reason to warn, or CAUSE_NONE."""
     within = warning_distance(p, st.v[i], slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET)
@@ -107,6 +126,7 @@ def request_takeover(p: Program, st: State, cause: int) -> None:
 def step_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Advance the states automated and warning: request a takeover, begin a warning or end it."""
     cause = asking_cause(n, p, st, i)
+    note_short_start(n, p, st, i)
     if st.ordered_request[0] != op.CAUSE_NONE:
         cause = st.ordered_request[0]
     foreseen = foreseen_cause(n, p, st, i)

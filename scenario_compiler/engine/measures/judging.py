@@ -31,6 +31,7 @@ def note_events(st: State, m: Totals) -> None:
     m.time_no_progress[0] = st.time_no_progress[0]
     m.time_outside_domain[0] = st.time_outside_domain[0]
     m.time_obstruction[0] = st.time_obstruction[0]
+    m.time_short_start[0] = st.time_short_start[0]
     if st.crashed[0] == 1 and m.time_collision[0] < 0.0:
         at = first_logged(st, op.EVENT_COLLISION)
         if at >= 0:
@@ -40,12 +41,19 @@ def note_events(st: State, m: Totals) -> None:
 
 @compiled
 def judge_row(p: Program, st: State, m: Totals) -> None:
-    """Add the last row once the next step has begun, when all events of its time are known."""
+    """Add the last row once the next step has begun, when all events of its time are known.
+
+    Rows after the first collision say nothing about driving: only the speed of the last row is measured there. Contact
+    already makes the least distances and times 0, so that these need no end.
+    """
     if st.log_count[0] != m.events[0]:
         m.events[0] = st.log_count[0]
         note_events(st, m)
-    m.least_confidence[0] = min(m.least_confidence[0], m.row_confidence[0])
-    if m.row_present[0] == 1:
+    intact = 1 - behind_collision(m)
+    if intact == 1:
+        m.least_confidence[0] = min(m.least_confidence[0], m.row_confidence[0])
+        m.least_lane_time[0] = min(m.least_lane_time[0], m.row_lane_time[0])
+    if intact == 1 and m.row_present[0] == 1:
         m.greatest_offset[0] = max(m.greatest_offset[0], abs(m.row_off[0]))
         if m.row_road[0] < 0 or m.row_lane[0] == 0:
             m.rows_off_lanes[0] += 1
@@ -54,8 +62,6 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
             if m.time_off_road[0] < 0.0:
                 m.time_off_road[0] = m.row_time[0]
     before = m.time_collision[0] < 0.0 or m.row_time[0] < m.time_collision[0] - SAME_TIME
-    if behind_collision(m) == 0:
-        m.least_lane_time[0] = min(m.least_lane_time[0], m.row_lane_time[0])
     if before or m.rows[0] == 1:
         m.speed_before_collision[0] = m.row_v[0]
     add_takeover(m)

@@ -83,8 +83,8 @@ def finish_keeping(m: Totals) -> None:
 
 @compiled
 def step_to_last_row(m: Totals) -> int:
-    """Return the sign of the step along the road to the last row; 0 if it led to another road."""
-    if m.before_road[0] != m.row_road[0] or m.before_s[0] == m.row_s[0]:
+    """Return the sign of the step along the road to the last row; 0 if it led to another road or behind a collision."""
+    if m.before_road[0] != m.row_road[0] or m.before_s[0] == m.row_s[0] or behind_collision(m) == 1:
         return 0
     return 1 if m.row_s[0] > m.before_s[0] else -1
 

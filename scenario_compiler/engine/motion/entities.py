@@ -21,7 +21,7 @@ from scenario_compiler.engine.motion.beside import settle_in_lane
 from scenario_compiler.engine.motion.following import follow_leader
 from scenario_compiler.engine.motion.path import locate_ego, locate_free
 from scenario_compiler.engine.motion.routes import leave_guide, next_turn
-from scenario_compiler.engine.motion.surroundings import grip
+from scenario_compiler.engine.motion.surroundings import TYRES_HOLD, grip
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, WATCH_STILL, measure_motion, watch_entity
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import piece_curvature, road_pose, wrap_heading
@@ -40,10 +40,6 @@ from scenario_compiler.roads.travel import advance, stretch_at
 
 NO_WIDTH = 1.0e-6
 """Width below which a lane does not exist, m (esmini 3.6)."""
-
-TYRES_HOLD = 8.3
-"""Greatest lateral acceleration on a dry road, m/s2: 0.85 times gravity, from the middle of the peak coefficients of
-adhesion of dry asphalt and concrete, 0.8 to 0.9 (Wong, Theory of Ground Vehicles)."""
 
 PITCH_TIME = 0.2
 """Time constant of the body's pitch, s: a quarter of the period of a 1.25 Hz spring."""
@@ -258,14 +254,17 @@ def steering_tangent(st: State, i: int) -> float:
 def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     """Move a vehicle by its commands. Brakes stop it exactly; only the reverse gear drives it backwards.
 
-    It turns no more tightly than its tyres hold, however far the wheels are turned. Without a turn, cosine and sine of
+    It turns no more tightly than its tyres hold, however far the wheels are turned, and a pedal has no more effect than
+    they hold. Without a turn, cosine and sine of
     its heading are those of its box.
     """
     base = p.entity_const[i]
     st.throttle[i] = clip(st.command_throttle[i], 0.0, 1.0)
     st.brake[i] = clip(st.command_brake[i], 0.0, 1.0)
-    gain = st.throttle[i] * grip(st, p.const[base + slot.E_MAX_ACCELERATION])
-    loss = st.brake[i] * grip(st, p.const[base + slot.E_MAX_DECELERATION]) + st.drag[i] * (1.0 - st.throttle[i])
+    fastest = p.const[base + slot.E_MAX_ACCELERATION]
+    hardest = p.const[base + slot.E_MAX_DECELERATION]
+    gain = min(st.throttle[i] * fastest, grip(st, fastest))
+    loss = min(st.brake[i] * hardest, grip(st, hardest)) + st.drag[i] * (1.0 - st.throttle[i])
     speed = next_speed(p, st, i, gain, loss, dt)
     wanted = clip(st.command_steer[i], -1.0, 1.0) * p.const[base + slot.E_MAX_STEER]
     st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -st.steer_rate[i] * dt, st.steer_rate[i] * dt)

@@ -12,6 +12,14 @@ TIME_RUNS = 2
 SETS_FRICTION = 4
 """Bits of an environment action's flags."""
 
+TYRES_HOLD = 8.3
+"""Greatest lateral acceleration on a dry road, m/s2: 0.85 times gravity, from the middle of the peak coefficients of
+adhesion of dry asphalt and concrete, 0.8 to 0.9 (Wong, Theory of Ground Vehicles)."""
+
+COMFORT_SHARE = 0.5
+"""Share of the tyres' greatest force that comfortable driving uses on a slippery road; chosen: with half of it sideways
+and half in braking, 0.7 of the friction circle is used."""
+
 
 @compiled
 def change_surroundings(p: Program, st: State, k: int) -> None:
@@ -37,5 +45,19 @@ def time_of_day(st: State) -> float:
 
 @compiled
 def grip(st: State, limit: float) -> float:
-    """Return the share of a vehicle's greatest acceleration or deceleration that the road's friction allows, m/s2."""
+    """Return what the road's friction leaves of an acceleration that tyres give on a dry road, m/s2."""
     return limit * min(st.friction[0], 1.0)
+
+
+@compiled
+def comfort(st: State, wanted: float, limit: float) -> float:
+    """Return a comfortable acceleration, m/s2, or less if the road is so slippery that it is more than COMFORT_SHARE.
+
+    Who drives with a greater share on a dry road does so on every road.
+
+    Args:
+        st: The state.
+        wanted: The acceleration on a dry road, m/s2.
+        limit: The greatest acceleration that tyres give on a dry road, m/s2.
+    """
+    return min(wanted, grip(st, max(wanted, COMFORT_SHARE * limit)))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.moves.camera import FAILURE_CODES
 from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.vocabulary.actions import WeatherAction
-from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 from scenario_compiler.vocabulary.sensors import Failure, Perception, SensorKind
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers, written_numbers
@@ -61,13 +62,23 @@ def add_run(draft: ProgramBuilder) -> None:
 
 
 def _add_lane_keeping(draft: ProgramBuilder) -> None:
-    """Write the parameters of the automation `lane_detection`, which also drives without a camera."""
+    """Write the parameters of the automation `lane_detection`, which also drives without a camera.
+
+    Properties of another controller count where they have the same names and are positive numbers.
+    """
     controller = draft.plan.controller
-    own = {}
-    if controller is not None and controller.model == Controller.model_construct().model:
-        own = {one.name: float(one.value) for one in controller.properties}
+    own = {} if controller is None else {one.name: _positive(one.value) for one in controller.properties}
     for place, (name, usual) in enumerate(LANE_KEEPING.items()):
-        draft.numbers[slot.K_LOOK_AHEAD_TIME + place] = own.get(name, usual)
+        draft.numbers[slot.K_LOOK_AHEAD_TIME + place] = own.get(name) or usual
+
+
+def _positive(text: str) -> float | None:
+    """Return a positive finite number; None for any other text."""
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if 0.0 < number < math.inf else None
 
 
 def _add_forward_sensor(draft: ProgramBuilder) -> None:

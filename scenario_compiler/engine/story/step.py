@@ -141,8 +141,8 @@ def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def at_destination(p: Program, st: State) -> int:
-    """Return 1 if the ego is near its destination."""
-    if p.destination_road[0] < 0:
+    """Return 1 if the ego is near its destination; a car that has collided does not arrive."""
+    if p.destination_road[0] < 0 or st.crashed[0] == 1:
         return 0
     ego = p.ego[0]
     return 1 if length_of(st.destination_x[0] - st.x[ego], st.destination_y[0] - st.y[ego]) <= ARRIVED else 0

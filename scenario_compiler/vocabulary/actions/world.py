@@ -76,4 +76,8 @@ class EnvironmentAction(Word):
 
     date_time: str = attribute("Date and time, ISO 8601.", default="")
     animated: bool = attribute("Whether the time of day advances from there.", default=True)
-    friction: Number | None = attribute("Factor by which the road's friction is multiplied.", default=None, minimum=0)
+    friction: Number | None = attribute(
+        "Factor by which the road's friction is multiplied; 1 is dry. The weather does not change it.",
+        default=None,
+        minimum=0,
+    )
