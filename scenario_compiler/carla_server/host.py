@@ -23,9 +23,6 @@ from scenario_compiler.carla_server.towns import Town, load_town
 from scenario_compiler.carla_server.transport import Streams
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
 
-VERSIONS = ("0.9.15", "0.9.16")
-"""Versions of CARLA whose clients are served."""
-
 SNAPSHOTS = 1
 """Number of the stream of snapshots."""
 
