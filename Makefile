@@ -12,6 +12,11 @@ PYTEST := $(BIN)/pytest -n 3 --dist worksteal
 # Byte code is kept, also where the environment says otherwise: the tests start hundreds of processes.
 export PYTHONDONTWRITEBYTECODE =
 
+# The package, in place. Pip builds a package before it installs what the package needs, so the sweeps that guide the
+# engine's compiler could not run yet: the build's hook is left out, and `setup` makes the engine afterwards, once.
+INSTALL := HATCH_BUILD_NO_HOOKS=true $(BIN)/python -m pip install --quiet --constraint constraints.txt \
+	--no-build-isolation --editable
+
 # The first Python that starts, is new enough and can make environments.
 FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
 	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done
@@ -39,7 +44,7 @@ setup: .venv/.stamp
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt hatchling build
 	@command -v "$${CC:-gcc}" clang >/dev/null || $(BIN)/python -m pip install --quiet --constraint constraints.txt ziglang
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --no-build-isolation --editable '.[test,dev,maps]'
+	$(INSTALL) '.[test,dev,maps]'
 	@touch $@
 
 demo: setup
@@ -93,7 +98,7 @@ studies: setup
 
 # Builds the documentation site into build/site; a link or an anchor that leads nowhere is an error.
 site: setup
-	@$(BIN)/python -m pip install --quiet --constraint constraints.txt --no-build-isolation --editable '.[docs]'
+	@$(INSTALL) '.[docs]'
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 # Builds the source archive and from it the wheel, and runs the wheel from an empty environment and another folder.

@@ -12,11 +12,11 @@ import pytest
 
 from scenario_compiler.cli import main
 from scenario_compiler.perception.calibration.collect import CONDITIONS, Looks
-from scenario_compiler.perception.calibration.figures import worth
+from scenario_compiler.perception.calibration.figures import Asked, Figures, worth
 from scenario_compiler.perception.calibration.maps import IMAGES, MapRoads
 from scenario_compiler.perception.confidence import FEATURES
 from scenario_compiler.perception.detectors import DetectorName, create_detector
-from scenario_compiler.report.perception_page import INTRODUCTIONS, LIMITS, PAGES
+from scenario_compiler.report.perception_page import INTRODUCTIONS, LIMITS, PAGES, Measured, write_perception_page
 from scenario_compiler.resources import find_map
 from scenario_compiler.roads import load_network
 
@@ -59,6 +59,21 @@ def test_confident_and_wrong_boundaries_are_counted() -> None:
     assert found.wrong == pytest.approx(0.5)
     assert found.far_off == pytest.approx(0.25)
     assert found.outputs[0].area == pytest.approx(0.5 + 0.5 / 3.0)
+
+
+def test_a_share_has_a_unit_and_a_number_that_does_not_exist_is_a_dash(tmp_path: Path) -> None:
+    rain = worth("rain", looks_of([0.05, 0.06], [1.0, 2.0]))
+    sun = worth("sun", looks_of([0.9, 0.1], [0.1, 1.0]))
+    figures = Figures((sun,), (sun,), (rain,), (Asked("straight", 0.5, 0.25, 0.125),), ())
+    measured = Measured("classical", "calibrate", 1.0, 2, ("made up",), clips=1, pictures=1)
+    write_perception_page(figures, measured, tmp_path)
+    lines = (tmp_path / "perception.md").read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if line.startswith("| rain")] == [
+        "| rain | 2 | – | 0.003 | 0.055 | 0.000 | – | 0.055 | – | 0.945 | 0 % | – | – |"
+    ]
+    assert [line.split(" | ")[-3:] for line in lines if line.startswith("| sun")] == [["50 %", "0.0 %", "0.0 % |"]] * 2
+    assert "| straight | 50 % | 0.25 | 12 % |" in lines
+    assert any("at most 4 % wrong and 0.5 % by over 1 m" in line for line in lines)
 
 
 def test_a_file_that_is_not_a_map_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -54,6 +54,16 @@ def test_files_that_a_page_names_exist(page: str, repository: Path) -> None:
     assert [link for link in links if not (file.parent / link).exists()] == []
 
 
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md"])
+def test_a_front_page_names_every_page(page: str, repository: Path) -> None:
+    file = repository / page
+    named = {
+        (file.parent / link).resolve() for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", file.read_text("utf-8"))
+    }
+    pages = {one.resolve() for one in (repository / "docs").glob("*.md") if one.name != "index.md"}
+    assert sorted(one.name for one in pages - named) == []
+
+
 def test_the_conflict_warns_once_and_a_second_before_it_asks(tmp_path: Path) -> None:
     path = tmp_path / "paint.xml"
     path.write_text(block("xml", "paint_fades").replace('duration="30"', 'duration="17"'), encoding="utf-8")

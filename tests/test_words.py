@@ -63,6 +63,11 @@ def test_pages_use_the_glossarys_words(page: Path) -> None:
     assert found_in(text) == []
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_percentages_have_a_space_and_missing_numbers_a_dash(page: Path) -> None:
+    assert re.findall(r"\d%|\| nan(?= \|)", page.read_text("utf-8")) == []
+
+
 @pytest.mark.parametrize(("modules", "texts"), [(MODULES, texts_of), (BESIDE, names_and_docstrings_of)])
 def test_modules_use_the_glossarys_words(
     modules: list[Path], texts: Callable[[Path], Iterator[tuple[int, str]]]

@@ -17,6 +17,7 @@ from scenario_compiler import compile_scenario, load_network, open_world, run
 from scenario_compiler.compiler import Overrides
 from scenario_compiler.engine.columns.view import HIDDEN, VIEW_NAMES, VIEW_SIZE
 from scenario_compiler.engine.program.surrogate import load_surrogate
+from scenario_compiler.report.wording import percent
 from scenario_compiler.resources import library_folder
 from scenario_compiler.vocabulary.sensors import Perception
 from tests.benchmarks.surrogate_figures import VARIANTS, Rate, Timed, rate, share_of, whole_sweep
@@ -143,7 +144,7 @@ def _page(
     groups += [(name, (kinds == "conflict") & (named == name)) for name in CONFLICTS]
     groups += [("drawn roads", kinds == "road"), ("maps", kinds == "map")]
     shares = [
-        (name, str(of.sum()), *(f"{one.same()[of].mean():.0%}" for one in (surrogate, ideal, itself)))
+        (name, str(of.sum()), *(percent(one.same()[of].mean()) for one in (surrogate, ideal, itself)))
         for name, of in groups
     ]
     camera, other = surrogate.times()
@@ -170,16 +171,16 @@ def _page(
         path=f"{fitted.noise[2]:.3f}",
         path_cell=f"{fitted.noise[3]:.1f}",
         judged=len(same),
-        faster=f"{FASTER:.0%}",
-        ceiling=f"{itself.same().mean():.0%}",
+        faster=percent(FASTER),
+        ceiling=percent(itself.same().mean()),
         agreement=_table(("runs", "number", "surrogate", "ideal", "camera again"), shares),
         asked=asked,
         alike=_table(
             ("measure", "p-value, surrogate", "p-value, ideal"),
             [(f"`{a}`", f"{b:.3f}", f"{c:.3f}") for a, b, c in alike],
         ),
-        left=f"{left:.0%}",
-        left_so=f"{left_so:.0%}",
+        left=percent(left),
+        left_so=percent(left_so),
         missed="; ".join(missed) if missed else "none",
         rates=_table(
             ("conflict", "ideal, steps/s", "surrogate, steps/s", "share"),

@@ -78,7 +78,7 @@ class Street:
     line: Path | None = None
 
 
-EAST, NORTH, WEST, SOUTH = 0.0, 90.0, 180.0, 270.0
+EAST, NORTH, WEST = 0.0, 90.0, 180.0
 WINDING = straight(60.0) + bend(20.0, 120.0, 25.0) + bend(-40.0, 120.0, 25.0) + bend(20.0, 120.0, 25.0)
 ROUND_LEFT, ROUND_RIGHT = bend(90.0, 30.0, 10.0), bend(-90.0, 30.0, 10.0)
 

@@ -282,7 +282,6 @@ def execute(sweep: Sweep, store: ResultStore, executor: Executor, progress: OnPr
     there = {number: store.tally(number) for number in sorted(store.done())}
     missing = [number for number in range(sweep.parts) if number not in there]
     tally = sum(there.values(), Tally())
-    resumed = tally.runs
     pending: dict[int, Columns] = {}
 
     def work() -> Iterator[Part]:
@@ -292,7 +291,7 @@ def execute(sweep: Sweep, store: ResultStore, executor: Executor, progress: OnPr
 
     def tell() -> None:
         if progress is not None:
-            progress(Progress("variants", tally.runs, sweep.sampler.total, tally, resumed))
+            progress(Progress("variants", tally.runs, sweep.sampler.total, tally))
 
     tell()
     with closing(executor):

@@ -77,8 +77,8 @@ def open_sweep(folder: Path) -> FinishedSweep:
     """Return the sweep in a folder.
 
     Raises:
-        SweepError: There is no sweep in the folder but a search or nothing, or the sweep is not finished, or a table is
-            missing or cannot be read.
+        SweepError: The folder contains no sweep, or a search, or a sweep that is not finished; or a table is missing or
+            cannot be read.
     """
     if not is_sweep(folder):
         raise SweepError(f"{folder} contains no sweep")

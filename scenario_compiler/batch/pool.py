@@ -96,11 +96,6 @@ class Pool:
         for worker in self._workers:
             worker.process.join()
 
-    @property
-    def processes(self) -> list[int]:
-        """Ids of the worker processes."""
-        return [worker.process.pid or 0 for worker in self._workers]
-
     def _start(self) -> _Worker:
         ours, theirs = self._context.Pipe()
         process = self._context.Process(target=serve, args=(theirs, *self._setup), daemon=True)

@@ -83,14 +83,12 @@ class Progress:
         done: Finished units of the stage.
         total: All units of the stage.
         tally: Counts of the results of all rows so far.
-        resumed: Number of rows that existed at the start.
     """
 
     stage: Stage
     done: int
     total: int
     tally: Tally = Tally()
-    resumed: int = 0
 
 
 OnProgress = Callable[[Progress], None]

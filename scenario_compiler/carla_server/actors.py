@@ -54,7 +54,8 @@ class Actor:
         transform: Where it is, CARLA's axes; of a body, where it was when it was last asked for.
         parent: Actor that it is attached to, 0 for none.
         relative: Its transform relative to that.
-        row: Its row in the snapshot.
+        row: Its row in the snapshot, -1 for none.
+        children: Ids of the actors that are attached to it.
     """
 
     id: int
@@ -137,12 +138,17 @@ class Car(Body):
     """A vehicle.
 
     Attributes:
-        control: Throttle, steer, brake, hand brake, reverse, manual gear shift, gear: as a client gave them last.
-        ackermann: Target of the Ackermann controller, or None: steering angle and speed, speed, acceleration, jerk.
-        tuning: Settings of that controller.
-        physics: The physics control that a client gave, or None.
+        simulates: Whether physics moves it; if not, it stays where a client puts it.
+        control: Throttle (0 to 1), steer (-1 to 1, positive to the right), brake (0 to 1), hand brake, reverse, manual
+            gear shift, gear: as a client gave them last.
+        ackermann: Target of the Ackermann controller, or None: steering angle, rad, positive to the right, and its
+            rate, rad/s; speed, m/s; acceleration, m/s2; jerk, m/s3.
+        tuning: Settings of that controller: proportional, integral and derivative gains for the speed, then for the
+            acceleration.
+        physics: The physics control that a client gave, in the order and units of the wire (radii and places of wheels
+            in cm), or None.
         lights: Bits of its lights, as CARLA counts them.
-        doors: Doors that are open.
+        doors: Doors that are open, by CARLA's numbers.
         turned: Angles to which a client has turned wheels, degrees, by the number of the wheel.
         constant: Speed that it keeps, m/s, or None.
         pushed: Change of speed by impulses, which the next step applies, m/s.
@@ -233,7 +239,9 @@ class Walker(Body):
     """A person on foot.
 
     Attributes:
-        control: Direction, speed and whether it jumps.
+        mass: kg.
+        simulates: Whether physics moves it; if not, it stays where a client puts it.
+        control: Direction (x, y, z in CARLA's axes), speed, m/s, and whether it jumps: as a client gave them last.
         bones: Transforms of bones that a client gave, by their names.
     """
 

@@ -73,6 +73,7 @@ class Blueprint:
         attributes: Its attributes.
         vehicle: Box and axles of a vehicle, walker or prop; None for other blueprints.
         since: The first version of CARLA that has it.
+        defaults: The defaults of the attributes, by name; made from them.
     """
 
     name: str

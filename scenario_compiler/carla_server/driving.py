@@ -1,4 +1,4 @@
-"""What the controls of vehicles and walkers make the engine do."""
+"""Hands the controls of vehicles and walkers to the engine."""
 
 from __future__ import annotations
 

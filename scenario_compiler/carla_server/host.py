@@ -23,9 +23,6 @@ from scenario_compiler.carla_server.towns import Town, load_town
 from scenario_compiler.carla_server.transport import Streams
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
 
-VERSIONS = ("0.9.15", "0.9.16")
-"""Versions of CARLA whose clients are served."""
-
 SNAPSHOTS = 1
 """Number of the stream of snapshots."""
 
@@ -92,7 +89,21 @@ def sky_of(numbers: Sequence[float]) -> Weather:
 
 @dataclass
 class Settings:
-    """The settings of an episode, in the order of the wire."""
+    """The settings of an episode, in the order of the wire. Only `synchronous` and `step` have an effect here.
+
+    Attributes:
+        synchronous: Whether clients ask for each tick.
+        no_rendering: CARLA's `no_rendering_mode`.
+        step: Length of a time step, s; None if it is not fixed.
+        substepping: Whether CARLA's physics divides a step.
+        substep: Longest part of a divided step, s.
+        substeps: Greatest number of its parts.
+        culling: CARLA's `max_culling_distance`; 0 for none.
+        ragdolls: CARLA's `deterministic_ragdolls`.
+        tiles: Distance from the ego vehicle up to which CARLA loads tiles of large maps, m.
+        active: Distance from the ego vehicle up to which actors are active on CARLA's large maps, m.
+        spectator_as_ego: Whether tiles are also loaded around the spectator.
+    """
 
     synchronous: bool = False
     no_rendering: bool = False
@@ -147,6 +158,18 @@ class Host:
         log: Called with each line of the server's log.
         stage: The actors on the present map.
         streams: Who listens.
+        settings: The settings of the episode.
+        weather: The weather as CARLA's 14 numbers, as a client gave them: percentages, degrees and m, in the order of
+            `carla.WeatherParameters`.
+        sky: The same weather, as cameras draw it.
+        episode: Number of the episode; each map that is loaded begins another one.
+        frame: Number of the last snapshot.
+        managers: Addresses (host, port) of Traffic Managers, by their ports.
+        generated: The OpenDRIVE text from which a client generates a world; empty for none.
+        recorder: The recording under way, or None.
+        replay: The recording that is played, or None.
+        played: How recordings are played.
+        told: Lines that are logged only once and have been.
         beginning: Waits until the episode begins that a client has loaded; None if none is about to begin.
         gate: Opens when Traffic Managers that are held may go on; None if none is held.
     """

@@ -43,7 +43,13 @@ class Footprint(NamedTuple):
 
 
 class Impact(NamedTuple):
-    """The impulse of the second of two bodies on the first, N s, and the speeds of both after it, m/s."""
+    """What two bodies do to each other.
+
+    Attributes:
+        x, y: Impulse of the second on the first, OpenDRIVE axes, N s.
+        speed: Speed of the first afterwards, m/s, signed along its heading.
+        other_speed: Speed of the second afterwards, m/s, signed along its heading.
+    """
 
     x: float
     y: float

@@ -19,7 +19,7 @@ from scenario_compiler.perception.roadside import roadside_of
 from scenario_compiler.roads import Network
 
 NO_ACTOR = 0
-"""Id of the actor in the box of a thing that is none."""
+"""Id of the actor in the box of a thing that is not an actor."""
 
 
 class LevelBoxes:

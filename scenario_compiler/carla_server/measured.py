@@ -16,7 +16,7 @@ from scenario_compiler.frames import CarlaTransform, carla_rows
 from scenario_compiler.roads import Network
 
 LEAP = 3.0
-"""How many times farther than its speed takes it an actor has moved that was put somewhere else."""
+"""An actor that has moved more than this many times as far as its speed takes it has been put somewhere else."""
 
 DEFAULT_LIMIT = 30.0
 """Speed limit where the map gives none, km/h: CARLA's."""
@@ -74,7 +74,7 @@ class Measured:
         self.rows.every["transform"][actor.row] = self._transform_of(actor)
 
     def leap(self, place: int) -> None:
-        """Take the next change of a body's place for none that its speed has made."""
+        """Note that a body is put somewhere else: its speed has not caused the next change of its place."""
         self._leapt.add(place)
 
     def measure(self, dt: float, time: float, falling: dict[int, Fall]) -> None:

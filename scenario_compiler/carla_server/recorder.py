@@ -25,9 +25,6 @@ MOST_STATES = 2_000_000
 BEHIND = CarlaTransform(-10.0, 0.0, 5.0, -25.0, 0.0, 0.0)
 """Where a spectator follows a body, relative to it (`CarlaReplayer`)."""
 
-KINDS = {"h": "hero", "v": "vehicle", "w": "walker", "t": "traffic_light", "o": "other", "a": "any"}
-"""Kinds of actors as clients ask for collisions of them."""
-
 
 def file_below(folder: Path, name: str) -> Path:
     """Return the file of a recording.
@@ -131,7 +128,10 @@ class Recording:
         return "\n".join([*lines, "", f"Frames: {len(self.frames)}", f"Duration: {last[1]:g} seconds"])
 
     def collisions(self, first: str, second: str) -> str:
-        """Return the collisions between two kinds of actors, in the columns of CARLA's."""
+        """Return the collisions between two kinds of actors, in the columns of CARLA's.
+
+        A kind is h (hero), v (vehicle), w (walker), t (traffic light), o (other) or a (any), as clients ask for them.
+        """
         lines = [f"{'Time':>8}  Types     Id Actor 1                     Id Actor 2", ""]
         touching: set[tuple[int, int]] = set()
         for _, time, _, _, met in self.frames:

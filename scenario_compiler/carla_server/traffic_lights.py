@@ -74,7 +74,14 @@ class Light:
 
 @dataclass(eq=False)
 class Group:
-    """The lights of a junction: phases take turns, each the lights of one controller."""
+    """The lights of a junction: phases take turns, each the lights of one controller.
+
+    Attributes:
+        phases: The lights of each phase.
+        phase: Index of the present phase.
+        stage: State of its lights: GREEN, YELLOW or RED. The lights of the other phases are red.
+        since: How long they have been in this state, s.
+    """
 
     phases: list[list[Light]] = field(default_factory=list)
     phase: int = 0

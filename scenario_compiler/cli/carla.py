@@ -14,6 +14,9 @@ PORT = 2000
 
 TOWN = "town_grid"
 
+VERSIONS = ("0.9.15", "0.9.16")
+"""Versions of CARLA whose clients are served; the last is the default."""
+
 
 def add(commands: Commands) -> None:
     """Declare the command."""
@@ -29,8 +32,8 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument(
         "--carla-version",
-        choices=("0.9.15", "0.9.16"),
-        default="0.9.16",
+        choices=VERSIONS,
+        default=VERSIONS[-1],
         help="CARLA version of the clients",
     )
     parser.add_argument(

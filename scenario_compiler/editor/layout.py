@@ -57,13 +57,6 @@ def layout_edits(draft: Draft) -> list[Edit]:
     return edits
 
 
-def laid_out(text: str) -> str:
-    """Return a text, formatted."""
-    for edit in reversed(layout_edits(Draft(text))):
-        text = text[: edit.start] + edit.text + text[edit.end :]
-    return text
-
-
 def _emptied(draft: Draft, line: int) -> list[Edit]:
     """Return the edits that remove a line's spaces, or an empty line after another one or at the end."""
     start, text = draft.line_starts[line], draft.line_text(line)

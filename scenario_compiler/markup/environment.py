@@ -106,7 +106,8 @@ class ReadingContext:
         sink: Receives the diagnostics.
         environment: The parameters that it may use.
         within: The use that inserted it.
-        unread: What words have, by field, for required parts that cannot be read; other words are left out then.
+        unread: Values by field that words of these types get for required parts that cannot be read; words of other
+            types are left out if such a part cannot be read.
     """
 
     document: Document

@@ -210,6 +210,17 @@ POINTS = Forms(
 )
 """The points that OpenSCENARIO can express."""
 
+UNSAID = {
+    "world": "a plan binds it to a lane; in CARLA's axes it means the middle of the vehicle's box",
+    "spawn_point": "a plan binds it to a lane",
+    "numbered_spawn_point": "a plan binds it to a lane",
+    "random_spawn_point": "OpenSCENARIO has no random positions",
+    "random": "OpenSCENARIO has no random positions",
+    "ahead_of": "it follows the lane over junctions in the entity's direction of travel",
+    "beside": "it is measured from the entity's position in its lane",
+}
+"""Tags of the positions that OpenSCENARIO cannot express, with the reasons."""
+
 
 def read_point(node: Node) -> Point | None:
     """Return the point of a <Position> element, or of another element with one; report an unknown element."""
@@ -236,8 +247,16 @@ def _outside(node: Node) -> str:
 
 def write_point(word: Word, output: Output, tag: str = "Position") -> etree._Element:
     """Return the <Position> of a point; one that OpenSCENARIO cannot express is reported and written as the origin."""
-    form = POINTS.by_word.get(type(word))
-    if form is None or output.version < form.since:
-        output.tell_lost(word, f"the position <{word.tag()}> cannot be written")
-        return made(tag, made("WorldPosition", x="0", y="0", h="0"))
-    return made(tag, form.write(word, output))
+    return write_as(POINTS.by_word.get(type(word)), word, output, tag)
+
+
+def write_as(form: Form[Any] | None, word: Word, output: Output, tag: str) -> etree._Element:
+    """Return the <Position> of a position in its form.
+
+    Without a form, or with one of a later version, the reason is reported and the position is the origin.
+    """
+    if form is not None and output.version >= form.since:
+        return made(tag, form.write(word, output))
+    why = UNSAID[word.tag()] if form is None else f"{output.dotted()} has no <{form.tag}>"
+    output.tell_lost(word, f"the position <{word.tag()}> cannot be written: {why}")
+    return made(tag, made("WorldPosition", x="0", y="0", h="0"))

@@ -7,24 +7,13 @@ from lxml import etree
 from scenario_compiler.openscenario.motion import ON_CURVES
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
-from scenario_compiler.openscenario.points import POINTS, read_point, write_point
-from scenario_compiler.openscenario.spelling import Child, Forms, made
+from scenario_compiler.openscenario.points import POINTS, read_point, write_as, write_point
+from scenario_compiler.openscenario.spelling import Child, Forms
 from scenario_compiler.vocabulary.positions import Position
 from scenario_compiler.vocabulary.word import Word
 
 POSITIONS = Forms((*POINTS.forms, *ON_CURVES.forms))
 """The positions that OpenSCENARIO can express."""
-
-UNSAID = {
-    "world": "a plan binds it to a lane; in CARLA's axes it means the middle of the vehicle's box",
-    "spawn_point": "a plan binds it to a lane",
-    "numbered_spawn_point": "a plan binds it to a lane",
-    "random_spawn_point": "OpenSCENARIO has no random positions",
-    "random": "OpenSCENARIO has no random positions",
-    "ahead_of": "it follows the lane over junctions in the entity's direction of travel",
-    "beside": "it is measured from the entity's position in its lane",
-}
-"""Tags of the positions that OpenSCENARIO cannot express, with the reasons."""
 
 
 def read_position(node: Node) -> Position | None:
@@ -39,9 +28,7 @@ def read_position(node: Node) -> Position | None:
 def write_position(word: Word, output: Output, tag: str = "Position") -> etree._Element:
     """Return the <Position> of a position; report one that OpenSCENARIO cannot express, and write the origin."""
     form = ON_CURVES.by_word.get(type(word))
-    if form is None or output.version < form.since:
-        return write_point(word, output, tag)
-    return made(tag, form.write(word, output))
+    return write_point(word, output, tag) if form is None else write_as(form, word, output, tag)
 
 
 def anywhere(tag: str = "Position") -> Child:

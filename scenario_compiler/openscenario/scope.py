@@ -144,7 +144,10 @@ def literal_number(text: str) -> float | None:
 
 
 def described_number(text: str) -> str:
-    """Return what a text is not, if `literal_number` finds no number in it: one that is small enough, or any number."""
+    """Return in words what is expected in place of a text in which `literal_number` finds no number.
+
+    That is a smaller number if the text is one, otherwise a number.
+    """
     return f"a number of at most {MOST:g}" if _NUMBER.match(text.strip()) else "a number"
 
 

@@ -147,11 +147,6 @@ def number(field: str, name: str = "", default: Any = REQUIRED, since: Version =
     return Attribute(field, name or field, lambda node, at, usual: node.number(at, usual), default, since)
 
 
-def fixed(field: str, name: str = "", default: Any = REQUIRED, since: Version = _EVER) -> Attribute:
-    """Return the part for a number that is structural."""
-    return Attribute(field, name or field, lambda node, at, usual: node.float(at, usual), default, since)
-
-
 def integer(field: str, name: str = "", default: Any = REQUIRED, since: Version = _EVER) -> Attribute:
     """Return the part for an integer."""
     return Attribute(field, name or field, lambda node, at, usual: node.integer(at, usual), default, since)

@@ -63,11 +63,6 @@ class Camera:
         return self.width / 2.0 / math.tan(self.fov / 2.0)
 
     @property
-    def horizon(self) -> float:
-        """Image row at which the ground plane vanishes in the middle column, pixels."""
-        return self.height / 2.0 + self.focal * math.tan(self.pitch) / math.cos(self.roll)
-
-    @property
     def rotation(self) -> Floats:
         """(3, 3) matrix that transforms directions from the vehicle's axes to the camera's."""
         cy, sy = math.cos(self.yaw), math.sin(self.yaw)
@@ -136,13 +131,6 @@ class View:
         centre = np.array([camera.width / 2.0, camera.height / 2.0])
         pixels: Floats = points[..., :2] * (camera.focal / points[..., 2:]) + centre
         return pixels
-
-    def ground_to_world(self, x: ArrayLike, y: ArrayLike) -> Floats:
-        """Return points (..., 3) of the world for ground coordinates x, y (...) of this view."""
-        axes = vehicle_axes(self.pose)
-        ahead, left = np.asarray(x, np.float64)[..., None], np.asarray(y, np.float64)[..., None]
-        points: Floats = self.foot + ahead * axes[:, 0] + left * axes[:, 1]
-        return points
 
     def world_to_ground(self, points: ArrayLike) -> Floats:
         """Return ground coordinates (..., 2) of world points (..., 3), projected square to the ground plane."""

@@ -1,17 +1,27 @@
-"""Other dependencies of a picture than its arguments: the version of OpenCV and the instructions that it uses."""
+"""Other dependencies of a run with a camera than its arguments: OpenCV, the processor, and the code chosen for it."""
 
 from __future__ import annotations
 
-import platform
+import os
 
 import cv2
+
+from scenario_compiler.recording.versions import processor_model
+
+CHOOSING = ("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")
+"""Environment variables that say which implementations of functions NumPy and OpenBLAS use."""
 
 
 def drawn_by() -> dict[str, str]:
     """Return the facts that are recorded with a run that has a camera.
 
-    "opencv" is its version. "processor" is the kind of processor with the instruction sets that OpenCV knows: those
-    with a star are used if the processor has them, those with a question mark are missing. If both are equal, pictures
-    are equal byte by byte; otherwise single pixels may differ by some grey levels.
+    "opencv" is its version. "processor" is the model of the processor with the instruction sets that OpenCV knows:
+    those with a star are used if the processor has them, those with a question mark are missing or switched off. Those
+    of CHOOSING that are set are listed by their names. If all facts are equal, pictures are equal byte by byte;
+    otherwise single pixels may differ by some grey levels, and confidences in their last digits.
     """
-    return {"opencv": cv2.__version__, "processor": f"{platform.machine()} {cv2.getCPUFeaturesLine()}".strip()}
+    return {
+        "opencv": cv2.__version__,
+        "processor": f"{processor_model()} {cv2.getCPUFeaturesLine()}".strip(),
+        **{name: os.environ[name] for name in CHOOSING if os.environ.get(name)},
+    }

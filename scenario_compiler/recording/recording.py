@@ -51,11 +51,12 @@ class Header(BaseModel):
     world: str = Field(default="kinematic", description="Name of the world in which the run took place.")
     versions: dict[str, str] = Field(
         default={},
-        description="Versions of the software on which the result depends: this package, Python, libraries, the world.",
+        description="Versions of the software on which the result depends: this package, Python, libraries, the world; "
+        "for a run with a camera also the environment variables that say which code NumPy and OpenBLAS use.",
     )
     processor: str = Field(
         default="",
-        description="Architecture of the processor, and the features by which libraries choose their code.",
+        description="Architecture and model of the processor, and the features by which libraries choose their code.",
     )
 
 

@@ -18,6 +18,9 @@ LIBRARIES = {
 }
 """Name of each library in a recording, and of its distribution."""
 
+MODEL = ("vendor_id", "cpu family", "model", "CPU implementer", "CPU part")
+"""Names under which Linux lists a processor's model, by which OpenBLAS chooses among implementations of a function."""
+
 FEATURES = ("sse4_1", "sse4_2", "avx", "f16c", "fma", "avx2", "avx512", "asimd", "sve", "neon")
 """Prefixes of the names of processor features by which NumPy and OpenCV choose among implementations of a function."""
 
@@ -28,17 +31,24 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version()} | {name: version(one) for name, one in LIBRARIES.items()}
 
 
-@lru_cache(maxsize=1)
 def processor() -> str:
-    """Return the processor's architecture and, if the system provides them, those of FEATURES that it has."""
-    return " ".join([platform.machine(), *_features(Path("/proc/cpuinfo"))])
+    """Return the processor's architecture and, if the system provides them, its model and those of FEATURES it has."""
+    listed = _listed(Path("/proc/cpuinfo"))
+    flags = {*listed.get("flags", "").split(), *listed.get("Features", "").split()}
+    return " ".join([processor_model(), *sorted(flag for flag in flags if flag.startswith(FEATURES))])
 
 
-def _features(told: Path) -> list[str]:
-    """Return the features of the first processor that Linux lists; none on another system."""
+def processor_model() -> str:
+    """Return the processor's architecture and, if the system provides it, its model: "x86_64 AuthenticAMD 26 2"."""
+    listed = _listed(Path("/proc/cpuinfo"))
+    return " ".join([platform.machine(), *(listed[name] for name in MODEL if name in listed)])
+
+
+@lru_cache(maxsize=1)
+def _listed(file: Path) -> dict[str, str]:
+    """Return what Linux lists about the first processor; nothing on another system."""
     try:
-        lines = told.read_text(encoding="utf-8", errors="replace").splitlines()
+        first = file.read_text(encoding="utf-8", errors="replace").partition("\n\n")[0]
     except OSError:
-        return []
-    flags = next((line.partition(":")[2].split() for line in lines if line.startswith(("flags", "Features"))), [])
-    return sorted({flag for flag in flags if flag.startswith(FEATURES)})
+        return {}
+    return {name.strip(): text.strip() for name, _, text in (line.partition(":") for line in first.splitlines())}

@@ -18,8 +18,6 @@ from scenario_compiler.recording.store import write_recording
 from scenario_compiler.report.html import write_report
 from scenario_compiler.report.run import Run
 
-RUN_FILES = ("plan.json", MAP_OF_RUN, "recording.parquet", "events.csv", "outcome.json", "report.html")
-
 
 def write_run_folder(run: Run, folder: Path, *, report: bool = True) -> None:
     """Write all files of a run; create the folder if it does not exist. Identical runs give identical bytes.

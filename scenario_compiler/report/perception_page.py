@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ from scenario_compiler.perception.calibration.montage import montage
 from scenario_compiler.perception.detectors import DetectorName
 from scenario_compiler.perception.machine import drawn_by
 from scenario_compiler.report.reliability_plot import write_reliability_plot
+from scenario_compiler.report.wording import percent
 
 PAGES: dict[DetectorName, str] = {"classical": "perception.md", "learned": "perception-learned.md"}
 
@@ -102,7 +104,8 @@ def _missed(figures: Figures) -> str:
     """Return which targets are missed, for each map, separately for single images and for driving."""
     aims = (
         f"an area of at least {AREA}, an expected error of at most {ERROR}, a largest error of at most {LARGEST}, "
-        + f"and, of the sides with a confidence over 0.8, at most {WRONG:.0%} wrong and {FAR_OFF:.1%} by over 1 m"
+        f"and, of the sides with a confidence over 0.8, at most {percent(WRONG)} wrong and "
+        f"{percent(FAR_OFF, 1)} by over 1 m"
     )
     lines = [f"The aims are {aims}. Which of them the confidence misses in each row:\n"]
     for kind, found in (("single images", figures.single), ("driving", figures.driving)):
@@ -112,8 +115,8 @@ def _missed(figures: Figures) -> str:
                 (both.area >= AREA, "area"),
                 (both.expected_error <= ERROR, "expected error"),
                 (both.largest_error <= LARGEST, "largest error"),
-                (one.wrong <= WRONG, "share of wrong sides"),
-                (one.far_off <= FAR_OFF, "share of sides over 1 m off"),
+                (not one.wrong > WRONG, "share of wrong sides"),
+                (not one.far_off > FAR_OFF, "share of sides over 1 m off"),
             )
             missed = [name for good, name in held if not good]
             lines.append(f"* {one.name}, {kind}: {'misses ' + ', '.join(missed) if missed else 'all aims are met'}")
@@ -127,16 +130,22 @@ def _worths(found: Sequence[Worth]) -> str:
     for one in found:
         geometry, paint, both = one.outputs
         rows.append((
-            one.name, str(both.count), f"{both.area:.3f}", f"{both.brier:.3f}", f"{both.expected_error:.3f}",
-            f"{both.largest_error:.3f}", f"{geometry.area:.3f}", f"{geometry.expected_error:.3f}", f"{paint.area:.3f}",
-            f"{paint.expected_error:.3f}", f"{one.sure:.0%}", f"{one.wrong:.1%}", f"{one.far_off:.1%}",
+            one.name, str(both.count),
+            *(_number(value) for value in (both.area, both.brier, both.expected_error, both.largest_error)),
+            *(_number(value) for of in (geometry, paint) for value in (of.area, of.expected_error)),
+            percent(one.sure), percent(one.wrong, 1), percent(one.far_off, 1),
         ))  # fmt: skip
     return _table(head, rows)
 
 
 def _asked(bank: Sequence[Asked]) -> str:
     head = ("situation", "right", "mean confidence", "confident and wrong")
-    return _table(head, [(one.name, f"{one.right:.0%}", f"{one.confidence:.2f}", f"{one.misled:.0%}") for one in bank])
+    rows = [(one.name, percent(one.right), f"{one.confidence:.2f}", percent(one.misled)) for one in bank]
+    return _table(head, rows)
+
+
+def _number(value: float) -> str:
+    return "–" if math.isnan(value) else f"{value:.3f}"
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -12,7 +12,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal
 
 import av
 import numpy as np
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from scenario_compiler.perception.camera import Camera
 
 Shows = Literal["view", "map", "both"]
-SHOWS: tuple[Shows, ...] = get_args(Shows)
 """Possible contents of a video."""
 
 RATES = {".mp4": 25, ".gif": 5}

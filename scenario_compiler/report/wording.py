@@ -155,6 +155,11 @@ def decimal(value: float) -> str:
     return fixed(value).rstrip("0").rstrip(".")
 
 
+def percent(share: float, digits: int = 0) -> str:
+    """Return a share as a percentage with a number of decimals; a dash if it is NaN."""
+    return "–" if math.isnan(share) else f"{100 * share:.{digits}f} %"
+
+
 def unit_words(unit: str) -> str:
     """Return a readable unit; empty for numbers without a unit."""
     return {"1": "", "deg": "°", "m/s2": "m/s²"}.get(unit, unit)
@@ -270,10 +275,10 @@ def _driver(run: Run) -> str:
     laws = {
         "lognormal": f"lognormal takeover time, median {decimal(math.exp(min(mu, 20.0)))} s, σ {decimal(sigma)}",
         "normal": f"normal takeover time, mean {decimal(mu)} s, σ {decimal(sigma)} s",
-        "sumo": f"takeover time of SUMO's device, {driver.missed:.0%} after the budget",
+        "sumo": f"takeover time of SUMO's device, {percent(driver.missed)} after the budget",
     }
-    late = f", {driver.late:.1%} late" if driver.late > 0 else ""
-    return f"{driver.name}: {laws[driver.law]}{late}, {driver.lapse:.0%} no answer"
+    late = f", {percent(driver.late, 1)} late" if driver.late > 0 else ""
+    return f"{driver.name}: {laws[driver.law]}{late}, {percent(driver.lapse)} no answer"
 
 
 def _plain(value: float | bool | str) -> str:

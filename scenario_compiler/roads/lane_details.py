@@ -41,7 +41,7 @@ class LaneRule(NamedTuple):
 
 
 class LaneVisibility(NamedTuple):
-    """The sight distance of a lane from s on, m (until 1.5)."""
+    """The sight distances of a lane from s on, all in m, in four directions relative to the lane (until 1.5)."""
 
     s: float
     forward: float
@@ -59,10 +59,15 @@ class LaneDetails:
         lane: Id of the lane.
         s_from: Where it begins, m.
         s_to: Where the next lane section with its side begins, `inf` for the last one, m.
+        access: Who may use it.
+        materials: Its surface.
+        rules: Rules as free text.
+        visibility: Sight distances, m.
         advisory: "inner", "outer", "both" or "none": advisory lanes beside it (1.8); "" if not given.
         dynamic_direction: Whether its direction can change over time (1.8).
         dynamic_type: Whether its type can change over time (1.8).
         road_works: Whether it lies in road works (1.8).
+        user_data: (code, value) of additional data of the file's author.
     """
 
     road: str

@@ -45,7 +45,14 @@ class UserData(NamedTuple):
 
 
 class Corner(NamedTuple):
-    """A corner of an outline: (u, v, z) in the object's frame if local, else (s, t, dz) in the road's; m."""
+    """A corner of an outline.
+
+    Attributes:
+        local: Whether its place is given in the object's frame (u, v, z), otherwise in the road's (s, t, dz).
+        first, second, z: Its place, m.
+        height: Height of the object above it, m.
+        id: As in the file; empty if not given.
+    """
 
     local: bool
     first: float
@@ -98,9 +105,16 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Repeat:
-    """The repetition of an object: from s on, every `distance` metres (0: without gaps).
+    """The repetition of an object, with values at its first and last place.
 
-    Sizes are those at the first and at the last place, m; 0 if the object's own size is used.
+    Attributes:
+        s: The first place, m.
+        length: Length of the stretch with the places, m.
+        distance: Distance between places, m; 0 without gaps.
+        t_start, t_end: t of the origin, m.
+        z_start, z_end: Height of the origin above the road, m.
+        length_start, length_end, width_start, width_end: Size, m; 0 if the object's own size is used.
+        height_start, height_end, radius_start, radius_end: The same.
     """
 
     s: float
@@ -144,13 +158,20 @@ class RoadObject:
 
     Attributes:
         road: Id of the road.
-        id: As in the file.
+        id, name, subtype: As in the file.
         type: The standard's word: "crosswalk", "parkingSpace", "barrier", ...
         s, t, z_offset: Position of its origin, m.
         heading, pitch, roll: Relative to the road's direction, rad.
         orientation: "+", "-" or "none": the direction of travel to which it applies.
         length, width, height, radius: Size, m; 0 if not given.
+        valid_length: Length of the stretch of road for which it is valid, m; 0 for a point.
+        dynamic: Whether the file calls it dynamic, as an object with moving parts; its position never changes.
+        repeats: Its repetitions.
+        outlines: Its outlines.
+        markings: Paint along its outlines.
         lanes: (from, to) lane ids of each validity record; empty for all lanes.
+        user_data: Additional data of the file's author.
+        rest: Tags of the children that are not interpreted, each once.
     """
 
     road: str
@@ -181,9 +202,19 @@ class RoadObject:
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """A sign, traffic light or painted sign; the fields are as in `RoadObject`.
+    """A sign, traffic light or painted sign. Fields that are not listed are as in `RoadObject`.
 
     For a reference from another road, `reference` is True and only the fields of a reference are set.
+
+    Attributes:
+        type, subtype: Codes of the sign in the catalogue of its country.
+        country: Code of the country, such as "DE" or "OpenDRIVE"; empty if not given.
+        value: The number of the sign, in `unit`, as text; empty if not given.
+        unit: As in the file: "km/h", "m/s", "m", ...
+        text: Text on the sign.
+        heading_offset: Relative to the road's direction in which it applies, rad.
+        reference: Whether it refers to a signal of another road.
+        height, width: Size, m; 0 if not given.
     """
 
     road: str

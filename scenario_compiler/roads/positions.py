@@ -74,7 +74,7 @@ class Mark(NamedTuple):
 
 
 class MarkStretch(NamedTuple):
-    """A change of marks from s_from to s_to: the quality, linear between two values, and the colour.
+    """A change of marks from s_from to s_to, m: the quality (0 to 1), linear between two values, and the colour.
 
     A lane's mark lies on its outer border; lane 0 is the centre line, None stands for every mark of the road. A quality
     or colour of None is not changed; colours are spelled as in `marks.MARK_COLOURS`.

@@ -55,9 +55,8 @@ UNREAD: Mapping[type[Word], Mapping[str, object]] = {
     Setting: {"name": ""},
     Break: {"every": 1},
 }
-"""What a study and its parts have for required attributes that cannot be read, which is reported.
-
-The files and parameters that they name are checked nevertheless.
+"""Values that a study and its parts get for required attributes that cannot be read, which is reported: the files and
+parameters that they name are checked nevertheless.
 """
 
 

@@ -22,8 +22,14 @@ class Faults:
     """The codes of a format's faults; `walk` says when each is reported.
 
     Attributes:
+        unknown_element: An element that the format does not allow there.
+        unknown_attribute: An attribute that the element does not have.
+        missing_attribute: A required attribute is missing.
+        missing_element: A required child is missing.
+        bad_value: A value is not of its kind.
         order: The children are those that are needed, in another order.
         misplaced: A child stands too often or too late.
+        stray_text: Text between elements.
         excluded: A condition of the format is not met; None if the format has no conditions.
         blank: Blanks in an element that must be empty; None if they are allowed.
         other_version: A word of another version; None if that is a fault like any other.

@@ -41,7 +41,18 @@ AttributeKind = Literal["number", "fixed_number", "integer", "boolean", "choice"
 
 @dataclass(frozen=True, slots=True)
 class AttributeRule:
-    """An attribute that an element may have."""
+    """An attribute that an element may have.
+
+    Attributes:
+        name: Its name in XML.
+        field: The word's field with its value.
+        kind: Kind of its value.
+        spelling: What the declaration says about it: the quantity, the limits in the XML unit, and more.
+        description: What it means, with its unit.
+        required: It must be given.
+        default: The field's value if it is not given, in the internal unit; None if it is required.
+        choices: The allowed words of a `choice`; empty for the other kinds.
+    """
 
     name: str
     field: str
@@ -61,6 +72,7 @@ class ChildRule:
         field: The word's field that contains them.
         wrapper: Tag of the element around them; empty if they stand directly in the parent.
         words: Tag to word type, in the order of the declaration.
+        description: What they mean.
         required: At least one is required.
         many: Any number is allowed.
     """

@@ -133,8 +133,9 @@ class AttributeSpelling:
     Attributes:
         name: The attribute's name in XML; empty if it is the field's own name.
         quantity: Key of QUANTITIES for numbers, empty for everything else.
-        minimum: Least value, in the XML unit; None for no limit. With `exclusive` the limit itself is not allowed.
+        minimum: Least value, in the XML unit; None for no limit.
         maximum: Greatest value, in the XML unit; None for no limit.
+        exclusive: The least value itself is not allowed.
         names: Kind of thing that the text refers to: "entity", "road", "map", ... or empty.
         defines: Kind of thing that the text gives a name to, or empty.
         expression: The text is an expression over parameters, written without `${}`.

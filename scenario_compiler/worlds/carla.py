@@ -252,7 +252,7 @@ class CarlaWorld:
         stand_in = STAND_INS[entity.vehicle.category]
         if not self._library.filter(stand_in):
             raise WorldError(f"CARLA's library has neither '{wanted}' nor '{stand_in}'")
-        message = f"CARLA's library has no '{wanted}', '{stand_in}' replaces it"
+        message = f"CARLA's library has no '{wanted}'; '{stand_in}' replaces it"
         if all(one.message != message for one in self.findings):
             self.findings.append(WorldFinding(OTHER_BLUEPRINT, message, f"entities/{entity.id}"))
         return self._library.find(stand_in)

@@ -146,7 +146,7 @@ def test_an_interrupted_sweep_is_resumed_to_the_same_bytes(conflict: Path, tmp_p
         run_sweep(conflict, _spec(seed=2, interpreted=True), tmp_path / "parts", workers=1, resume=True, report=False)
     seen: list[Progress] = []
     run_sweep(conflict, spec, tmp_path / "parts", workers=1, resume=True, progress=seen.append, report=False)
-    assert seen[0].resumed == 32
+    assert seen[0].done == 32
     files = [sorted(p.name for p in (tmp_path / name).iterdir()) for name in ("whole", "parts")]
     assert files[0] == files[1]
     tables = [(tmp_path / name / "results.parquet").read_bytes() for name in ("whole", "parts")]

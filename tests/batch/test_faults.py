@@ -8,7 +8,6 @@ import os
 import resource
 import shlex
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -86,11 +85,11 @@ class _KillingPool(Pool):
     killed = 0
 
     def run(self, parts: Iterator[Part]) -> Iterator[tuple[int, Batch]]:
-        os.kill(self.processes[0], signal.SIGKILL)
+        self._workers[0].process.kill()
         self.killed += 1
         for number, batch in super().run(parts):
             if self.killed < 2:
-                os.kill(self.processes[1], signal.SIGKILL)
+                self._workers[1].process.kill()
                 self.killed += 1
             yield number, batch
 

@@ -16,7 +16,7 @@ from scenario_compiler.perception.render import Drawing
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.roads.positions import Pose
-from tests.perception.scenery import CLEAR, bend, two_lanes
+from tests.perception.scenery import CLEAR, bend, horizon, two_lanes
 
 CAMERA = Camera(width=192, height=96, fov=math.radians(70.0), windscreen=False)
 CENTRE = np.array([CAMERA.width / 2.0, CAMERA.height / 2.0])
@@ -66,7 +66,7 @@ def test_a_turn_moves_the_sky_too() -> None:
     before, now = (looking(CAMERA, pose._replace(heading=h), STRAIGHT.pose(50.0)) for h in (0.0, turn))
     shift = moved_pixels(flow(now, before.view, {}))
     column = CAMERA.width // 2
-    row = int(CAMERA.horizon) - 5
+    row = int(horizon(CAMERA)) - 5
     assert now.semantic[row, column] in (Tag.SKY, Tag.VEGETATION)
     assert shift[row, column, 0] == pytest.approx(CAMERA.focal * math.tan(turn), abs=0.05)
 

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from scenario_compiler.editor.analysis import Analysis
 from scenario_compiler.editor.completion import offers
+from scenario_compiler.editor.draft import Draft
 from scenario_compiler.editor.findings import findings
 from scenario_compiler.editor.hover import explained
-from scenario_compiler.editor.layout import laid_out
+from scenario_compiler.editor.layout import layout_edits
 from scenario_compiler.editor.naming import CannotRenameError, renaming, uses_of
 from scenario_compiler.editor.outline import Entry, outline
 
@@ -82,6 +83,13 @@ def diagnostics(analysis: Analysis, offset: int, _: str) -> Iterator[str]:
         place = f"{line + 1}:{one.start - analysis.draft.line_starts[line] + 1}"
         covered = analysis.draft.text[one.start : one.end]
         yield f"{place} {one.severity.value} {one.code} {covered!r} {relative(one.message)}"
+
+
+def laid_out(text: str) -> str:
+    """Return a text, formatted."""
+    for edit in reversed(layout_edits(Draft(text))):
+        text = text[: edit.start] + edit.text + text[edit.end :]
+    return text
 
 
 def formatting(analysis: Analysis, offset: int, _: str) -> Iterator[str]:

@@ -18,7 +18,6 @@ from scenario_compiler.editor.draft import Draft
 from scenario_compiler.editor.findings import Finding, carried_over, findings, while_written
 from scenario_compiler.editor.hover import explained
 from scenario_compiler.editor.known import KNOWN
-from scenario_compiler.editor.layout import laid_out
 from scenario_compiler.editor.naming import renaming, uses_of
 from scenario_compiler.editor.outline import outline
 from scenario_compiler.editor.words import ROOTS, meanings
@@ -26,7 +25,7 @@ from scenario_compiler.resources import library_folder
 from scenario_compiler.validation import validate_file
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.schema import words_below
-from tests.editor.recording import analysed, renamed, split_cursor
+from tests.editor.recording import analysed, laid_out, renamed, split_cursor
 
 HERE = Path(__file__).resolve().parent
 CASES = HERE.parent / "cases"

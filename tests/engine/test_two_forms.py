@@ -161,7 +161,8 @@ def random_draft(number: int) -> Draft:
 def fade(draft: Draft, *, answer: bool) -> None:
     """Let the marks fail over a short stretch; the driver answers soon and hands back, or the automation stops."""
     p = draft.program
-    p.const[p.stretch_const[0] : p.stretch_const[0] + slots.M_SIZE] = [60.0, 110.0, 0.0, 0.0, 0.0]
+    stretch = p.stretch_const[0]
+    p.const[stretch + slots.M_FROM : stretch + slots.M_COVERAGE + 1] = [60.0, 110.0, 0.0, 0.0, 0.0]
     p.stretch_lane[0] = op.ALL_MARKS
     p.const[slots.K_NOISE], p.const[slots.K_HAND_BACK_AFTER] = 0.0, 1.0
     p.const[slots.K_DRIVER_TIME] = 0.5 if answer else 60.0

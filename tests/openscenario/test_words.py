@@ -17,8 +17,8 @@ from scenario_compiler.openscenario.actions import UNSAID as UNSAID_ACTIONS
 from scenario_compiler.openscenario.actions.environment import FOG_AT_ONE, FOG_THINNED
 from scenario_compiler.openscenario.conditions import BY_ENTITY, BY_VALUE, OWN, read_condition, write_condition
 from scenario_compiler.openscenario.output import VERSIONS, Output, Version
+from scenario_compiler.openscenario.points import UNSAID as UNSAID_POSITIONS
 from scenario_compiler.openscenario.positions import POSITIONS, read_position, write_position
-from scenario_compiler.openscenario.positions import UNSAID as UNSAID_POSITIONS
 from scenario_compiler.vocabulary.actions import (
     Action,
     AssignControllerAction,
@@ -40,6 +40,7 @@ from scenario_compiler.vocabulary.positions import (
     GeoPosition,
     Nurbs,
     Position,
+    RelativeLanePosition,
     RouteWord,
     Trajectory,
 )
@@ -144,6 +145,25 @@ def test_words_that_an_older_version_lacks_are_reported(
     elif not list(told):
         assert _read(word, element, version, sink) == [word], etree.tostring(element, pretty_print=True).decode()
         assert list(sink) == []
+
+
+@pytest.mark.parametrize(
+    ("position", "version", "why"),
+    [
+        (
+            RelativeLanePosition(entity="ego", distance=10.0),
+            NEWEST,
+            "it follows the lane over junctions",
+        ),
+        (GeoPosition(latitude=48.0, longitude=11.0), (1, 0), "1.0 has no <GeoPosition>"),
+    ],
+)
+def test_the_reason_why_a_position_cannot_be_written_is_reported(position: Word, version: Version, why: str) -> None:
+    sink = Diagnostics()
+    element = write_position(position, Output(version, sink))
+    assert [one.get("x") for one in element] == ["0"]
+    (told,) = sink
+    assert told.message.startswith(f"the position <{position.tag()}> cannot be written: {why}")
 
 
 def test_every_word_has_a_form_or_a_reason() -> None:

@@ -1,6 +1,9 @@
 """Roads that the tests of perception drive on."""
 
+import math
+
 from scenario_compiler.perception.calibration.scenes import Fading, Line, Reference, Strip, make_scene
+from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.scene import Scene, joined_marks
 from scenario_compiler.roads.mesh import Material
 from scenario_compiler.vocabulary.weather import Weather, weather_preset
@@ -15,6 +18,11 @@ def weather(name: str) -> Weather:
 
 
 CLEAR = weather("ClearNoon")
+
+
+def horizon(camera: Camera) -> float:
+    """Image row at which the ground plane vanishes in the middle column of a camera, pixels."""
+    return camera.height / 2.0 + camera.focal * math.tan(camera.pitch) / math.cos(camera.roll)
 
 
 def bend(radius: float, length: float = 150.0) -> Reference:

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from scenario_compiler.perception.camera import Camera, vehicle_axes
+from scenario_compiler.perception.camera import Camera, View, vehicle_axes
 from scenario_compiler.roads.positions import Pose
 
 LEVEL = Pose(10.0, -4.0, 2.0, 0.7, 0.0, 0.0)
@@ -18,13 +18,18 @@ MOUNTINGS = (
 )
 
 
+def on_ground(view: View, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return the points (N, 3) of the world, x m ahead and y m to the left of the camera's foot, (N,) each."""
+    return view.foot + np.stack([x, y, np.zeros(len(x))], axis=1) @ vehicle_axes(view.pose).T
+
+
 @pytest.mark.parametrize("camera", MOUNTINGS)
 @pytest.mark.parametrize("pose", [LEVEL, TILTED])
 def test_ground_points_land_where_their_world_points_do(pose: Pose, camera: Camera) -> None:
     view = camera.view(pose, box_offset=1.4)
     x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(-20.0, 30.0, 9), np.linspace(-9.0, 8.0, 7)))
     u, v = camera.project_ground(x, y)
-    points = view.to_camera(view.ground_to_world(x, y))
+    points = view.to_camera(on_ground(view, x, y))
     seen = points[:, 2] > 1e-3
     assert np.isfinite(u).tolist() == seen.tolist()
     assert seen.any()
@@ -32,10 +37,10 @@ def test_ground_points_land_where_their_world_points_do(pose: Pose, camera: Came
 
 
 @pytest.mark.parametrize("pose", [LEVEL, TILTED])
-def test_world_to_ground_undoes_ground_to_world(pose: Pose) -> None:
+def test_points_of_the_world_are_given_in_ground_coordinates(pose: Pose) -> None:
     view = Camera().view(pose, box_offset=1.4)
-    there = view.ground_to_world([3.0, 20.0], [1.0, -2.0])
-    assert np.allclose(view.world_to_ground(there), [[3.0, 1.0], [20.0, -2.0]])
+    points = on_ground(view, np.array([3.0, 20.0]), np.array([1.0, -2.0]))
+    assert np.allclose(view.world_to_ground(points), [[3.0, 1.0], [20.0, -2.0]])
 
 
 def test_the_camera_stands_ahead_of_the_box_centre_and_above_the_ground() -> None:
@@ -76,7 +81,8 @@ def test_a_positive_roll_lowers_the_right_side_of_the_camera() -> None:
 
 
 def test_negative_camera_pitch_looks_down() -> None:
-    assert Camera(pitch=math.radians(-5.0)).horizon < Camera().height / 2
+    _, v = Camera(pitch=math.radians(-5.0)).project_ground(np.array([1e6]), np.array([0.0]))
+    assert v[0] < Camera().height / 2
 
 
 def test_points_behind_the_lens_are_not_seen() -> None:

@@ -5,6 +5,7 @@ import pytest
 
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.lens import REACH, Lens
+from tests.perception.scenery import horizon
 
 CAMERAS = (
     Camera(width=96, height=64),
@@ -46,7 +47,7 @@ def test_a_pixel_reaches_as_far_as_the_next_row() -> None:
 def test_there_is_sky_over_the_horizon_and_none_below_it() -> None:
     camera = CAMERAS[0]
     lens = Lens(camera)
-    assert lens.top == lens.sky_rows == math.ceil(camera.horizon) + 1
+    assert lens.top == lens.sky_rows == math.ceil(horizon(camera)) + 1
     assert lens.sees_ground.all()
 
 

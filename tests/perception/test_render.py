@@ -17,7 +17,7 @@ from scenario_compiler.roads.mesh import Marks, Material, Surface
 from scenario_compiler.roads.network import load_network
 from scenario_compiler.roads.positions import Pose
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
-from tests.perception.scenery import CLEAR, bend, two_lanes, weather
+from tests.perception.scenery import CLEAR, bend, horizon, two_lanes, weather
 from tests.roads.make import shifted
 
 Image = NDArray[np.uint8]
@@ -201,9 +201,9 @@ def crossing(height: float) -> Scene:
 def test_a_bridge_is_seen_from_below_and_a_road_below_is_hidden() -> None:
     level = shot(RoadCamera(crossing(0.0)))
     over = shot(RoadCamera(crossing(6.0)))
-    horizon = round(Camera().horizon)
-    assert np.any(over[: horizon - 5] != level[: horizon - 5])
-    assert np.array_equal(over[horizon + 40 :], level[horizon + 40 :])
+    row = round(horizon(Camera()))
+    assert np.any(over[: row - 5] != level[: row - 5])
+    assert np.array_equal(over[row + 40 :], level[row + 40 :])
 
 
 def test_a_town_costs_no_more_than_what_is_near(corpus: Path) -> None:

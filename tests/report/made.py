@@ -22,6 +22,9 @@ from tests.recording.made import plan_of
 IDS = ("ego", "parked", "oncoming")
 ROAD, SPEED, STEP = "1", 13.9, 0.05
 
+RUN_FILES = ("plan.json", "map.xodr", "recording.parquet", "events.csv", "outcome.json", "report.html")
+"""What the folder of a run contains."""
+
 
 def town(repository: Path) -> Network:
     network = load_network(repository / "maps" / "town_grid" / "town_grid.xodr", cache=False)

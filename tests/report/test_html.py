@@ -175,7 +175,7 @@ write_run_folder(made.run(made.town(Path(sys.argv[1])), pictures=False), Path(sy
 def test_another_process_with_another_hash_seed_writes_the_same_bytes(
     repository: Path, tmp_path: Path, network: Network
 ) -> None:
-    from scenario_compiler.report.folder import RUN_FILES, write_run_folder
+    from scenario_compiler.report.folder import write_run_folder
 
     subprocess.run(
         [sys.executable, "-c", WRITE, str(repository), str(tmp_path / "a")],
@@ -185,18 +185,18 @@ def test_another_process_with_another_hash_seed_writes_the_same_bytes(
         timeout=120,
     )
     write_run_folder(made.run(network, pictures=False), tmp_path / "b")
-    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == sorted(RUN_FILES)
-    for name in RUN_FILES:
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == sorted(made.RUN_FILES)
+    for name in made.RUN_FILES:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
 
 
 def test_a_map_that_changed_during_the_run_is_left_out_of_its_folder(tmp_path: Path) -> None:
-    from scenario_compiler.report.folder import RUN_FILES, write_run_folder
+    from scenario_compiler.report.folder import write_run_folder
 
     changed = made.run(made.town(Path(__file__).resolve().parents[2]), pictures=False)
     changed.network.sha256 = "0" * 64
     write_run_folder(changed, tmp_path, report=False)
-    assert {path.name for path in tmp_path.iterdir()} == set(RUN_FILES) - {"map.xodr", "report.html"}
+    assert {path.name for path in tmp_path.iterdir()} == set(made.RUN_FILES) - {"map.xodr", "report.html"}
 
 
 def test_equal_runs_are_drawn_equally(finished: Run) -> None:

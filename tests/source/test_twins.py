@@ -12,11 +12,6 @@ from scenario_compiler.validation import validate_file
 EGO = '<ego speed="10"><start><lane road="1" lane="-1" s="20"/></start></ego>'
 AT = '<at><lane road="1" lane="-1" s="{}"/></at>'
 
-OURS = {
-    "scenarios": ('<scenario name="x" map="town_grid">\n', '<scenario name="x" map="town_grid">\n'),
-    "templates": ('<template name="x"/>\n', '<template name="x"/>\n'),
-}
-
 INSIDE = {
     "statics": '<static id="x">{}</static>\n',
     "uses": '<use template="sensor_failure" id="x"/>\n',

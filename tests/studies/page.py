@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from scenario_compiler.recording.recording import Floats
+from scenario_compiler.report.wording import percent
 from tests.studies import (
     test_doubek_2020,
     test_eriksson_2017,
@@ -106,7 +107,7 @@ def text_of(parts: Sequence[Part]) -> str:
 def described(label: str, one: Sample) -> tuple[str, ...]:
     """Return a condition's row: medians, and shares of the runs."""
     medians = (np.median(one.times), np.median(one.inputs), np.median(one.least), np.median(one.along))
-    return (label, *(f"{float(value):.2f}" for value in medians), f"{one.crashed:.0%}")
+    return (label, *(f"{float(value):.2f}" for value in medians), percent(one.crashed))
 
 
 SAMPLED = (
@@ -239,7 +240,7 @@ def write() -> None:
             ("condition", "evasion begins before it, m", "along the lane, s", "greatest lateral acceleration, m/s2"),
             tuple((name, f"{one.away:.0f}", f"{one.least:.2f}", f"{one.lateral:.2f}") for name, one in evasions),
         ),
-        Part(test_mok_2015, ("budget", "safe"), tuple((name, f"{share:.0%}") for name, share in safe)),
+        Part(test_mok_2015, ("budget", "safe"), tuple((name, percent(share)) for name, share in safe)),
         Part(
             test_naujoks_2014,
             ("condition", "hands on the wheel, s", "greatest offset from the lane's centre, m"),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scenario_compiler import open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.perception.machine import CHOOSING
 from scenario_compiler.perception.stage import Stage
 from scenario_compiler.roads import Pose
 from scenario_compiler.vocabulary.sensors import Perception
@@ -81,7 +82,11 @@ def test_traffic_lights_show_the_state_that_the_scenario_gives_them(tmp_path: Pa
     assert rows["red"] < rows["green"]
 
 
-def test_the_versions_on_which_pictures_depend_are_recorded_only_with_a_camera(tmp_path: Path) -> None:
+def test_the_versions_on_which_pictures_depend_are_recorded_only_with_a_camera(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in CHOOSING:
+        monkeypatch.delenv(name, raising=False)
     for perception, names in (("camera", {"opencv", "processor"}), ("ideal", set())):
         done = compiled(tmp_path, perception=perception)  # type: ignore[arg-type]
         with open_world("kinematic", done.plan, done.network) as world:

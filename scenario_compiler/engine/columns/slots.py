@@ -137,7 +137,6 @@ M_TO = 1
 M_QUALITY = 2
 M_QUALITY_TO = 3
 M_COVERAGE = 4
-M_SIZE = 5
 
 # A condition: the value compared with, the delay, and the radius of a position.
 C_VALUE = 0

@@ -14,7 +14,7 @@ from scenario_compiler.openscenario.structure.words import KINDS, WORDS, is_para
 from scenario_compiler.structure.grammar import Faults, Grammar
 
 FIRST_MINOR, LAST_MINOR = 0, 3
-"""Last declared minor version of OpenSCENARIO XML 1."""
+"""First and last declared minor version of OpenSCENARIO XML 1."""
 
 OPENSCENARIO = Grammar(
     name="OpenSCENARIO",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -39,8 +40,8 @@ class Worth:
         name: Name of the observations.
         outputs: For each of `OUTPUTS`.
         sure: Share of the observations with a confidence above `SURE`.
-        wrong: Share of those with an error above 0.25 m.
-        far_off: Share of those with an error above 1 m.
+        wrong: Share of those with an error above 0.25 m; NaN if there are none.
+        far_off: Share of those with an error above 1 m; NaN if there are none.
     """
 
     name: str
@@ -139,13 +140,15 @@ def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confiden
 def worth(name: str, looks: Looks) -> Worth:
     """Return the reliability of the outputs over observations."""
     labels, sure = looks.labels, looks.p[:, 2] > SURE
-    count = max(int(sure.sum()), 1)
+    wrong, far_off = (
+        float((looks.error[sure] >= limit).mean()) if sure.any() else math.nan for limit in (RIGHT, FAR_OFF)
+    )
     return Worth(
         name,
         tuple(reliability(looks.p[:, k], labels[:, k]) for k in range(len(OUTPUTS))),
         float(sure.mean()),
-        float((looks.error[sure] >= RIGHT).sum()) / count,
-        float((looks.error[sure] >= FAR_OFF).sum()) / count,
+        wrong,
+        far_off,
     )
 
 

@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Fading:
-    """Quality along s: `first` up to `begin`, `last` from `end` on, and linear between."""
+    """Quality of paint, 0 to 1, along s: `first` up to `begin`, m, `last` from `end`, m, on, and linear between."""
 
     first: float
     last: float

@@ -23,7 +23,7 @@ CIRCLE = Code(
 
 
 def check_initial(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn of actions of the init that need a position or a speed which only an action after them, or they, set."""
+    """Warn of actions of the init that need a position or a speed that only they themselves or a later action set."""
     del network
     before = placed_before(plan.entities)
     for initial in unplaced(plan.storyboard.init, before):
