@@ -3,8 +3,9 @@
 A distance is Euclidean, along or across. Along and across refer to the entity's own axes, the world's axes, the road
 (also for a lane's system), or the trajectory that the entity follows (the road if it follows none). With `freespace`,
 it is measured between the boxes, and is 0 if they overlap in that direction. Along is positive ahead, across positive
-to the left; a Euclidean distance is negative to what is not ahead. The distance is FAR if no road leads to the target.
-All distances are in m.
+to the left; a Euclidean distance is negative to what is not ahead. A target off every road is measured at its foot on
+the entity's way, and an entity off every road at its foot on the target's road. The distance is FAR if no road leads to
+the target. All distances are in m.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from scenario_compiler.engine.motion.tracks import nearest_on_track, track_follo
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_heading
 from scenario_compiler.roads.lanes import lane_centre, lane_direction, lane_row_in
-from scenario_compiler.roads.locate import locate_lane
+from scenario_compiler.roads.locate import locate_lane, project_on_road
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
@@ -213,6 +214,57 @@ def along_roads(
 
 
 @compiled
+def nearest_foot(n: RoadTables, st: State, i: int, along: int, x: float, y: float) -> tuple[int, float, float]:
+    """Return (road or -1, s, t) of the nearest foot of a point on i's way, as travelled (`along` 1) or against it."""
+    found = op.NONE
+    at_s = 0.0
+    at_t = op.FAR
+    walk(n, st, st.road[i], st.lane[i], st.s[i], along, ROAD_HORIZON, -1)
+    for w in range(st.way_count[0]):
+        road = st.way_road[w]
+        s, t = project_on_road(n, road, 0.5 * n.road_length[road], x, y)
+        if s >= 0.0 and s <= n.road_length[road] and abs(t) < abs(at_t):
+            found = road
+            at_s = s
+            at_t = t
+    return found, at_s, at_t
+
+
+@compiled
+def along_or_beside(
+    n: RoadTables, st: State, i: int, road: int, s: float, t: float, x: float, y: float
+) -> tuple[float, float, int, int, float]:
+    """Return (ahead, left, direction, road, s): the result of `along_roads`, and the place there, a foot if off roads.
+
+    The road of the place is -1 if both are off every road.
+    """
+    if st.road[i] >= 0:
+        if road < 0:
+            road, s, t = nearest_foot(n, st, i, 1, x, y)
+            other, other_s, other_t = nearest_foot(n, st, i, -1, x, y)
+            if other >= 0 and abs(other_t) < abs(t):
+                road, s, t = other, other_s, other_t
+        ahead, left, direction = along_roads(n, st, i, road, s, t, x, y)
+        return ahead, left, direction, road, s
+    if road < 0:
+        return op.FAR, 0.0, 1, road, s
+    own_s, own_t = project_on_road(n, road, s, st.x[i], st.y[i])
+    if own_s < 0.0 or own_s > n.road_length[road]:
+        return op.FAR, 0.0, 1, road, s
+    facing = 1 if cos(st.h[i] - road_heading(n, road, own_s)) >= 0.0 else -1
+    return facing * (s - own_s), facing * (t - own_t), facing, road, s
+
+
+@compiled
+def turned_on_road(n: RoadTables, st: State, i: int, road: int, direction: int) -> float:
+    """Return i's heading relative to its motion along its road; off every road, to a direction of another road."""
+    if st.road[i] >= 0:
+        return turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
+    s, _ = project_on_road(n, road, 0.5 * n.road_length[road], st.x[i], st.y[i])
+    return turned_against(n, road, s, direction, st.h[i])
+
+
+@compiled
 def turned_against(n: RoadTables, road: int, s: float, direction: int, h: float) -> float:
     """Return a heading relative to the road's direction at s, rad; `direction` is -1 for travel against s."""
     along = road_heading(n, road, s)
@@ -222,13 +274,13 @@ def turned_against(n: RoadTables, road: int, s: float, direction: int, h: float)
 @compiled
 def road_distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, measure: int, freespace: int) -> float:
     """Return the distance from entity i to entity j along or across the road, m."""
-    ahead, left, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+    ahead, left, direction, road, s = along_or_beside(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
     if ahead >= op.FAR:
         return op.FAR
     if freespace == 0:
         return ahead if measure == op.MEASURE_ALONG else left
-    own = turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
-    other = turned_against(n, st.road[j], st.s[j], direction, st.h[j])
+    own = turned_on_road(n, st, i, road, direction)
+    other = turned_against(n, road, s, direction, st.h[j])
     own_forward = p.const[p.entity_const[i] + slot.E_CENTER]
     other_forward = p.const[p.entity_const[j] + slot.E_CENTER]
     if measure == op.MEASURE_ALONG:
@@ -322,13 +374,13 @@ def distance_to(n: RoadTables, p: Program, st: State, i: int, k: int, mode: int,
             return gap
         gap = gap - along_axis(along, st.middle_x[i] - st.x[i], st.middle_y[i] - st.y[i], measure)
         return gap_beyond(gap, reach_across(p, st, i, along, measure))
-    ahead, left, _ = along_roads(n, st, i, road, s, t, x, y)
+    ahead, left, direction, road, s = along_or_beside(n, st, i, road, s, t, x, y)
     if ahead >= op.FAR:
         return op.FAR
     value = ahead if measure == op.MEASURE_ALONG else left
     if freespace == 0:
         return value
-    own = turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
+    own = turned_on_road(n, st, i, road, direction)
     forward = p.const[p.entity_const[i] + slot.E_CENTER]
     if measure == op.MEASURE_ALONG:
         return gap_beyond(value - forward * cos(own), half_extent(p, i, own))

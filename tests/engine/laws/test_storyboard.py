@@ -12,10 +12,12 @@ from tests.engine.laws.told import (
     after,
     by,
     condition,
+    document,
     lane_change,
     lane_offset,
     of_entity,
     play,
+    play_text,
     relative_speed,
     speed,
 )
@@ -197,6 +199,16 @@ def test_an_edge_needs_an_evaluation_before(tmp_path: Path) -> None:
     assert play(tmp_path, {**A, "W": W}, [Event("W", speed(3.0), true_from_the_start)]).acts("W", 3.0) is None
 
 
+@pytest.mark.parametrize(("at", "wanted"), [(4.0, 4.05), (2.0, None)])
+def test_an_edge_counts_also_while_another_condition_of_its_group_is_false(
+    tmp_path: Path, at: float, wanted: float | None
+) -> None:
+    """The group holds if its second condition rises in the step in which the first one becomes true."""
+    trigger = after(4.0) + after(at, "rising")
+    run = play(tmp_path, {"W": W}, [Event("W", speed(3.0), trigger)])
+    assert run.acts("W", 3.0) == (None if wanted is None else pytest.approx(wanted))
+
+
 @pytest.mark.law("Storyboard", "delay")
 def test_a_delay_shifts_the_record_of_the_edge(tmp_path: Path) -> None:
     pulse = of_entity("A", '<SpeedCondition value="12.4" rule="greaterThan"/>', edge="rising", delay=1.5)
@@ -235,3 +247,41 @@ def test_an_animation_ends_after_its_duration(tmp_path: Path, duration: float, w
     done = state("event", "door", "completeState")
     run = play(tmp_path, {**A, "W": W}, [Event("A", door, name="door"), Event("W", speed(3.0), done)])
     assert run.acts("W", 3.0) == pytest.approx(wanted)
+
+
+def acts_of(*acts: str) -> str:
+    """Return the file of told.py with other acts in its story."""
+    text = document({**A, "W": W}, [], 8.0)
+    start, end = text.index('<Act name="act">'), text.index("</Story>")
+    return text[:start] + "".join(acts) + text[end:]
+
+
+def act(name: str, event: Event, start: str = "", stop: str = "") -> str:
+    """Return an act of one event; its start and stop are conditions."""
+    triggers = "".join(
+        f"<{tag}><ConditionGroup>{inner}</ConditionGroup></{tag}>"
+        for tag, inner in (("StartTrigger", start), ("StopTrigger", stop))
+        if inner
+    )
+    actors = f'<Actors selectTriggeringEntities="false"><EntityRef entityRef="{event.actor}"/></Actors>'
+    return (
+        f'<Act name="{name}"><ManeuverGroup name="g" maximumExecutionCount="1">{actors}<Maneuver name="m">'
+        f"{event.text()}</Maneuver></ManeuverGroup>{triggers}</Act>"
+    )
+
+
+@pytest.mark.parametrize("element", ["act", "event"])
+def test_a_stop_trigger_stops_what_is_in_standby(tmp_path: Path, element: str) -> None:
+    """At 2 s the act waits for its start at 4 s, or runs while its event waits; neither ever starts."""
+    start = after(4.0) if element == "act" else ""
+    later = act("waits", Event("A", speed(20.0), 5.0), start, after(2.0))
+    name = "waits" if element == "act" else "event"
+    seen = act("watches", Event("W", speed(3.0), state(element, name, "stopTransition"), name="witness"))
+    run = play_text(tmp_path, acts_of(later, seen), 8.0)
+    assert (run.acts("A", 20.0), run.acts("W", 3.0)) == (None, pytest.approx(2.05))
+
+
+def test_an_event_of_an_act_that_never_ran_is_not_stopped(tmp_path: Path) -> None:
+    later = act("waits", Event("A", speed(20.0), 5.0), after(4.0), after(2.0))
+    seen = act("watches", Event("W", speed(3.0), state("event", "event", "stopTransition"), name="witness"))
+    assert play_text(tmp_path, acts_of(later, seen), 8.0).acts("W", 3.0) is None
