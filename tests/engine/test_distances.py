@@ -59,12 +59,11 @@ def test_along_the_roads_a_turn_is_taken_where_straight_on_does_not_lead_there(
     assert road_distance_between(run.n, run.p, run.st, car, other, op.MEASURE_ALONG, 0) == pytest.approx(way)
 
 
-def test_an_entity_that_no_road_leads_to_is_at_distance_FAR() -> None:
+def test_between_entities_off_every_road_the_distance_along_roads_is_FAR() -> None:
     draft = Draft(highway())
-    car = draft.moving(-2, 100.0, 0.0)
-    lost = draft.entity(op.MOTION_SCRIPTED, op.NONE, 0.0)
+    one, other = (draft.entity(op.MOTION_SCRIPTED, op.NONE, 0.0) for _ in range(2))
     run = draft.start()
-    assert distance_between(run.n, run.p, run.st, car, lost, mode(op.FRAME_ROAD, op.MEASURE_ALONG), 1) == op.FAR
+    assert distance_between(run.n, run.p, run.st, one, other, mode(op.FRAME_ROAD, op.MEASURE_ALONG), 1) == op.FAR
 
 
 @pytest.mark.parametrize(
