@@ -225,16 +225,6 @@ def test_groups_are_alternatives_of_conditions_that_all_hold(tmp_path: Path) -> 
     assert run.acts("W", 3.0) == pytest.approx(3.05)
 
 
-@pytest.mark.law("Storyboard", "triggering entities as actors")
-def test_the_triggering_entities_act_where_they_are_selected(tmp_path: Path) -> None:
-    """B is over 11 m/s from 2 s on; A, which its condition does not name, goes on."""
-    over = of_entity("B", '<SpeedCondition value="11" rule="greaterOrEqual"/>')
-    events = [Event("B", speed(20.0, by("linear", "rate", 1.0))), Event("", speed(3.0), over)]
-    run = play(tmp_path, {"A": Actor(), "B": Actor(lane=-2)}, events, seconds=4.0)
-    assert run.acts("B", 3.0) == pytest.approx(2.05)
-    assert run.acts("A", 3.0) is None
-
-
 @pytest.mark.law("AnimationAction", "used")
 @pytest.mark.parametrize(("duration", "wanted"), [(2.0, 3.05), (0.5, 1.55)])
 def test_an_animation_ends_after_its_duration(tmp_path: Path, duration: float, wanted: float) -> None:
@@ -249,9 +239,16 @@ def test_an_animation_ends_after_its_duration(tmp_path: Path, duration: float, w
     assert run.acts("W", 3.0) == pytest.approx(wanted)
 
 
-def acts_of(*acts: str) -> str:
+def actors_of(event: Event) -> str:
+    """Return the <Actors> of an event: its actor, or the triggering entities if it names none."""
+    if not event.actor:
+        return '<Actors selectTriggeringEntities="true"/>'
+    return f'<Actors selectTriggeringEntities="false"><EntityRef entityRef="{event.actor}"/></Actors>'
+
+
+def acts_of(*acts: str, **actors: Actor) -> str:
     """Return the file of told.py with other acts in its story."""
-    text = document({**A, "W": W}, [], 8.0)
+    text = document({**A, **actors, "W": W}, [], 8.0)
     start, end = text.index('<Act name="act">'), text.index("</Story>")
     return text[:start] + "".join(acts) + text[end:]
 
@@ -263,9 +260,8 @@ def act(name: str, event: Event, start: str = "", stop: str = "") -> str:
         for tag, inner in (("StartTrigger", start), ("StopTrigger", stop))
         if inner
     )
-    actors = f'<Actors selectTriggeringEntities="false"><EntityRef entityRef="{event.actor}"/></Actors>'
     return (
-        f'<Act name="{name}"><ManeuverGroup name="g" maximumExecutionCount="1">{actors}<Maneuver name="m">'
+        f'<Act name="{name}"><ManeuverGroup name="g" maximumExecutionCount="1">{actors_of(event)}<Maneuver name="m">'
         f"{event.text()}</Maneuver></ManeuverGroup>{triggers}</Act>"
     )
 
@@ -285,3 +281,14 @@ def test_an_event_of_an_act_that_never_ran_is_not_stopped(tmp_path: Path) -> Non
     later = act("waits", Event("A", speed(20.0), 5.0), after(4.0), after(2.0))
     seen = act("watches", Event("W", speed(3.0), state("event", "event", "stopTransition"), name="witness"))
     assert play_text(tmp_path, acts_of(later, seen), 8.0).acts("W", 3.0) is None
+
+
+@pytest.mark.law("Storyboard", "triggering entities as actors")
+def test_the_entities_that_trigger_an_act_are_its_actors(tmp_path: Path) -> None:
+    """B is over 11 m/s from 2 s on; A, which the act's trigger does not name, goes on."""
+    over = of_entity("B", '<SpeedCondition value="11" rule="greaterOrEqual"/>')
+    faster = act("faster", Event("B", speed(20.0, by("linear", "rate", 1.0))))
+    slower = act("slower", Event("", speed(3.0), 0.0), over)
+    run = play_text(tmp_path, acts_of(faster, slower, B=Actor(lane=-2)), 8.0)
+    assert run.acts("B", 3.0) == pytest.approx(2.05)
+    assert run.acts("A", 3.0) is None
