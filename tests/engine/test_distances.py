@@ -19,7 +19,7 @@ from scenario_compiler.engine.motion.distances import (
 from scenario_compiler.roads import LanePosition, Network, load_network
 from tests.engine.make import CAR, Draft, Run, bend, highway
 
-LENGTH, WIDTH, _, _, CENTER = CAR[:5]
+LENGTH, WIDTH, HEIGHT, _, CENTER = CAR[:5]
 
 
 @pytest.fixture(scope="module")
@@ -81,6 +81,21 @@ def test_between_boxes_the_nearest_points_count(dx: float, dy: float, turn: floa
     run = two(dx, dy, turn)
     assert box_distance(run.p, run.st, 0, 1) == pytest.approx(expected)
     assert box_distance(run.p, run.st, 1, 0) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("up", [6.0, -6.0])
+def test_a_straight_distance_includes_the_height(up: float) -> None:
+    """As between a car on a bridge and one below it; boxes are as far apart as their heights leave."""
+    run = two(10.0, 0.0, 0.0)
+    run.st.z[:] = [0.0, up]
+    straight = mode(op.FRAME_ENTITY, op.MEASURE_STRAIGHT)
+    assert distance_between(run.n, run.p, run.st, 0, 1, straight, 0) == pytest.approx(hypot(10.0 + CENTER, 6.0))
+    assert distance_between(run.n, run.p, run.st, 0, 1, straight, 1) == pytest.approx(
+        hypot(10.0 - LENGTH, 6.0 - HEIGHT)
+    )
+    run = two(1.0, 0.0, 0.0)
+    run.st.z[:] = [0.0, up]
+    assert distance_between(run.n, run.p, run.st, 0, 1, straight, 1) == pytest.approx(6.0 - HEIGHT)
 
 
 @pytest.mark.parametrize(

@@ -33,18 +33,21 @@ def road_speed(n: RoadTables, st: State, i: int, road: int, s: float, direction:
 
 
 @compiled
-def plane_closing(st: State, i: int, j: int, x: float, y: float, mode: int) -> float:
+def plane_closing(st: State, i: int, j: int, x: float, y: float, z: float, mode: int) -> float:
     """Return the speed of i relative to j (at rest without one) towards a point, or along or across the axes."""
     vx = st.velocity_x[i]
     vy = st.velocity_y[i]
+    vz = st.velocity_z[i]
     if j >= 0:
         vx = vx - st.velocity_x[j]
         vy = vy - st.velocity_y[j]
+        vz = vz - st.velocity_z[j]
     measure = mode % 4
     if measure == op.MEASURE_STRAIGHT:
         dx = x - st.x[i]
         dy = y - st.y[i]
-        return (vx * dx + vy * dy) / max(length_of(dx, dy), op.TOLERANCE)
+        dz = z - st.z[i]
+        return (vx * dx + vy * dy + vz * dz) / max(length_of(length_of(dx, dy), dz), op.TOLERANCE)
     return along_axis(st.h[i] if mode // 4 != op.FRAME_WORLD else 0.0, vx, vy, measure)
 
 
@@ -84,21 +87,22 @@ def approach_speed(
     t: float,
     x: float,
     y: float,
+    z: float,
     mode: int,
     gap: float,
 ) -> float:
     """Return the speed at which i approaches entity j or, if j is NONE, a point; negative if it moves away.
 
-    `road`, `s`, `t`, `x` and `y` are the place of the entity or point, `gap` is the distance to it that
+    `road`, `s`, `t`, `x`, `y` and `z` are the place of the entity or point, `gap` is the distance to it that
     `distance_between` or `distance_to` return for the same mode, less than FAR.
     """
     frame = mode // 4
     measure = mode % 4
     if measure == op.MEASURE_STRAIGHT:
-        return plane_closing(st, i, j, x, y, mode)
+        return plane_closing(st, i, j, x, y, z, mode)
     k = track_followed(p, st, i)
     if frame in (op.FRAME_ENTITY, op.FRAME_WORLD):
-        closing = plane_closing(st, i, j, x, y, mode)
+        closing = plane_closing(st, i, j, x, y, z, mode)
     elif frame == op.FRAME_TRAJECTORY and k >= 0:
         closing = track_closing(p, st, i, j, k, measure)
     else:

@@ -1,11 +1,12 @@
 """The distances of conditions: from an entity to another entity or to a point.
 
-A distance is Euclidean, along or across. Along and across refer to the entity's own axes, the world's axes, the road
-(also for a lane's system), or the trajectory that the entity follows (the road if it follows none). With `freespace`,
-it is measured between the boxes, and is 0 if they overlap in that direction. Along is positive ahead, across positive
-to the left; a Euclidean distance is negative to what is not ahead. A target off every road is measured at its foot on
-the entity's way, and an entity off every road at its foot on the target's road. The distance is FAR if no road leads to
-the target. All distances are in m.
+A distance is Euclidean, along or across. A Euclidean one includes the height: "if not otherwise stated, the
+three-dimensional Euclidean space is used" (Distances, ASAM OpenSCENARIO). Along and across refer to the entity's own
+axes, the world's axes, the road (also for a lane's system), or the trajectory that the entity follows (the road if it
+follows none). With `freespace`, it is measured between the boxes, and is 0 if they overlap in that direction. Along is
+positive ahead, across positive to the left; a Euclidean distance is negative to what is not ahead. A target off every
+road is measured at its foot on the entity's way, and an entity off every road at its foot on the target's road. The
+distance is FAR if no road leads to the target. All distances are in m.
 """
 
 from __future__ import annotations
@@ -18,13 +19,14 @@ from scenario_compiler.engine.columns.numbers import angle_between, length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.ahead import point_on_way, walk
-from scenario_compiler.engine.motion.collision import overlap
+from scenario_compiler.engine.motion.collision import overlap_from_above
 from scenario_compiler.engine.motion.on_tracks import place_anywhere
+from scenario_compiler.engine.motion.places import resolve_position
 from scenario_compiler.engine.motion.positions import PLACE_NONE
 from scenario_compiler.engine.motion.tracks import nearest_on_track, track_followed, track_pose
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_heading
-from scenario_compiler.roads.lanes import lane_centre, lane_direction, lane_row_in
+from scenario_compiler.roads.lanes import lane_centre, lane_direction, lane_pose, lane_row_in
 from scenario_compiler.roads.locate import locate_lane, project_on_road
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
@@ -81,10 +83,25 @@ def nearest_corner(p: Program, st: State, i: int, j: int) -> float:
 
 @compiled
 def box_distance(p: Program, st: State, i: int, j: int) -> float:
-    """Return the distance between two boxes, m; 0 if they overlap. For disjoint convex shapes a corner is nearest."""
-    if overlap(p, st, i, j) == 1:
+    """Return the distance between two boxes as seen from above, m; 0 if they overlap there.
+
+    For disjoint convex shapes a corner is nearest.
+    """
+    if overlap_from_above(p, st, i, j) == 1:
         return 0.0
     return min(nearest_corner(p, st, i, j), nearest_corner(p, st, j, i))
+
+
+@compiled
+def height_of(p: Program, i: int) -> float:
+    """Return the height of an entity's box, m."""
+    return p.const[p.entity_const[i] + slot.E_HEIGHT]
+
+
+@compiled
+def height_between(z: float, height: float, other_z: float, other_height: float) -> float:
+    """Return the vertical gap between two boxes that stand at z, m; 0 if they share a height."""
+    return max(0.0, other_z - z - height, z - other_z - other_height)
 
 
 @compiled
@@ -103,11 +120,14 @@ def along_axis(axis: float, dx: float, dy: float, measure: int) -> float:
 
 @compiled
 def plane_distance_between(p: Program, st: State, i: int, j: int, frame: int, measure: int, freespace: int) -> float:
-    """Return the distance from entity i to entity j in the plane, m."""
+    """Return the distance from entity i to entity j, straight or along axes of the plane, m."""
     if measure == op.MEASURE_STRAIGHT:
         between = length_of(st.x[j] - st.x[i], st.y[j] - st.y[i])
+        up = st.z[j] - st.z[i]
         if freespace == 1:
             between = box_distance(p, st, i, j)
+            up = height_between(st.z[i], height_of(p, i), st.z[j], height_of(p, j))
+        between = length_of(between, up)
         return -between if behind(st, i, st.x[j], st.y[j]) == 1 else between
     axis = st.h[i] if frame != op.FRAME_WORLD else 0.0
     if freespace == 0:
@@ -121,13 +141,16 @@ def plane_distance_between(p: Program, st: State, i: int, j: int, frame: int, me
 
 @compiled
 def plane_distance_to(
-    p: Program, st: State, i: int, x: float, y: float, frame: int, measure: int, freespace: int
+    p: Program, st: State, i: int, x: float, y: float, z: float, frame: int, measure: int, freespace: int
 ) -> float:
-    """Return the distance from entity i to a point in the plane, m."""
+    """Return the distance from entity i to a point, m."""
     if measure == op.MEASURE_STRAIGHT:
         between = length_of(x - st.x[i], y - st.y[i])
+        up = z - st.z[i]
         if freespace == 1:
             between = distance_to_box(p, st, i, x, y)
+            up = height_between(st.z[i], height_of(p, i), z, 0.0)
+        between = length_of(between, up)
         return -between if behind(st, i, x, y) == 1 else between
     axis = st.h[i] if frame != op.FRAME_WORLD else 0.0
     if freespace == 0:
@@ -335,38 +358,49 @@ def distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, mode:
 
 
 @compiled
-def place_now(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, float, float, int, float, float]:
-    """Return (found, x, y, road, s, t) of a position now, for entity i; random positions keep their drawn place."""
-    if p.position_op[k] >= op.POSITION_FREE:
-        kind, road, lane, s, offset, x, y, _, _ = place_anywhere(n, p, st, k, i)
-        if kind == PLACE_NONE:
-            return 0, 0.0, 0.0, -1, 0.0, 0.0
-        t = 0.0
-        if road >= 0:
-            centre, _ = lane_centre(n, road, lane, s)
-            t = centre + offset
-        return 1, x, y, road, s, t
+def place_now(
+    n: RoadTables, p: Program, st: State, k: int, i: int
+) -> tuple[int, float, float, float, int, float, float]:
+    """Return (found, x, y, z, road, s, t) of a position now, for entity i; random positions keep their drawn place."""
+    road = op.NONE
+    lane = 0
+    s = 0.0
+    offset = 0.0
     x = st.position_x[k]
     y = st.position_y[k]
-    if x >= op.FAR:
-        return 0, 0.0, 0.0, -1, 0.0, 0.0
-    at_lane, road, lane, s, offset = locate_lane(n, x, y)
-    if at_lane == 0:
-        return 1, x, y, -1, 0.0, 0.0
+    z = 0.0
+    if p.position_op[k] == op.POSITION_LANE:
+        road, lane, s, offset, _ = resolve_position(n, p, st, k)
+        if road < 0:
+            return 0, 0.0, 0.0, 0.0, -1, 0.0, 0.0
+    elif p.position_op[k] >= op.POSITION_FREE:
+        kind, road, lane, s, offset, x, y, z, _ = place_anywhere(n, p, st, k, i)
+        if kind == PLACE_NONE:
+            return 0, 0.0, 0.0, 0.0, -1, 0.0, 0.0
+    else:
+        if x >= op.FAR:
+            return 0, 0.0, 0.0, 0.0, -1, 0.0, 0.0
+        at_lane, road, lane, s, offset = locate_lane(n, x, y)
+        if at_lane == 0:
+            road = op.NONE
+    if road < 0:
+        return 1, x, y, z, -1, 0.0, 0.0
     centre, _ = lane_centre(n, road, lane, s)
-    return 1, x, y, road, s, centre + offset
+    if p.position_op[k] < op.POSITION_FREE:
+        x, y, z, _, _, _ = lane_pose(n, road, lane, s, offset)
+    return 1, x, y, z, road, s, centre + offset
 
 
 @compiled
 def distance_to(n: RoadTables, p: Program, st: State, i: int, k: int, mode: int, freespace: int) -> float:
     """Return the distance from entity i to position k, m; `mode` as in `distance_between`; FAR if it lies nowhere."""
-    found, x, y, road, s, t = place_now(n, p, st, k, i)
+    found, x, y, z, road, s, t = place_now(n, p, st, k, i)
     if found == 0:
         return op.FAR
     frame = mode // 4
     measure = mode % 4
     if measure == op.MEASURE_STRAIGHT or frame in (op.FRAME_ENTITY, op.FRAME_WORLD):
-        return plane_distance_to(p, st, i, x, y, frame, measure, freespace)
+        return plane_distance_to(p, st, i, x, y, z, frame, measure, freespace)
     follows = track_followed(p, st, i)
     if frame == op.FRAME_TRAJECTORY and follows >= 0:
         gap, along = track_distance(p, st, follows, x, y, measure)

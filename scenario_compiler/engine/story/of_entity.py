@@ -96,14 +96,14 @@ def time_to_collision(n: RoadTables, p: Program, st: State, c: int, i: int) -> f
     if other >= 0:
         gap = distance_between(n, p, st, i, other, mode, freespace)
         road, s, t = st.road[other], st.s[other], st.t[other]
-        x, y = st.x[other], st.y[other]
+        x, y, z = st.x[other], st.y[other], st.z[other]
     else:
         position = p.condition_position[c]
         gap = distance_to(n, p, st, i, position, mode, freespace)
-        _, x, y, road, s, t = place_now(n, p, st, position, i)
+        _, x, y, z, road, s, t = place_now(n, p, st, position, i)
     if abs(gap) < op.TOLERANCE or abs(gap) >= op.FAR:
         return -1.0
-    closing = approach_speed(n, p, st, i, other, road, s, t, x, y, mode, gap)
+    closing = approach_speed(n, p, st, i, other, road, s, t, x, y, z, mode, gap)
     return min(abs(gap) / closing, op.FAR) if closing >= op.TOLERANCE else -1.0
 
 

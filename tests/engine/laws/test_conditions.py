@@ -149,6 +149,15 @@ def test_a_distance_to_an_entity(tmp_path: Path, system: str, kind: str) -> None
     assert seen(tmp_path, gap("RelativeDistanceCondition", more, 30.0), **B_AHEAD) == pytest.approx(2.1)
 
 
+@pytest.mark.parametrize("word", ["RelativeDistanceCondition", "DistanceCondition"])
+def test_a_straight_distance_includes_the_height(tmp_path: Path, word: str) -> None:
+    """The road climbs by 0.1: 200 m are 199.007 m along x, which are left after 1.0993 s."""
+    where = lane_position(-1, 1300.0) if word == "DistanceCondition" else ""
+    told = gap(word, 'coordinateSystem="entity" relativeDistanceType="euclidianDistance"', 200.0, where=where)
+    actors = {"A": Actor(s=1090.0), "B": Actor(s=1300.0, speed=0.0)}
+    assert seen(tmp_path, told, **actors) == pytest.approx(1.15)
+
+
 def test_a_distance_between_boxes(tmp_path: Path) -> None:
     """A's front is 4 m ahead of its reference point, B's rear 1 m behind its own: 30 m are left after 1.5 s."""
     more = 'coordinateSystem="road" relativeDistanceType="longitudinal" freespace="true"'
