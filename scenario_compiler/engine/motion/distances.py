@@ -334,14 +334,19 @@ def reach_across(p: Program, st: State, i: int, along: float, measure: int) -> f
 
 
 @compiled
-def track_distance_between(p: Program, st: State, i: int, j: int, k: int, measure: int, freespace: int) -> float:
-    """Return the distance from entity i to entity j along or across the trajectory on which action k leads i, m."""
+def track_distance_between(
+    p: Program, st: State, i: int, j: int, k: int, measure: int, freespace: int
+) -> tuple[float, float]:
+    """Return (distance, part of it that the boxes cover) from i to j by the trajectory on which action k leads i, m.
+
+    With `freespace` it is measured between the centres of the boxes, otherwise between the reference points.
+    """
     if freespace == 0:
         gap, _ = track_distance(p, st, k, st.x[j], st.y[j], measure)
-        return gap
+        return gap, 0.0
     gap, along = track_distance(p, st, k, st.middle_x[j], st.middle_y[j], measure)
     gap = gap - along_axis(along, st.middle_x[i] - st.x[i], st.middle_y[i] - st.y[i], measure)
-    return gap_beyond(gap, reach_across(p, st, i, along, measure) + reach_across(p, st, j, along, measure))
+    return gap, reach_across(p, st, i, along, measure) + reach_across(p, st, j, along, measure)
 
 
 @compiled
@@ -353,7 +358,8 @@ def distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, mode:
         return plane_distance_between(p, st, i, j, frame, measure, freespace)
     k = track_followed(p, st, i)
     if frame == op.FRAME_TRAJECTORY and k >= 0:
-        return track_distance_between(p, st, i, j, k, measure, freespace)
+        gap, reach = track_distance_between(p, st, i, j, k, measure, freespace)
+        return gap_beyond(gap, reach) if freespace == 1 else gap
     return road_distance_between(n, p, st, i, j, measure, freespace)
 
 

@@ -15,7 +15,7 @@ from scenario_compiler.openscenario.actions.dynamics import LIMITS, SHAPES, Tran
 from scenario_compiler.openscenario.actions.longitudinal import Kept
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
-from scenario_compiler.openscenario.spelling import Fields, Form, boolean, entity, made, number, regular
+from scenario_compiler.openscenario.spelling import Fields, Form, boolean, entity, made, regular
 from scenario_compiler.vocabulary.actions import (
     LaneChangeAction,
     LaneChangeToAction,
@@ -89,6 +89,18 @@ class _Offset:
         element.extend([dynamics, made("LaneOffsetTarget", target)])
 
 
+class _Aside:
+    """The lateral distance: "missing value is interpreted as 0" (LateralDistanceAction)."""
+
+    def read(self, node: Node) -> Fields:
+        return {"distance": node.number("distance", 0.0)}
+
+    def write(self, word: LateralDistanceAction, element: etree._Element, output: Output) -> None:
+        if word.distance is None:
+            output.tell_lost(word, "OpenSCENARIO cannot express the present lateral distance: it is written as 0")
+        element.set("distance", output.text(word.distance or 0.0, word))
+
+
 LATERAL: tuple[Form[Any], ...] = (
     Form("LaneChangeAction", LaneChangeAction, _read_change, _write_change, _AROUND),
     Form("LaneChangeAction", LaneChangeToAction, _read_change, _write_change_to, _AROUND),
@@ -97,7 +109,7 @@ LATERAL: tuple[Form[Any], ...] = (
         "LateralDistanceAction",
         LateralDistanceAction,
         entity(),
-        number("distance", default=None),
+        _Aside(),
         boolean("freespace"),
         boolean("continuous"),
         Kept(_SIDES, "any"),
