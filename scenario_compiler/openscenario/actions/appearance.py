@@ -63,7 +63,7 @@ _ANIMATIONS = {
 
 
 class _Animation:
-    """The animated part and its state."""
+    """The animated part, its state, and whether it is repeated: then it has "no regular ending" (Action tables)."""
 
     def read(self, node: Node) -> Fields | None:
         kind = node.required("AnimationType")
@@ -73,7 +73,12 @@ class _Animation:
             node.report(codes.MISSING_ELEMENT, "<AnimationType> names no animation")
             return None
         state = node.child("AnimationState")
-        return {"type": found, **({} if state is None else {"state": state.number("state")})}
+        repeated = node.boolean("loop", False)
+        return {
+            "type": found,
+            "continuous": repeated,
+            **({} if state is None else {"state": state.number("state")}),
+        }
 
     def write(self, word: AnimationAction, element: etree._Element, output: Output) -> None:
         if word.type in _COMPONENTS:
@@ -83,6 +88,8 @@ class _Animation:
         else:
             inner = made("UserDefinedAnimation", userDefinedAnimationType=word.type)
         element.append(made("AnimationType", inner))
+        if word.continuous:
+            element.set("loop", "true")
         if word.state != 1.0:
             element.append(made("AnimationState", state=output.text(word.state, word)))
 
