@@ -200,10 +200,10 @@ class _Other:
 
 
 class _Others:
-    """The other entities of a clearance."""
+    """The other entities of a clearance, or the members of selections."""
 
     def read(self, node: Node) -> Fields:
-        return {"of": tuple(one.entity("entityRef") for one in node.children("EntityRef"))}
+        return {"of": tuple(entity for one in node.children("EntityRef") for entity in one.entities("entityRef"))}
 
     def write(self, word: RelativeClearanceCondition, element: etree._Element, output: Output) -> None:
         del output

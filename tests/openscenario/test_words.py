@@ -43,6 +43,7 @@ from scenario_compiler.vocabulary.positions import (
     Position,
     RouteWord,
     Trajectory,
+    Waypoint,
 )
 from scenario_compiler.vocabulary.word import Word
 from tests.openscenario.words import ENTITIES, OPEN, node_of, words
@@ -60,6 +61,7 @@ FIXED: dict[tuple[type[Word], str], Any] = {
     (GeoPosition, "longitude"): st.sampled_from([0.0, 90.0, -180.0]),
     (Nurbs, "order"): st.integers(2, 5),
     (RouteWord, "name"): _NAME,
+    (Waypoint, "strategy"): st.sampled_from(("fastest", "leastIntersections", "shortest")),
     (Trajectory, "name"): _NAME,
     (RelativeClearanceCondition, "of"): st.sampled_from([(), ENTITIES]),
     (LaneChangeAction, "of"): st.sampled_from(ENTITIES),

@@ -280,7 +280,9 @@ def try_stop(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
 def run_triggers(n: RoadTables, p: Program, st: State) -> None:
     """Visit all elements in document order, except those below an element that does not run.
 
-    An element without a start trigger runs as soon as its parent does. A stop trigger is evaluated from the frame after
+    An element without a start trigger runs as soon as its parent does, and one without children is complete as soon as
+    it runs: "a ManeuverGroup is executed by running its nested Maneuver instances (0..*)" (Execution, ASAM
+    OpenSCENARIO). A stop trigger is evaluated from the frame after
     the one in which the start trigger has fired (esmini 3.6). It also stops an act that still waits for its start.
     """
     e = 0
@@ -301,6 +303,8 @@ def run_triggers(n: RoadTables, p: Program, st: State) -> None:
                 start_element(st, e, mark)
             elif p.element_stop[e] >= 0:
                 try_stop(n, p, st, e, mark)
+        if st.element_state[e] == op.RUNNING and p.element_end[e] == e + 1 and kind != op.ELEMENT_EVENT:
+            complete_element(p, st, e, mark)
         state = st.element_state[e]
         if state != op.RUNNING:
             e = p.element_end[e]

@@ -281,6 +281,19 @@ def test_a_stop_trigger_stops_what_is_in_standby(tmp_path: Path, element: str) -
     assert (run.acts("A", 20.0), run.acts("W", 3.0)) == (None, pytest.approx(2.05))
 
 
+@pytest.mark.parametrize(("more", "wanted"), [(False, 1.05), (True, 5.05)])
+def test_a_group_without_maneuvers_is_complete_as_soon_as_it_runs(tmp_path: Path, more: bool, wanted: float) -> None:
+    """With a ramp of 4 s in another group, the act is complete after that."""
+    nobody = '<Actors selectTriggeringEntities="false"/>'
+    empty = f'<ManeuverGroup name="empty" maximumExecutionCount="2">{nobody}</ManeuverGroup>'
+    ramped = act("one", Event("A", RAMP, 0.0), after(1.0))
+    only = f'<Act name="one">{empty}<StartTrigger><ConditionGroup>{after(1.0)}</ConditionGroup></StartTrigger></Act>'
+    one = ramped.replace('<Act name="one">', f'<Act name="one">{empty}') if more else only
+    seen = act("watches", Event("W", speed(3.0), state("act", "one", "completeState"), name="witness"))
+    found = play_text(tmp_path, acts_of(one, seen), 8.0).acts("W", 3.0)
+    assert found == pytest.approx(wanted + (0.0 if more else 0.05))
+
+
 def test_an_event_of_an_act_that_never_ran_is_not_stopped(tmp_path: Path) -> None:
     later = act("waits", Event("A", speed(20.0), 5.0), after(4.0), after(2.0))
     seen = act("watches", Event("W", speed(3.0), state("event", "event", "stopTransition"), name="witness"))
