@@ -7,6 +7,7 @@ from typing import Any
 from lxml import etree
 
 from scenario_compiler.markup import codes
+from scenario_compiler.openscenario.codes import NOT_READ
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.spelling import Fields, Form, made, nested, number, regular
@@ -39,7 +40,8 @@ class _Light:
     """The light and its state."""
 
     def read(self, node: Node) -> Fields | None:
-        node.has("transitionTime")
+        if node.float("transitionTime", 0.0) != 0.0:
+            node.report(NOT_READ, "LightStateAction/transitionTime has no effect on the run", "transitionTime")
         kind, state = node.required("LightType"), node.required("LightState")
         inner = None if kind is None else kind.required("VehicleLight", "UserDefinedLight")
         if inner is None or state is None:

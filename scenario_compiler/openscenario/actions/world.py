@@ -38,9 +38,7 @@ def read_entity_actions(node: Node) -> list[AddEntityAction | DeleteEntityAction
     position = None if holder is None else read_position(holder)
     if position is None:
         return []
-    return [
-        AddEntityAction.model_construct(entity=one, position=position).written_at(node.origin) for one in entities
-    ]
+    return [AddEntityAction.model_construct(entity=one, position=position).written_at(node.origin) for one in entities]
 
 
 def _read_entity(node: Node) -> AddEntityAction | DeleteEntityAction | None:
