@@ -16,20 +16,30 @@ from scenario_compiler.engine.motion.distances import along_axis, along_or_besid
 from scenario_compiler.engine.motion.tracks import nearest_on_track, track_followed, track_pose
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_curvature, road_heading
+from scenario_compiler.roads.lanes import lane_centre
 from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import centre_length
 
 LEAST_STRETCH = 0.1
 """Least ratio of a length beside the reference line of a bend to that on the line."""
 
 
 @compiled
-def road_speed(n: RoadTables, st: State, i: int, road: int, s: float, direction: int, measure: int) -> float:
-    """Return the change per second of an entity's s (1) or -s (-1) at s of a road, or of its t to the left of that."""
+def road_speed(n: RoadTables, st: State, i: int, road: int, s: float, direction: int, measure: int, lane: int) -> float:
+    """Return the change per second of an entity's s (1) or -s (-1) at s of a road, or of its t to the left of that.
+
+    With a lane, it is the change along the lane's centre line instead of s.
+    """
     h = road_heading(n, road, s)
     speed = direction * along_axis(h, st.velocity_x[i], st.velocity_y[i], measure)
-    if measure == op.MEASURE_ALONG and st.road[i] == road:
-        return speed / max(1.0 - road_curvature(n, road, s) * st.t[i], LEAST_STRETCH)
-    return speed
+    if measure != op.MEASURE_ALONG or st.road[i] != road:
+        return speed
+    curvature = road_curvature(n, road, s)
+    speed = speed / max(1.0 - curvature * st.t[i], LEAST_STRETCH)
+    if lane == 0:
+        return speed
+    centre, slope = lane_centre(n, road, lane, s)
+    return speed * centre_length(curvature, centre, slope)
 
 
 @compiled
@@ -64,15 +74,19 @@ def track_closing(p: Program, st: State, i: int, j: int, k: int, measure: int) -
 
 
 @compiled
-def road_closing(n: RoadTables, st: State, i: int, j: int, road: int, s: float, direction: int, measure: int) -> float:
+def road_closing(
+    n: RoadTables, st: State, i: int, j: int, road: int, s: float, direction: int, measure: int, frame: int
+) -> float:
     """Return the speed of i relative to j along or across their roads; `road`, `s`, `direction`: j's place for i."""
+    in_lane = 1 if frame == op.FRAME_LANE else 0
     if st.road[i] >= 0:
-        own = road_speed(n, st, i, st.road[i], st.s[i], st.facing[i], measure)
+        own = road_speed(n, st, i, st.road[i], st.s[i], st.facing[i], measure, in_lane * st.lane[i])
     else:
-        own = road_speed(n, st, i, road, s, direction, measure)
+        own = road_speed(n, st, i, road, s, direction, measure, 0)
     if j < 0:
         return own
-    return own - road_speed(n, st, j, road, s, direction, measure)
+    lane = st.lane[i] if st.road[i] == road else st.lane[j]
+    return own - road_speed(n, st, j, road, s, direction, measure, in_lane * lane)
 
 
 @compiled
@@ -107,5 +121,5 @@ def approach_speed(
         closing = track_closing(p, st, i, j, k, measure)
     else:
         _, _, direction, at_road, at_s = along_or_beside(n, st, i, road, s, t, x, y)
-        closing = road_closing(n, st, i, j, at_road, at_s, direction, measure)
+        closing = road_closing(n, st, i, j, at_road, at_s, direction, measure, frame)
     return closing if gap >= 0.0 else -closing

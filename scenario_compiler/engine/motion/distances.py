@@ -2,11 +2,12 @@
 
 A distance is Euclidean, along or across. A Euclidean one includes the height: "if not otherwise stated, the
 three-dimensional Euclidean space is used" (Distances, ASAM OpenSCENARIO). Along and across refer to the entity's own
-axes, the world's axes, the road (also for a lane's system), or the trajectory that the entity follows (the road if it
-follows none). With `freespace`, it is measured between the boxes, and is 0 if they overlap in that direction. Along is
-positive ahead, across positive to the left; a Euclidean distance is negative to what is not ahead. A target off every
-road is measured at its foot on the entity's way, and an entity off every road at its foot on the target's road. The
-distance is FAR if no road leads to the target. All distances are in m.
+axes, the world's axes, the road, the centre line of the entity's lane (across: the road; esmini 3.6 takes the road for
+both), or the trajectory that it follows (the road if it follows none). With `freespace`, it is measured between the
+boxes, and is 0 if they overlap in that direction. Along is positive ahead, across positive to the left; a Euclidean
+distance is negative to what is not ahead. A target off every road is measured at its foot on the entity's way, and an
+entity off every road at its foot on the target's road. The distance is FAR if no road leads to the target. All
+distances are in m.
 """
 
 from __future__ import annotations
@@ -21,15 +22,16 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.ahead import point_on_way, walk
 from scenario_compiler.engine.motion.collision import overlap_from_above
 from scenario_compiler.engine.motion.on_tracks import place_anywhere
+from scenario_compiler.engine.motion.path import STEP_OVER
 from scenario_compiler.engine.motion.places import resolve_position
 from scenario_compiler.engine.motion.positions import PLACE_NONE
 from scenario_compiler.engine.motion.tracks import nearest_on_track, track_followed, track_pose
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import road_heading
+from scenario_compiler.roads.geometry import road_curvature, road_heading
 from scenario_compiler.roads.lanes import lane_centre, lane_direction, lane_pose, lane_row_in
 from scenario_compiler.roads.locate import locate_lane, project_on_road
 from scenario_compiler.roads.tables import RoadTables
-from scenario_compiler.roads.travel import advance
+from scenario_compiler.roads.travel import LANE_STEP, advance, centre_length
 
 ROAD_HORIZON = 1000.0
 """Greatest distance along the roads that is searched, m."""
@@ -279,6 +281,49 @@ def along_or_beside(
 
 
 @compiled
+def along_lane(n: RoadTables, st: State, i: int, ahead: float) -> float:
+    """Return the length of the centre line of i's lane over a distance along the reference lines of its way, m.
+
+    The way is the last walked one, which leads there; off every road the distance is returned as it is.
+    """
+    road = st.road[i]
+    lane = st.lane[i]
+    if road < 0 or lane == 0:
+        return ahead
+    s = st.s[i]
+    along = st.facing[i] * lane_direction(n, road, lane)
+    if ahead < 0.0:
+        along = -along
+    length = 0.0
+    left = abs(ahead)
+    w = 0
+    while left > 0.0:
+        sense = along * lane_direction(n, road, lane)
+        room = n.road_length[road] - s if sense > 0.0 else s
+        step = min(left, LANE_STEP, max(room, STEP_OVER))
+        middle = min(max(s + 0.5 * sense * step, 0.0), n.road_length[road])
+        centre, slope = lane_centre(n, road, lane, middle)
+        length = length + step * centre_length(road_curvature(n, road, middle), centre, slope)
+        left = left - step
+        turn = st.way_road[w + 1] if w + 1 < st.way_count[0] else op.NONE
+        before = road
+        road, lane, s, rest = advance(n, road, lane, s, along * step, turn)
+        if rest > 0.0:
+            return (length + left) * (1.0 if ahead > 0.0 else -1.0)
+        if road != before and w + 1 < st.way_count[0]:
+            w = w + 1
+    return length if ahead > 0.0 else -length
+
+
+@compiled
+def way_in_lane(n: RoadTables, st: State, i: int, road: int, ahead: float) -> float:
+    """Return a distance that `along_or_beside` has measured to a place on a road, along the centre line of i's lane."""
+    if st.road[i] == road:
+        walk(n, st, st.road[i], st.lane[i], st.s[i], 1, 0.0, -1)
+    return along_lane(n, st, i, ahead)
+
+
+@compiled
 def turned_on_road(n: RoadTables, st: State, i: int, road: int, direction: int) -> float:
     """Return i's heading relative to its motion along its road; off every road, to a direction of another road."""
     if st.road[i] >= 0:
@@ -295,11 +340,15 @@ def turned_against(n: RoadTables, road: int, s: float, direction: int, h: float)
 
 
 @compiled
-def road_distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, measure: int, freespace: int) -> float:
-    """Return the distance from entity i to entity j along or across the road, m."""
+def road_distance_between(
+    n: RoadTables, p: Program, st: State, i: int, j: int, frame: int, measure: int, freespace: int
+) -> float:
+    """Return the distance from entity i to entity j along or across the road, or along i's lane, m."""
     ahead, left, direction, road, s = along_or_beside(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
     if ahead >= op.FAR:
         return op.FAR
+    if frame == op.FRAME_LANE and measure == op.MEASURE_ALONG:
+        ahead = way_in_lane(n, st, i, road, ahead)
     if freespace == 0:
         return ahead if measure == op.MEASURE_ALONG else left
     own = turned_on_road(n, st, i, road, direction)
@@ -360,7 +409,7 @@ def distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, mode:
     if frame == op.FRAME_TRAJECTORY and k >= 0:
         gap, reach = track_distance_between(p, st, i, j, k, measure, freespace)
         return gap_beyond(gap, reach) if freespace == 1 else gap
-    return road_distance_between(n, p, st, i, j, measure, freespace)
+    return road_distance_between(n, p, st, i, j, frame, measure, freespace)
 
 
 @compiled
@@ -417,6 +466,8 @@ def distance_to(n: RoadTables, p: Program, st: State, i: int, k: int, mode: int,
     ahead, left, direction, road, s = along_or_beside(n, st, i, road, s, t, x, y)
     if ahead >= op.FAR:
         return op.FAR
+    if frame == op.FRAME_LANE and measure == op.MEASURE_ALONG:
+        ahead = way_in_lane(n, st, i, road, ahead)
     value = ahead if measure == op.MEASURE_ALONG else left
     if freespace == 0:
         return value

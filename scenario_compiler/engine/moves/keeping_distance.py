@@ -1,8 +1,8 @@
 """Reaching and keeping a distance or a time gap to another entity along the road.
 
 Without limits the entity is put at the distance and takes the other's speed; with limits a critically damped spring
-moves it there. The distance is measured along the roads, the trajectory that the entity follows or the entity's own
-axis, between the reference points or the boxes. After esmini 3.6.
+moves it there. The distance is measured along the roads, the centre line of the entity's lane, the trajectory that it
+follows or its own axis, between the reference points or the boxes. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from scenario_compiler.engine.motion.distances import (
     half_extent,
     track_distance_between,
     turned_against,
+    way_in_lane,
 )
 from scenario_compiler.engine.motion.entities import glide, place_scripted
 from scenario_compiler.engine.motion.spring import spring_acceleration
@@ -73,6 +74,8 @@ def ahead_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, 
     if p.action_mode[k] == op.FRAME_TRAJECTORY and follows >= 0:
         return track_distance_between(p, st, i, j, follows, op.MEASURE_ALONG, freespace)
     ahead, _, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+    if p.action_mode[k] == op.FRAME_LANE and ahead < op.FAR:
+        ahead = way_in_lane(n, st, i, st.road[j], ahead)
     if ahead >= op.FAR or freespace == 0:
         return ahead, 0.0
     own = turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
