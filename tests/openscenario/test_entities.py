@@ -135,6 +135,15 @@ def test_a_selection_stands_for_its_members_where_entities_are_deleted_and_in_a_
     assert clearance.of == ("Ego", "b")
 
 
+def test_a_selection_without_members_is_not_an_entity() -> None:
+    selection = '<EntitySelection name="walkers"><Members><ByType objectType="pedestrian"/></Members></EntitySelection>'
+    near = """<ByEntityCondition>
+<TriggeringEntities triggeringEntitiesRule="all"><EntityRef entityRef="Ego"/></TriggeringEntities>
+<EntityCondition><RelativeDistanceCondition entityRef="walkers" relativeDistanceType="longitudinal" freespace="true"
+rule="lessThan" value="1"/></EntityCondition></ByEntityCondition>"""
+    assert expanded(scenario_text(story(event(start=condition(near))), entities=EGO + selection))[1] == ["SC222"]
+
+
 def test_a_selection_is_not_a_single_entity() -> None:
     selection = '<EntitySelection name="all"><Members><ByType objectType="vehicle"/></Members></EntitySelection>'
     relative = """<ByEntityCondition>
