@@ -2,7 +2,9 @@
 
 Grammar, loosest first: `or`, `and`, `not`, one comparison (< <= > >= == !=), + -, * / %, unary + -, `^` (power), atoms:
 number, 'text', true, false, pi, a parameter (`name` or `$name`), a function call, parentheses. `if(c, a, b)` evaluates
-only the chosen branch. Angles of the trigonometric functions are in radians; `radians` and `degrees` convert.
+only the chosen branch. Angles of the trigonometric functions are in radians; `radians` and `degrees` convert. As in
+RA Consulting's evaluator for ASAM OpenSCENARIO and in esmini, `%` has the sign of its left side, and `round` takes
+halves away from 0.
 """
 
 from __future__ import annotations
@@ -117,11 +119,14 @@ def parse_expression(text: str) -> Expression:
 
 
 def _mod(a: float, b: float) -> float:
-    return a - b * math.floor(a / b)
+    if b == 0.0:
+        raise ZeroDivisionError
+    return math.fmod(a, b)
 
 
 def _round(a: float) -> float:
-    return float(math.floor(a + 0.5))
+    whole = math.floor(abs(a))
+    return math.copysign(whole + 1.0 if abs(a) - whole >= 0.5 else whole, a) + 0.0
 
 
 def _sign(a: float) -> float:

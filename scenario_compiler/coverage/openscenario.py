@@ -163,7 +163,6 @@ WITHOUT_EFFECT: dict[str, str] = {
     "OverrideSteeringWheelAction": "maxRate maxTorque",
     "LightStateAction": "transitionTime",
     "LightState": "flashingOffDuration flashingOnDuration luminousIntensity",
-    "AnimationAction": "loop",
     "AnimationFile": "timeOffset",
     "Weather": "atmosphericPressure temperature",
     "Sun": "illuminance intensity",

@@ -107,8 +107,9 @@ EXTERNAL_OBJECT = Code(
 TRIGGERING_ACTORS = Code(
     "SC752",
     "triggering-entities-as-actors",
-    "The actors of a maneuver group are the entities that trigger its events. They are known only during the run, "
-    "so all entities in the conditions of the events are used instead.\n\n"
+    "The actors of a maneuver group are the entities that trigger its act. Which they are is known only during the "
+    "run if the act's start trigger has several condition groups, or a condition for any of several entities. All "
+    "entities in the start trigger are then used.\n\n"
     '    <Actors selectTriggeringEntities="true"/>     name the actors: <EntityRef entityRef="Ego"/>',
     Severity.WARNING,
 )

@@ -115,14 +115,15 @@ _DISTANCES = ("euclidianDistance", "longitudinal", "lateral", "cartesianDistance
 
 
 class _Measured:
-    """The coordinate system and the kind of a distance; in 1.0 `alongRoute` stands for both."""
+    """The coordinate system and the kind of a distance; `alongRoute`, from 1.0, stands for both if neither is given."""
 
     def __init__(self, *, kind_needed: bool = False) -> None:
         """Set whether the kind of distance is required, in which case there is no `alongRoute`."""
         self.kind_needed = kind_needed
 
     def read(self, node: Node) -> Fields:
-        along = not self.kind_needed and node.boolean("alongRoute", False)
+        chosen = node.has("coordinateSystem") or node.has("relativeDistanceType")
+        along = not self.kind_needed and node.boolean("alongRoute", False) and not chosen
         system = node.choice("coordinateSystem", _COORDINATES, "road" if along else "entity")
         usual = None if self.kind_needed else "longitudinal" if along else "euclidianDistance"
         kind = node.choice("relativeDistanceType", _DISTANCES, usual)
@@ -199,10 +200,10 @@ class _Other:
 
 
 class _Others:
-    """The other entities of a clearance."""
+    """The other entities of a clearance, or the members of selections."""
 
     def read(self, node: Node) -> Fields:
-        return {"of": tuple(one.entity("entityRef") for one in node.children("EntityRef"))}
+        return {"of": tuple(entity for one in node.children("EntityRef") for entity in one.entities("entityRef"))}
 
     def write(self, word: RelativeClearanceCondition, element: etree._Element, output: Output) -> None:
         del output

@@ -9,6 +9,7 @@ from lxml import etree
 
 from scenario_compiler.markup import codes
 from scenario_compiler.openscenario.catalogs import given
+from scenario_compiler.openscenario.codes import NOT_READ
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.parameters import with_parameters
@@ -53,7 +54,23 @@ def _point(tag: str = "Position", *, required: bool = True) -> Child:
 
 
 _STRATEGY = replace(choice(Waypoint, "strategy", "routeStrategy", "shortest"), always=True)
-WAYPOINT = regular("Waypoint", Waypoint, _STRATEGY, _point())
+
+
+class _Strategy:
+    """The strategy of the way to a waypoint; a random one is reported, because the shortest is taken."""
+
+    def read(self, node: Node) -> Fields:
+        found = _STRATEGY.read(node)
+        if found["strategy"] == "random":
+            message = "routeStrategy='random' has no effect: the shortest route to the waypoint is taken"
+            node.report(NOT_READ, message, "routeStrategy")
+        return found
+
+    def write(self, word: Waypoint, element: etree._Element, output: Output) -> None:
+        _STRATEGY.write(word, element, output)
+
+
+WAYPOINT = regular("Waypoint", Waypoint, _Strategy(), _point())
 ROUTE = regular("Route", RouteWord, text("name"), boolean("closed"), Children("waypoints", WAYPOINT, least=1, wanted=2))
 
 

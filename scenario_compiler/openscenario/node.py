@@ -255,7 +255,9 @@ class Node:
         """Return the name of an entity; report an unknown one, and a selection of several entities."""
         name = self.text(attribute, default)
         members = self._members(name, attribute)
-        if name in self.reading.known.selections and len(members) != 1:
+        if name in self.reading.known.selections and not members:
+            self.report(UNKNOWN_ENTITY, f"the selection '{name}' has no members", attribute)
+        elif len(members) > 1:
             message = f"'{name}' is a selection of {len(members)}; its first member is used"
             self.report(ONE_ENTITY, message, attribute)
         return members[0] if members else name

@@ -71,11 +71,15 @@ class Orientation:
         self.heading_only = heading_only
 
     def read(self, node: Node) -> Fields:
-        """Return the fields; a missing type means absolute, a missing element relative and 0."""
+        """Return the fields; a missing element means relative and 0.
+
+        A missing type means relative since 1.1; 1.0 does not say, so it is absolute there, as in esmini 3.6.
+        """
         inner = node.child("Orientation")
         if inner is None:
             return {}
-        kind = inner.choice("type", ("absolute", "relative"), "absolute")
+        usual = "absolute" if node.reading.version == (1, 0) else "relative"
+        kind = inner.choice("type", ("absolute", "relative"), usual)
         heading = inner.number("h", 0.0)
         check_tilt(inner)
         if self.heading_only or kind == "absolute":

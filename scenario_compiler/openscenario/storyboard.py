@@ -74,15 +74,16 @@ def _story(node: Node, names: Siblings) -> Story:
 
 def _act(node: Node, names: Siblings) -> Act:
     groups = Siblings()
+    start = read_start_trigger(node)
     return Act.model_construct(
         name=names.name(node),
-        start=read_start_trigger(node),
+        start=start,
         stop=read_stop_trigger(node),
-        groups=tuple(_group(one, groups) for one in node.children("ManeuverGroup")),
+        groups=tuple(_group(one, groups, start) for one in node.children("ManeuverGroup")),
     ).written_at(node.origin)
 
 
-def _group(node: Node, names: Siblings) -> ManeuverGroup:
+def _group(node: Node, names: Siblings, start: Trigger | None) -> ManeuverGroup:
     inside = Siblings()
     maneuvers: list[Maneuver] = []
     of_entities: list[Node] = []
@@ -91,7 +92,7 @@ def _group(node: Node, names: Siblings) -> ManeuverGroup:
         if maneuver is not None:
             maneuvers.append(_maneuver(maneuver, inside))
             of_entities += _private_actions(maneuver)
-    actors = _actors(node, maneuvers)
+    actors = _actors(node, start)
     if not actors:
         for one in of_entities:
             one.report(NO_ACTOR, "nobody executes this action: its maneuver group has no actors")
@@ -109,22 +110,24 @@ def _private_actions(maneuver: Node) -> Iterator[Node]:
             yield from action.children("PrivateAction")
 
 
-def _actors(node: Node, maneuvers: Iterable[Maneuver]) -> tuple[str, ...]:
+def _actors(node: Node, start: Trigger | None) -> tuple[str, ...]:
+    """Return the actors of a group; `start` is the start trigger of its act.
+
+    "Only condition groups that are relevant for determining which instances of Entity are added to the actors are
+    located in the parent Act" (ManeuverGroups and Actors, ASAM OpenSCENARIO).
+    """
     actors = node.child("Actors")
     if actors is None:
         return ()
     found = [entity for one in actors.children("EntityRef") for entity in one.entities("entityRef")]
-    if actors.boolean("selectTriggeringEntities", False):
-        starts = [event.start for maneuver in maneuvers for event in maneuver.events]
-        found += [entity for start in starts for entity in _triggering(start)]
-        message = "the actors are the triggering entities: all entities in the events' conditions are used"
-        actors.report(TRIGGERING_ACTORS, message, "selectTriggeringEntities")
+    if actors.boolean("selectTriggeringEntities", False) and start is not None:
+        conditions = [one for group in start.groups for one in group.conditions if one.entities]
+        found += [entity for one in conditions for entity in one.entities]
+        some = any(len(one.entities) > 1 and not one.every for one in conditions)
+        if some or (conditions and len(start.groups) > 1):
+            message = "the actors are the triggering entities: all entities in the act's start trigger are used"
+            actors.report(TRIGGERING_ACTORS, message, "selectTriggeringEntities")
     return tuple(dict.fromkeys(found))
-
-
-def _triggering(trigger: Trigger | None) -> list[str]:
-    groups = () if trigger is None else trigger.groups
-    return [entity for group in groups for one in group.conditions for entity in one.entities]
 
 
 def _maneuver(node: Node, names: Siblings) -> Maneuver:

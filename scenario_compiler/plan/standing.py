@@ -16,7 +16,8 @@ from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads.below import place_below
 from scenario_compiler.roads.lanes import lane_direction, lane_pose
 from scenario_compiler.roads.relative import across_road, lanes_away
-from scenario_compiler.roads.travel import advance
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import LANE_STEP, advance, along_reference
 from scenario_compiler.vocabulary.actions import AddEntityAction, TeleportAction
 from scenario_compiler.vocabulary.positions import (
     BesidePosition,
@@ -138,8 +139,11 @@ def _along_road(binder: Binder, position: LanesAwayPosition | RelativeRoadPositi
     before = lane_direction(n, start, base.lane)
     if isinstance(position, LanesAwayPosition):
         along_lane = position.along == "lane"
-        ahead = binder.value(position.distance, position) * (1 if along_lane else before)
-        road, lane, s, _ = advance(n, start, base.lane, base.s, ahead, -1)
+        ahead = binder.value(position.distance, position)
+        if along_lane:
+            road, lane, s = _advance_in_lane(n, start, base.lane, base.s, ahead)
+        else:
+            road, lane, s, _ = advance(n, start, base.lane, base.s, ahead * before, -1)
         left = binder.value(position.offset, position)
         lane, offset, along = lanes_away(n, road, lane, s, position.lanes, left, int(along_lane))
     else:
@@ -153,6 +157,16 @@ def _along_road(binder: Binder, position: LanesAwayPosition | RelativeRoadPositi
     heading = _heading(binder, position, along) % (2 * math.pi)
     pose = StartPose.model_construct(x=x, y=y, z=z, heading=heading)
     return Standing(pose, FoundLane(network.road_ids[road], lane, s, offset))
+
+
+def _advance_in_lane(n: RoadTables, road: int, lane: int, s: float, ds: float) -> tuple[int, int, float]:
+    """Return (road, lane, s) after ds along the centre line of a lane, at most at its end."""
+    left = abs(ds)
+    while left > 0.0:
+        step = min(left, LANE_STEP)
+        road, lane, s, rest = advance(n, road, lane, s, along_reference(n, road, lane, s, math.copysign(step, ds)), -1)
+        left = 0.0 if rest > 0.0 else left - step
+    return road, lane, s
 
 
 def _heading(

@@ -4,10 +4,12 @@ Forward is a lane's direction of travel. At a junction the preferred road is tak
 straightest exit (the smallest change of heading), and of equal ones the first in the file.
 """
 
+from math import sqrt
+
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import road_piece_at
+from scenario_compiler.roads.geometry import road_curvature, road_piece_at
 from scenario_compiler.roads.lane_types import is_drivable
-from scenario_compiler.roads.lanes import lane_direction, lane_row_in, row_width, section_at
+from scenario_compiler.roads.lanes import lane_centre, lane_direction, lane_row_in, row_width, section_at
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 
 HOP_LIMIT = 10000
@@ -15,6 +17,12 @@ HOP_LIMIT = 10000
 
 MIN_DRIVING_WIDTH = 2.0
 """Width below which a driving lane counts as ended, m: less than a car needs (cars are 1.7 to 2.0 m wide)."""
+
+LANE_STEP = 2.0
+"""Length of a lane's centre line over which its direction is taken from the middle, m."""
+
+LEAST_LENGTH = 0.1
+"""Least length of a lane's centre line for each metre of the reference line, in tight bends."""
 
 WIDTH_STEP = 2.0
 """Distance between the places where a changing width is tested, m."""
@@ -118,6 +126,27 @@ def advance(n: RoadTables, road: int, lane: int, s: float, ds: float, next_road:
         return road, lane, s, abs(ds)
     row, s, rest = advance_row(n, row, s, ds, next_road)
     return n.section_road[n.lane_section[row]], n.lane_id[row], s, rest
+
+
+@compiled
+def along_reference(n: RoadTables, road: int, lane: int, s: float, ds: float) -> float:
+    """Return the distance along the reference line that ds along a lane's centre line is, for at most LANE_STEP.
+
+    ds is in the lane's direction of travel (against it if negative), as is the result.
+    """
+    sense = lane_direction(n, road, lane)
+    centre, slope = lane_centre(n, road, lane, s)
+    half = 0.5 * ds / max(centre_length(road_curvature(n, road, s), centre, slope), LEAST_LENGTH)
+    middle = min(max(s + sense * half, 0.0), n.road_length[road])
+    centre, slope = lane_centre(n, road, lane, middle)
+    return ds / max(centre_length(road_curvature(n, road, middle), centre, slope), LEAST_LENGTH)
+
+
+@compiled
+def centre_length(curvature: float, t: float, slope: float) -> float:
+    """Return the length of a line at t, with the slope dt/ds, for each metre of a curved reference line."""
+    stretch = 1.0 - curvature * t
+    return sqrt(stretch * stretch + slope * slope)
 
 
 @compiled

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import hypot, pi, sqrt
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from scenario_compiler.engine.motion.distances import (
 from scenario_compiler.roads import LanePosition, Network, load_network
 from tests.engine.make import CAR, Draft, Run, bend, highway
 
-LENGTH, WIDTH, _, _, CENTER = CAR[:5]
+LENGTH, WIDTH, HEIGHT, _, CENTER = CAR[:5]
 
 
 @pytest.fixture(scope="module")
@@ -56,15 +57,53 @@ def test_along_the_roads_a_turn_is_taken_where_straight_on_does_not_lead_there(
     route = town.route(LanePosition("1", -1, 400.0, 0.0), LanePosition(road, lane, 20.0, 0.0))
     assert route is not None
     way = sum(abs(leg.s_to - leg.s_from) for leg in route.legs)
-    assert road_distance_between(run.n, run.p, run.st, car, other, op.MEASURE_ALONG, 0) == pytest.approx(way)
+    assert road_distance_between(run.n, run.p, run.st, car, other, op.FRAME_ROAD, op.MEASURE_ALONG, 0) == pytest.approx(
+        way
+    )
 
 
-def test_an_entity_that_no_road_leads_to_is_at_distance_FAR() -> None:
-    draft = Draft(highway())
-    car = draft.moving(-2, 100.0, 0.0)
-    lost = draft.entity(op.MOTION_SCRIPTED, op.NONE, 0.0)
+@pytest.mark.parametrize(("lane", "radius"), [(-1, 51.75), (1, 48.25)])
+@pytest.mark.parametrize("at", [140.0, 60.0])
+@pytest.mark.parametrize("freespace", [0, 1])
+def test_in_a_lanes_system_the_centre_line_of_the_lane_counts(
+    lane: int, radius: float, at: float, freespace: int
+) -> None:
+    """In a left-hand bend of 50 m the lanes are circles; traffic in lane 1 goes against s."""
+    draft = Draft(bend(50.0))
+    one, other = draft.moving(lane, 100.0, 0.0), draft.moving(lane, at, 0.0)
     run = draft.start()
-    assert distance_between(run.n, run.p, run.st, car, lost, mode(op.FRAME_ROAD, op.MEASURE_ALONG), 1) == op.FAR
+    ahead = -lane * (at - 100.0)
+    covered = LENGTH * freespace * (1.0 if ahead > 0.0 else -1.0)
+    for frame, length in ((op.FRAME_LANE, ahead * radius / 50.0), (op.FRAME_ROAD, ahead)):
+        found = distance_between(run.n, run.p, run.st, one, other, mode(frame, op.MEASURE_ALONG), freespace)
+        assert found == pytest.approx(length - covered, abs=1e-6)
+
+
+def test_in_a_lanes_system_the_way_is_followed_over_a_turn(town: Network) -> None:
+    """The turn from road 1 to road 12 has the length of its lane's centre line, which the poses along it give."""
+    draft = Draft(town)
+    start, goal = LanePosition("1", -1, 400.0, 0.0), LanePosition("12", -1, 20.0, 0.0)
+    car, other = (
+        draft.entity(op.MOTION_SCRIPTED, draft.position(town.road_index(one.road), one.lane, one.s), 0.0)
+        for one in (start, goal)
+    )
+    run = draft.start()
+    route = town.route(start, goal)
+    assert route is not None
+    length = 0.0
+    for leg in route.legs:
+        steps = [leg.s_from + (leg.s_to - leg.s_from) * k / 200 for k in range(201)]
+        poses = [town.lane_pose(leg.road, leg.lane, s, 0.0) for s in steps]
+        length += sum(hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(poses))
+    found = distance_between(run.n, run.p, run.st, car, other, mode(op.FRAME_LANE, op.MEASURE_ALONG), 0)
+    assert found == pytest.approx(length, abs=0.05)
+
+
+def test_between_entities_off_every_road_the_distance_along_roads_is_FAR() -> None:
+    draft = Draft(highway())
+    one, other = (draft.entity(op.MOTION_SCRIPTED, op.NONE, 0.0) for _ in range(2))
+    run = draft.start()
+    assert distance_between(run.n, run.p, run.st, one, other, mode(op.FRAME_ROAD, op.MEASURE_ALONG), 1) == op.FAR
 
 
 @pytest.mark.parametrize(
@@ -82,6 +121,21 @@ def test_between_boxes_the_nearest_points_count(dx: float, dy: float, turn: floa
     run = two(dx, dy, turn)
     assert box_distance(run.p, run.st, 0, 1) == pytest.approx(expected)
     assert box_distance(run.p, run.st, 1, 0) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("up", [6.0, -6.0])
+def test_a_straight_distance_includes_the_height(up: float) -> None:
+    """As between a car on a bridge and one below it; boxes are as far apart as their heights leave."""
+    run = two(10.0, 0.0, 0.0)
+    run.st.z[:] = [0.0, up]
+    straight = mode(op.FRAME_ENTITY, op.MEASURE_STRAIGHT)
+    assert distance_between(run.n, run.p, run.st, 0, 1, straight, 0) == pytest.approx(hypot(10.0 + CENTER, 6.0))
+    assert distance_between(run.n, run.p, run.st, 0, 1, straight, 1) == pytest.approx(
+        hypot(10.0 - LENGTH, 6.0 - HEIGHT)
+    )
+    run = two(1.0, 0.0, 0.0)
+    run.st.z[:] = [0.0, up]
+    assert distance_between(run.n, run.p, run.st, 0, 1, straight, 1) == pytest.approx(6.0 - HEIGHT)
 
 
 @pytest.mark.parametrize(

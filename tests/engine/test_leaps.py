@@ -65,7 +65,7 @@ def test_an_event_puts_an_entity_on_its_trajectory(timing: TrajectoryTiming | No
     assert [distance for _, distance, _ in rows] == pytest.approx([0.05 * SPEED * k for k in range(21)])
     assert [speed for _, _, speed in rows] == pytest.approx([SPEED] * 21)
     gone = 1.0 if timing is not None and timing.domain == "absolute" else 0.5
-    assert rows[-1][0] == pytest.approx(300.0 + SPEED * gone + (begin if gone < 1.0 else 0.0))
+    assert rows[-1][0] == pytest.approx(300.0 + SPEED * gone + begin)
 
 
 @pytest.mark.parametrize("timing", TIMINGS)

@@ -51,7 +51,7 @@ from scenario_compiler.vocabulary.storyboard import (
 )
 from scenario_compiler.vocabulary.weather import Weather
 from tests.engine.both import run_both
-from tests.engine.make import highway, lane, network_of, road
+from tests.engine.make import bend, highway, lane, network_of, road
 from tests.roads.test_lane_end import SECTIONS
 
 CAR = Vehicle(
@@ -150,6 +150,20 @@ def test_positions_lie_where_they_say(other: Position, position: Position, x: fl
     known = plan.derived["b"]
     assert (known.x, known.y) == pytest.approx((x, y), abs=1e-4)
     assert cos(known.heading - heading) == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("lane", "radius"), [(-1, 51.75), (1, 48.25)])
+@pytest.mark.parametrize("distance", [40.0, -40.0])
+def test_a_distance_along_a_lane_is_that_of_its_centre_line(lane: int, radius: float, distance: float) -> None:
+    """In a left-hand bend of 50 m the lanes are circles of 51.75 m and 48.25 m; along the road, s counts."""
+    at = LanePositionWord(road="1", lane=lane, s=100.0)
+    forward = -lane
+    for along, angle in (("lane", forward * distance / radius), ("road", distance / 50.0)):
+        place = LanesAwayPosition.model_validate({"entity": "a", "distance": distance, "along": along})
+        state, plan = teleported(bend(50.0), at, place)
+        turned = 2.0 + angle
+        assert (state.x[1], state.y[1]) == pytest.approx((radius * sin(turned), 50.0 - radius * cos(turned)), abs=1e-3)
+        assert (plan.derived["b"].x, plan.derived["b"].y) == pytest.approx((state.x[1], state.y[1]))
 
 
 def test_a_point_on_a_road_is_led_by_its_lane_with_its_heading() -> None:

@@ -53,7 +53,9 @@ def test_beside_all_roads_an_entity_keeps_its_heading() -> None:
     assert (run.st.road[lost], run.st.flag[0]) == (-1, op.FAULT_NONE)
     assert run.st.x[lost] == pytest.approx(0.0)
     assert run.st.y[lost] == pytest.approx(1.0 * 3.0 + 1.0 * 6.0)
-    assert road_distance_between(run.n, run.p, run.st, 0, lost, op.MEASURE_ALONG, 0) == op.FAR
+    assert road_distance_between(run.n, run.p, run.st, 0, lost, op.FRAME_ROAD, op.MEASURE_ALONG, 0) == pytest.approx(
+        -50.0
+    )
 
 
 def test_a_program_without_entities_runs_to_its_end() -> None:

@@ -6,10 +6,11 @@ import math
 
 import pytest
 
-from scenario_compiler.vocabulary.actions import AssignControllerAction, ConnectTrailerAction
+from scenario_compiler.vocabulary.actions import AssignControllerAction, ConnectTrailerAction, DeleteEntityAction
+from scenario_compiler.vocabulary.conditions import RelativeClearanceCondition
 from scenario_compiler.vocabulary.entities import Vehicle
 from scenario_compiler.vocabulary.scenario import Scenario
-from tests.openscenario.made import BOX, CAR, EGO, entity, event, expanded, scenario_text, story
+from tests.openscenario.made import BOX, CAR, EGO, condition, entity, event, expanded, scenario_text, story
 
 
 def _vehicle(inside: str) -> tuple[Vehicle, list[str]]:
@@ -113,6 +114,34 @@ def test_selections_stand_for_their_members() -> None:
     scenario, codes = expanded(text)
     assert codes == []
     assert scenario.storyboard.stories[0].acts[0].groups[0].actors == ("Ego", "b")
+
+
+def test_a_selection_stands_for_its_members_where_entities_are_deleted_and_in_a_clearance() -> None:
+    """Both may name a selection ("Entity type constraints", ASAM OpenSCENARIO)."""
+    selection = '<EntitySelection name="all"><Members><ByType objectType="vehicle"/></Members></EntitySelection>'
+    delete = '<GlobalAction><EntityAction entityRef="all"><DeleteEntityAction/></EntityAction></GlobalAction>'
+    clear = """<ByEntityCondition>
+<TriggeringEntities triggeringEntitiesRule="any"><EntityRef entityRef="Ego"/></TriggeringEntities>
+<EntityCondition><RelativeClearanceCondition oppositeLanes="false" freeSpace="false"><EntityRef entityRef="all"/>
+</RelativeClearanceCondition></EntityCondition></ByEntityCondition>"""
+    told = story(event(start=condition(clear), action=delete))
+    scenario, codes = expanded(scenario_text(told, entities=EGO + entity("b") + selection))
+    assert codes == []
+    found = scenario.storyboard.stories[0].acts[0].groups[0].maneuvers[0].events[0]
+    assert found.start is not None
+    assert [one.action for one in found.actions] == [DeleteEntityAction(entity=name) for name in ("Ego", "b")]
+    clearance = found.start.groups[0].conditions[0].condition
+    assert isinstance(clearance, RelativeClearanceCondition)
+    assert clearance.of == ("Ego", "b")
+
+
+def test_a_selection_without_members_is_not_an_entity() -> None:
+    selection = '<EntitySelection name="walkers"><Members><ByType objectType="pedestrian"/></Members></EntitySelection>'
+    near = """<ByEntityCondition>
+<TriggeringEntities triggeringEntitiesRule="all"><EntityRef entityRef="Ego"/></TriggeringEntities>
+<EntityCondition><RelativeDistanceCondition entityRef="walkers" relativeDistanceType="longitudinal" freespace="true"
+rule="lessThan" value="1"/></EntityCondition></ByEntityCondition>"""
+    assert expanded(scenario_text(story(event(start=condition(near))), entities=EGO + selection))[1] == ["SC222"]
 
 
 def test_a_selection_is_not_a_single_entity() -> None:

@@ -132,13 +132,32 @@ def test_elements_side_by_side_get_names_of_their_own() -> None:
     assert [one.name for one in _events(scenario)] == ["brake", "brake#2"]
 
 
-def test_triggering_entities_act_if_they_are_selected() -> None:
-    faster = """<ByEntityCondition>
-<TriggeringEntities triggeringEntitiesRule="any"><EntityRef entityRef="b"/></TriggeringEntities>
+FASTER = """<ByEntityCondition>
+<TriggeringEntities triggeringEntitiesRule="{}">{}</TriggeringEntities>
 <EntityCondition><SpeedCondition rule="greaterThan" value="1"/></EntityCondition>
 </ByEntityCondition>"""
-    actors = '<Actors selectTriggeringEntities="true"/>'
-    text = scenario_text(story(event(start=condition(faster)), actors=actors), entities=EGO + entity("b"))
-    scenario, codes = expanded(text)
-    assert codes == ["SC752"]
-    assert scenario.storyboard.stories[0].acts[0].groups[0].actors == ("b",)
+
+
+def _faster(rule: str, *names: str) -> str:
+    return condition(FASTER.format(rule, "".join(f'<EntityRef entityRef="{name}"/>' for name in names)))
+
+
+@pytest.mark.parametrize(
+    ("start", "actors", "codes"),
+    [
+        (_faster("any", "b"), ("b",), []),
+        (_faster("all", "b", "Ego"), ("b", "Ego"), []),
+        (_faster("any", "b", "Ego"), ("b", "Ego"), ["SC752"]),
+        (_faster("any", "b") + condition(), ("b",), ["SC752"]),
+        (condition(), (), ["SC760"]),
+    ],
+)
+def test_the_entities_that_trigger_an_act_are_its_actors_if_they_are_selected(
+    start: str, actors: tuple[str, ...], codes: list[str]
+) -> None:
+    """The entities of the event's own trigger are not added to them."""
+    selected = '<Actors selectTriggeringEntities="true"/>'
+    told = story(event(start=_faster("any", "Ego")), actors=selected)
+    told = told.replace("<StartTrigger/>", f"<StartTrigger>{start}</StartTrigger>")
+    scenario, found_codes = expanded(scenario_text(told, entities=EGO + entity("b")))
+    assert (scenario.storyboard.stories[0].acts[0].groups[0].actors, found_codes) == (actors, codes)

@@ -95,15 +95,19 @@ def is_above(p: Program, st: State, i: int, j: int) -> int:
 
 @compiled
 def overlap(p: Program, st: State, i: int, j: int) -> int:
-    """Return 1 if the boxes of two present entities overlap (separating axis theorem), neither above the other."""
-    if st.present[i] == 0 or st.present[j] == 0:
+    """Return 1 if the boxes of two present entities overlap, neither above the other."""
+    if st.present[i] == 0 or st.present[j] == 0 or overlap_from_above(p, st, i, j) == 0:
         return 0
+    return 1 - is_above(p, st, i, j)
+
+
+@compiled
+def overlap_from_above(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 if two boxes overlap as seen from above (separating axis theorem)."""
     dx = st.middle_x[j] - st.middle_x[i]
     dy = st.middle_y[j] - st.middle_y[i]
     reach = st.reach[i] + st.reach[j]
     if dx * dx + dy * dy > reach * reach:
-        return 0
-    if is_above(p, st, i, j) == 1:
         return 0
     turned = st.box_h[j] - st.box_h[i]
     c = abs(cos(turned))

@@ -1,10 +1,13 @@
 """The distances of conditions: from an entity to another entity or to a point.
 
-A distance is Euclidean, along or across. Along and across refer to the entity's own axes, the world's axes, the road
-(also for a lane's system), or the trajectory that the entity follows (the road if it follows none). With `freespace`,
-it is measured between the boxes, and is 0 if they overlap in that direction. Along is positive ahead, across positive
-to the left; a Euclidean distance is negative to what is not ahead. The distance is FAR if no road leads to the target.
-All distances are in m.
+A distance is Euclidean, along or across. A Euclidean one includes the height: "if not otherwise stated, the
+three-dimensional Euclidean space is used" (Distances, ASAM OpenSCENARIO). Along and across refer to the entity's own
+axes, the world's axes, the road, the centre line of the entity's lane (across: the road; esmini 3.6 takes the road for
+both), or the trajectory that it follows (the road if it follows none). With `freespace`, it is measured between the
+boxes, and is 0 if they overlap in that direction. Along is positive ahead, across positive to the left; a Euclidean
+distance is negative to what is not ahead. A target off every road is measured at its foot on the entity's way, and an
+entity off every road at its foot on the target's road. The distance is FAR if no road leads to the target. All
+distances are in m.
 """
 
 from __future__ import annotations
@@ -17,16 +20,18 @@ from scenario_compiler.engine.columns.numbers import angle_between, length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.ahead import point_on_way, walk
-from scenario_compiler.engine.motion.collision import overlap
+from scenario_compiler.engine.motion.collision import overlap_from_above
 from scenario_compiler.engine.motion.on_tracks import place_anywhere
+from scenario_compiler.engine.motion.path import STEP_OVER
+from scenario_compiler.engine.motion.places import resolve_position
 from scenario_compiler.engine.motion.positions import PLACE_NONE
 from scenario_compiler.engine.motion.tracks import nearest_on_track, track_followed, track_pose
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import road_heading
-from scenario_compiler.roads.lanes import lane_centre, lane_direction, lane_row_in
-from scenario_compiler.roads.locate import locate_lane
+from scenario_compiler.roads.geometry import road_curvature, road_heading
+from scenario_compiler.roads.lanes import lane_centre, lane_direction, lane_pose, lane_row_in
+from scenario_compiler.roads.locate import locate_lane, project_on_road
 from scenario_compiler.roads.tables import RoadTables
-from scenario_compiler.roads.travel import advance
+from scenario_compiler.roads.travel import LANE_STEP, advance, centre_length
 
 ROAD_HORIZON = 1000.0
 """Greatest distance along the roads that is searched, m."""
@@ -80,10 +85,25 @@ def nearest_corner(p: Program, st: State, i: int, j: int) -> float:
 
 @compiled
 def box_distance(p: Program, st: State, i: int, j: int) -> float:
-    """Return the distance between two boxes, m; 0 if they overlap. For disjoint convex shapes a corner is nearest."""
-    if overlap(p, st, i, j) == 1:
+    """Return the distance between two boxes as seen from above, m; 0 if they overlap there.
+
+    For disjoint convex shapes a corner is nearest.
+    """
+    if overlap_from_above(p, st, i, j) == 1:
         return 0.0
     return min(nearest_corner(p, st, i, j), nearest_corner(p, st, j, i))
+
+
+@compiled
+def height_of(p: Program, i: int) -> float:
+    """Return the height of an entity's box, m."""
+    return p.const[p.entity_const[i] + slot.E_HEIGHT]
+
+
+@compiled
+def height_between(z: float, height: float, other_z: float, other_height: float) -> float:
+    """Return the vertical gap between two boxes that stand at z, m; 0 if they share a height."""
+    return max(0.0, other_z - z - height, z - other_z - other_height)
 
 
 @compiled
@@ -102,11 +122,14 @@ def along_axis(axis: float, dx: float, dy: float, measure: int) -> float:
 
 @compiled
 def plane_distance_between(p: Program, st: State, i: int, j: int, frame: int, measure: int, freespace: int) -> float:
-    """Return the distance from entity i to entity j in the plane, m."""
+    """Return the distance from entity i to entity j, straight or along axes of the plane, m."""
     if measure == op.MEASURE_STRAIGHT:
         between = length_of(st.x[j] - st.x[i], st.y[j] - st.y[i])
+        up = st.z[j] - st.z[i]
         if freespace == 1:
             between = box_distance(p, st, i, j)
+            up = height_between(st.z[i], height_of(p, i), st.z[j], height_of(p, j))
+        between = length_of(between, up)
         return -between if behind(st, i, st.x[j], st.y[j]) == 1 else between
     axis = st.h[i] if frame != op.FRAME_WORLD else 0.0
     if freespace == 0:
@@ -120,13 +143,16 @@ def plane_distance_between(p: Program, st: State, i: int, j: int, frame: int, me
 
 @compiled
 def plane_distance_to(
-    p: Program, st: State, i: int, x: float, y: float, frame: int, measure: int, freespace: int
+    p: Program, st: State, i: int, x: float, y: float, z: float, frame: int, measure: int, freespace: int
 ) -> float:
-    """Return the distance from entity i to a point in the plane, m."""
+    """Return the distance from entity i to a point, m."""
     if measure == op.MEASURE_STRAIGHT:
         between = length_of(x - st.x[i], y - st.y[i])
+        up = z - st.z[i]
         if freespace == 1:
             between = distance_to_box(p, st, i, x, y)
+            up = height_between(st.z[i], height_of(p, i), z, 0.0)
+        between = length_of(between, up)
         return -between if behind(st, i, x, y) == 1 else between
     axis = st.h[i] if frame != op.FRAME_WORLD else 0.0
     if freespace == 0:
@@ -213,6 +239,100 @@ def along_roads(
 
 
 @compiled
+def nearest_foot(n: RoadTables, st: State, i: int, along: int, x: float, y: float) -> tuple[int, float, float]:
+    """Return (road or -1, s, t) of the nearest foot of a point on i's way, as travelled (`along` 1) or against it."""
+    found = op.NONE
+    at_s = 0.0
+    at_t = op.FAR
+    walk(n, st, st.road[i], st.lane[i], st.s[i], along, ROAD_HORIZON, -1)
+    for w in range(st.way_count[0]):
+        road = st.way_road[w]
+        s, t = project_on_road(n, road, 0.5 * n.road_length[road], x, y)
+        if s >= 0.0 and s <= n.road_length[road] and abs(t) < abs(at_t):
+            found = road
+            at_s = s
+            at_t = t
+    return found, at_s, at_t
+
+
+@compiled
+def along_or_beside(
+    n: RoadTables, st: State, i: int, road: int, s: float, t: float, x: float, y: float
+) -> tuple[float, float, int, int, float]:
+    """Return (ahead, left, direction, road, s): the result of `along_roads`, and the place there, a foot if off roads.
+
+    The road of the place is -1 if both are off every road.
+    """
+    if st.road[i] >= 0:
+        if road < 0:
+            road, s, t = nearest_foot(n, st, i, 1, x, y)
+            other, other_s, other_t = nearest_foot(n, st, i, -1, x, y)
+            if other >= 0 and abs(other_t) < abs(t):
+                road, s, t = other, other_s, other_t
+        ahead, left, direction = along_roads(n, st, i, road, s, t, x, y)
+        return ahead, left, direction, road, s
+    if road < 0:
+        return op.FAR, 0.0, 1, road, s
+    own_s, own_t = project_on_road(n, road, s, st.x[i], st.y[i])
+    if own_s < 0.0 or own_s > n.road_length[road]:
+        return op.FAR, 0.0, 1, road, s
+    facing = 1 if cos(st.h[i] - road_heading(n, road, own_s)) >= 0.0 else -1
+    return facing * (s - own_s), facing * (t - own_t), facing, road, s
+
+
+@compiled
+def along_lane(n: RoadTables, st: State, i: int, ahead: float) -> float:
+    """Return the length of the centre line of i's lane over a distance along the reference lines of its way, m.
+
+    The way is the last walked one, which leads there; off every road the distance is returned as it is.
+    """
+    road = st.road[i]
+    lane = st.lane[i]
+    if road < 0 or lane == 0:
+        return ahead
+    s = st.s[i]
+    along = st.facing[i] * lane_direction(n, road, lane)
+    if ahead < 0.0:
+        along = -along
+    length = 0.0
+    left = abs(ahead)
+    w = 0
+    while left > 0.0:
+        sense = along * lane_direction(n, road, lane)
+        room = n.road_length[road] - s if sense > 0.0 else s
+        step = min(left, LANE_STEP, max(room, STEP_OVER))
+        middle = min(max(s + 0.5 * sense * step, 0.0), n.road_length[road])
+        centre, slope = lane_centre(n, road, lane, middle)
+        length = length + step * centre_length(road_curvature(n, road, middle), centre, slope)
+        left = left - step
+        turn = st.way_road[w + 1] if w + 1 < st.way_count[0] else op.NONE
+        before = road
+        road, lane, s, rest = advance(n, road, lane, s, along * step, turn)
+        if rest > 0.0:
+            return (length + left) * (1.0 if ahead > 0.0 else -1.0)
+        if road != before and w + 1 < st.way_count[0]:
+            w = w + 1
+    return length if ahead > 0.0 else -length
+
+
+@compiled
+def way_in_lane(n: RoadTables, st: State, i: int, road: int, ahead: float) -> float:
+    """Return a distance that `along_or_beside` has measured to a place on a road, along the centre line of i's lane."""
+    if st.road[i] == road:
+        walk(n, st, st.road[i], st.lane[i], st.s[i], 1, 0.0, -1)
+    return along_lane(n, st, i, ahead)
+
+
+@compiled
+def turned_on_road(n: RoadTables, st: State, i: int, road: int, direction: int) -> float:
+    """Return i's heading relative to its motion along its road; off every road, to a direction of another road."""
+    if st.road[i] >= 0:
+        return turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
+    s, _ = project_on_road(n, road, 0.5 * n.road_length[road], st.x[i], st.y[i])
+    return turned_against(n, road, s, direction, st.h[i])
+
+
+@compiled
 def turned_against(n: RoadTables, road: int, s: float, direction: int, h: float) -> float:
     """Return a heading relative to the road's direction at s, rad; `direction` is -1 for travel against s."""
     along = road_heading(n, road, s)
@@ -220,15 +340,19 @@ def turned_against(n: RoadTables, road: int, s: float, direction: int, h: float)
 
 
 @compiled
-def road_distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, measure: int, freespace: int) -> float:
-    """Return the distance from entity i to entity j along or across the road, m."""
-    ahead, left, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+def road_distance_between(
+    n: RoadTables, p: Program, st: State, i: int, j: int, frame: int, measure: int, freespace: int
+) -> float:
+    """Return the distance from entity i to entity j along or across the road, or along i's lane, m."""
+    ahead, left, direction, road, s = along_or_beside(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
     if ahead >= op.FAR:
         return op.FAR
+    if frame == op.FRAME_LANE and measure == op.MEASURE_ALONG:
+        ahead = way_in_lane(n, st, i, road, ahead)
     if freespace == 0:
         return ahead if measure == op.MEASURE_ALONG else left
-    own = turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
-    other = turned_against(n, st.road[j], st.s[j], direction, st.h[j])
+    own = turned_on_road(n, st, i, road, direction)
+    other = turned_against(n, road, s, direction, st.h[j])
     own_forward = p.const[p.entity_const[i] + slot.E_CENTER]
     other_forward = p.const[p.entity_const[j] + slot.E_CENTER]
     if measure == op.MEASURE_ALONG:
@@ -259,14 +383,19 @@ def reach_across(p: Program, st: State, i: int, along: float, measure: int) -> f
 
 
 @compiled
-def track_distance_between(p: Program, st: State, i: int, j: int, k: int, measure: int, freespace: int) -> float:
-    """Return the distance from entity i to entity j along or across the trajectory on which action k leads i, m."""
+def track_distance_between(
+    p: Program, st: State, i: int, j: int, k: int, measure: int, freespace: int
+) -> tuple[float, float]:
+    """Return (distance, part of it that the boxes cover) from i to j by the trajectory on which action k leads i, m.
+
+    With `freespace` it is measured between the centres of the boxes, otherwise between the reference points.
+    """
     if freespace == 0:
         gap, _ = track_distance(p, st, k, st.x[j], st.y[j], measure)
-        return gap
+        return gap, 0.0
     gap, along = track_distance(p, st, k, st.middle_x[j], st.middle_y[j], measure)
     gap = gap - along_axis(along, st.middle_x[i] - st.x[i], st.middle_y[i] - st.y[i], measure)
-    return gap_beyond(gap, reach_across(p, st, i, along, measure) + reach_across(p, st, j, along, measure))
+    return gap, reach_across(p, st, i, along, measure) + reach_across(p, st, j, along, measure)
 
 
 @compiled
@@ -278,43 +407,55 @@ def distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, mode:
         return plane_distance_between(p, st, i, j, frame, measure, freespace)
     k = track_followed(p, st, i)
     if frame == op.FRAME_TRAJECTORY and k >= 0:
-        return track_distance_between(p, st, i, j, k, measure, freespace)
-    return road_distance_between(n, p, st, i, j, measure, freespace)
+        gap, reach = track_distance_between(p, st, i, j, k, measure, freespace)
+        return gap_beyond(gap, reach) if freespace == 1 else gap
+    return road_distance_between(n, p, st, i, j, frame, measure, freespace)
 
 
 @compiled
-def place_now(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, float, float, int, float, float]:
-    """Return (found, x, y, road, s, t) of a position now, for entity i; random positions keep their drawn place."""
-    if p.position_op[k] >= op.POSITION_FREE:
-        kind, road, lane, s, offset, x, y, _, _ = place_anywhere(n, p, st, k, i)
-        if kind == PLACE_NONE:
-            return 0, 0.0, 0.0, -1, 0.0, 0.0
-        t = 0.0
-        if road >= 0:
-            centre, _ = lane_centre(n, road, lane, s)
-            t = centre + offset
-        return 1, x, y, road, s, t
+def place_now(
+    n: RoadTables, p: Program, st: State, k: int, i: int
+) -> tuple[int, float, float, float, int, float, float]:
+    """Return (found, x, y, z, road, s, t) of a position now, for entity i; random positions keep their drawn place."""
+    road = op.NONE
+    lane = 0
+    s = 0.0
+    offset = 0.0
     x = st.position_x[k]
     y = st.position_y[k]
-    if x >= op.FAR:
-        return 0, 0.0, 0.0, -1, 0.0, 0.0
-    at_lane, road, lane, s, offset = locate_lane(n, x, y)
-    if at_lane == 0:
-        return 1, x, y, -1, 0.0, 0.0
+    z = 0.0
+    if p.position_op[k] == op.POSITION_LANE:
+        road, lane, s, offset, _ = resolve_position(n, p, st, k)
+        if road < 0:
+            return 0, 0.0, 0.0, 0.0, -1, 0.0, 0.0
+    elif p.position_op[k] >= op.POSITION_FREE:
+        kind, road, lane, s, offset, x, y, z, _ = place_anywhere(n, p, st, k, i)
+        if kind == PLACE_NONE:
+            return 0, 0.0, 0.0, 0.0, -1, 0.0, 0.0
+    else:
+        if x >= op.FAR:
+            return 0, 0.0, 0.0, 0.0, -1, 0.0, 0.0
+        at_lane, road, lane, s, offset = locate_lane(n, x, y)
+        if at_lane == 0:
+            road = op.NONE
+    if road < 0:
+        return 1, x, y, z, -1, 0.0, 0.0
     centre, _ = lane_centre(n, road, lane, s)
-    return 1, x, y, road, s, centre + offset
+    if p.position_op[k] < op.POSITION_FREE:
+        x, y, z, _, _, _ = lane_pose(n, road, lane, s, offset)
+    return 1, x, y, z, road, s, centre + offset
 
 
 @compiled
 def distance_to(n: RoadTables, p: Program, st: State, i: int, k: int, mode: int, freespace: int) -> float:
     """Return the distance from entity i to position k, m; `mode` as in `distance_between`; FAR if it lies nowhere."""
-    found, x, y, road, s, t = place_now(n, p, st, k, i)
+    found, x, y, z, road, s, t = place_now(n, p, st, k, i)
     if found == 0:
         return op.FAR
     frame = mode // 4
     measure = mode % 4
     if measure == op.MEASURE_STRAIGHT or frame in (op.FRAME_ENTITY, op.FRAME_WORLD):
-        return plane_distance_to(p, st, i, x, y, frame, measure, freespace)
+        return plane_distance_to(p, st, i, x, y, z, frame, measure, freespace)
     follows = track_followed(p, st, i)
     if frame == op.FRAME_TRAJECTORY and follows >= 0:
         gap, along = track_distance(p, st, follows, x, y, measure)
@@ -322,13 +463,15 @@ def distance_to(n: RoadTables, p: Program, st: State, i: int, k: int, mode: int,
             return gap
         gap = gap - along_axis(along, st.middle_x[i] - st.x[i], st.middle_y[i] - st.y[i], measure)
         return gap_beyond(gap, reach_across(p, st, i, along, measure))
-    ahead, left, _ = along_roads(n, st, i, road, s, t, x, y)
+    ahead, left, direction, road, s = along_or_beside(n, st, i, road, s, t, x, y)
     if ahead >= op.FAR:
         return op.FAR
+    if frame == op.FRAME_LANE and measure == op.MEASURE_ALONG:
+        ahead = way_in_lane(n, st, i, road, ahead)
     value = ahead if measure == op.MEASURE_ALONG else left
     if freespace == 0:
         return value
-    own = turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
+    own = turned_on_road(n, st, i, road, direction)
     forward = p.const[p.entity_const[i] + slot.E_CENTER]
     if measure == op.MEASURE_ALONG:
         return gap_beyond(value - forward * cos(own), half_extent(p, i, own))

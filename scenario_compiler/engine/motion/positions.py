@@ -1,8 +1,10 @@
 """Resolves a position of the plan at the moment of its use, to a lane or to a point off every road.
 
 Teleports, conditions, appearing entities and the vertices of trajectories all use this module. A position relative to
-an entity is measured from where that entity is at that time. Distances along a road are those of its reference line, as
-in esmini 3.6, and end where the road ends.
+an entity is measured from where that entity is at that time. Distances along a road are those of its reference line,
+distances along a lane those of its centre line ("offset along the center line of the lane, where the reference entity
+is located", RelativeLanePosition, ASAM OpenSCENARIO; esmini 3.6 takes the reference line for both). They end where the
+road ends.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ from scenario_compiler.roads.below import place_below
 from scenario_compiler.roads.lanes import lane_direction, lane_pose
 from scenario_compiler.roads.relative import across_road, lanes_away
 from scenario_compiler.roads.tables import RoadTables
-from scenario_compiler.roads.travel import advance
+from scenario_compiler.roads.travel import LANE_STEP, advance, along_reference
 
 PLACE_NONE = 0
 """A position that lies nowhere: relative to an entity off the road, or in a lane that does not exist."""
@@ -84,6 +86,25 @@ def advance_by_way(
 
 
 @compiled
+def advance_in_lane(
+    n: RoadTables, p: Program, st: State, i: int, other: int, road: int, lane: int, s: float, ds: float
+) -> tuple[int, int, float]:
+    """Return the same as `advance_by_way` for a distance along the centre line of the lane."""
+    left = abs(ds)
+    forward = 1.0 if ds >= 0.0 else -1.0
+    while left > 0.0:
+        step = min(left, LANE_STEP)
+        along = along_reference(n, road, lane, s, forward * step)
+        before = s
+        before_road = road
+        road, lane, s = advance_by_way(n, p, st, i, other, road, lane, s, along)
+        if road == before_road and abs(s - before) < 0.5 * abs(along):
+            return road, lane, s
+        left = left - step
+    return road, lane, s
+
+
+@compiled
 def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, int, float, float, float]:
     """Return (road, lane, s, offset, reference heading) of a position relative to an entity; road -1 if there is none.
 
@@ -98,9 +119,10 @@ def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> t
     direction = lane_direction(n, road, lane)
     ahead = p.const[base + slot.P_S]
     along_lane = 1 if p.position_flags[k] & op.POSITION_ALONG_LANE != 0 else 0
-    if along_lane == 0:
-        ahead = ahead * direction
-    road, lane, s = advance_by_way(n, p, st, i, other, road, lane, st.s[other], ahead)
+    if along_lane == 1:
+        road, lane, s = advance_in_lane(n, p, st, i, other, road, lane, st.s[other], ahead)
+    else:
+        road, lane, s = advance_by_way(n, p, st, i, other, road, lane, st.s[other], ahead * direction)
     if p.position_op[k] == op.POSITION_LANES_AWAY:
         lane, offset, h = lanes_away(n, road, lane, s, p.position_lane[k], p.const[base + slot.P_OFFSET], along_lane)
     else:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
-from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
+from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft, flags_of
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.moves.entry import Entry, Told
 from scenario_compiler.marker import compiled
@@ -40,8 +40,10 @@ def start_light(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_animation(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Advance an animation; return 1 if it is over."""
+    """Advance an animation; return 1 if it is over; a continuous one never is."""
     del n
+    if p.action_flags[k] & op.FLAG_CONTINUOUS != 0:
+        return 0
     st.action_progress[k] = st.action_progress[k] + dt
     return 1 if st.action_progress[k] >= p.const[p.action_const[k] + slot.A_DYNAMICS] - op.TOLERANCE else 0
 
@@ -56,7 +58,10 @@ def light_row(draft: ProgramDraft, word: LightAction, actor: int) -> ActionRow:
 def animation_row(draft: ProgramDraft, word: AnimationAction, actor: int) -> ActionRow:
     """Return the row of an animation."""
     del draft, actor
-    return ActionRow((word.state, 0.0 if word.duration is None else word.duration))
+    return ActionRow(
+        (word.state, 0.0 if word.duration is None else word.duration),
+        flags=flags_of((op.FLAG_CONTINUOUS, word.continuous)),
+    )
 
 
 def _animation_words(word: AnimationAction) -> tuple[str, str]:

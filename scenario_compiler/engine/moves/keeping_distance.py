@@ -1,8 +1,8 @@
 """Reaching and keeping a distance or a time gap to another entity along the road.
 
 Without limits the entity is put at the distance and takes the other's speed; with limits a critically damped spring
-moves it there. The distance is measured along the roads, or along the entity's own axis, between the reference points
-or the boxes. After esmini 3.6.
+moves it there. The distance is measured along the roads, the centre line of the entity's lane, the trajectory that it
+follows or its own axis, between the reference points or the boxes. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -16,9 +16,18 @@ from scenario_compiler.engine.columns.numbers import angle_between
 from scenario_compiler.engine.columns.program import ENTITY, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ActionRow, ProgramDraft, flags_of, limits_of
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.motion.distances import along_axis, along_roads, gap_beyond, half_extent, turned_against
+from scenario_compiler.engine.motion.distances import (
+    along_axis,
+    along_roads,
+    gap_beyond,
+    half_extent,
+    track_distance_between,
+    turned_against,
+    way_in_lane,
+)
 from scenario_compiler.engine.motion.entities import glide, place_scripted
 from scenario_compiler.engine.motion.spring import spring_acceleration
+from scenario_compiler.engine.motion.tracks import track_followed
 from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
 from scenario_compiler.engine.moves.speeds import push_speed, set_speed
 from scenario_compiler.forms.declaration import index
@@ -61,7 +70,12 @@ def ahead_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, 
         reach = half_extent(p, i, 0.0) + half_extent(p, j, angle_between(st.h[j], axis))
         ahead = along_axis(axis, st.middle_x[j] - st.middle_x[i], st.middle_y[j] - st.middle_y[i], op.MEASURE_ALONG)
         return ahead, reach
+    follows = track_followed(p, st, i)
+    if p.action_mode[k] == op.FRAME_TRAJECTORY and follows >= 0:
+        return track_distance_between(p, st, i, j, follows, op.MEASURE_ALONG, freespace)
     ahead, _, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+    if p.action_mode[k] == op.FRAME_LANE and ahead < op.FAR:
+        ahead = way_in_lane(n, st, i, st.road[j], ahead)
     if ahead >= op.FAR or freespace == 0:
         return ahead, 0.0
     own = turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])

@@ -71,11 +71,11 @@ def on_own_path(p: Program, st: State, i: int) -> int:
 def way_to(n: RoadTables, p: Program, st: State, i: int, k: int) -> float:
     """Return the distance from an entity to a position, m: along its trajectory or the roads, else straight."""
     on_track = track_followed(p, st, i)
-    if on_track < 0 and on_own_path(p, st, i) == 0:
+    found, x, y, _, road, _, _ = place_now(n, p, st, k, i)
+    if on_track < 0 and on_own_path(p, st, i) == 0 and st.road[i] >= 0 and road >= 0:
         along = distance_to(n, p, st, i, k, ALONG_ROAD, 0)
         if abs(along) < op.FAR:
             return abs(along)
-    found, x, y, _, _, _ = place_now(n, p, st, k, i)
     if found == 0:
         return op.FAR
     if on_track >= 0:

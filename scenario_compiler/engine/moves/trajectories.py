@@ -83,12 +83,16 @@ def put_on_track(n: RoadTables, p: Program, st: State, k: int, s: float, beyond:
 
 @compiled
 def time_on_track(p: Program, st: State, k: int, clock: float) -> float:
-    """Return the time on a trajectory at a time of the run; relative timing counts from the start of the action."""
+    """Return the time on a trajectory at a time of the run; relative timing counts from the start of the action.
+
+    "The time that would be taken to reach this point is deducted from all calculated waypoint time values"
+    (initialDistanceOffset, ASAM OpenSCENARIO): `action_span` stores it.
+    """
     base = p.action_const[k]
     scale = p.const[base + slot.J_SCALE]
     time = st.action_b[k]
     if p.action_mode[k] == op.TIMING_ABSOLUTE:
-        time = ratio(clock, scale, clock)
+        time = ratio(clock, scale, clock) + st.action_span[k]
     return time - ratio(p.const[base + slot.J_OFFSET], scale, 0.0)
 
 
@@ -107,13 +111,14 @@ def start_trajectory(n: RoadTables, p: Program, st: State, k: int) -> None:
     begin = p.const[p.action_const[k] + slot.J_BEGIN]
     st.action_from[k] = pi if timed == 0 and heads_itself(p, track) == 0 and st.v[i] < 0.0 else 0.0
     st.action_b[k] = time_at_distance(p, st, track, begin)
+    st.action_span[k] = st.action_b[k] - time_at_distance(p, st, track, 0.0)
     st.lateral[i] = k
     if p.action_flags[k] & op.FLAG_TIMED != 0:
         st.longitudinal[i] = k
     st.ended[i] = 0
     s = begin
     if timed == 1:
-        s = distance_at_time(p, st, track, time_on_track(p, st, k, st.clock[0]))
+        s = max(distance_at_time(p, st, track, time_on_track(p, st, k, st.clock[0])), begin)
     sense = put_on_track(n, p, st, k, s, 0.0)
     st.last_x[i] = st.x[i]
     st.last_y[i] = st.y[i]
@@ -131,7 +136,7 @@ def step_by_time(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int
     time = time_on_track(p, st, k, st.clock[0] + dt)
     last = st.track_time[p.track_vertex[track + 1] - 1]
     before = st.action_a[k]
-    s = distance_at_time(p, st, track, time)
+    s = max(distance_at_time(p, st, track, time), p.const[p.action_const[k] + slot.J_BEGIN])
     beyond = max(time - last, 0.0) * abs(st.v[i])
     sense = put_on_track(n, p, st, k, s, beyond)
     if dt > 0.0 and time < last + op.TOLERANCE:

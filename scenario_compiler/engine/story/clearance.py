@@ -98,7 +98,7 @@ def in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> 
         return 0
     gap = ahead
     if p.condition_flags[c] & CLEARANCE_FREESPACE != 0:
-        gap = road_distance_between(n, p, st, i, j, op.MEASURE_ALONG, 1)
+        gap = road_distance_between(n, p, st, i, j, op.FRAME_ROAD, op.MEASURE_ALONG, 1)
     base = p.condition_const[c]
     return 1 if -p.const[base + slot.C_BACKWARD] <= gap <= p.const[base + slot.C_FORWARD] else 0
 

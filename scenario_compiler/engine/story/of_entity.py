@@ -15,8 +15,9 @@ from scenario_compiler.engine.columns.numbers import angle_between, length_of, s
 from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ConditionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.closing import approach_speed
 from scenario_compiler.engine.motion.collision import overlap
-from scenario_compiler.engine.motion.distances import distance_between, distance_to
+from scenario_compiler.engine.motion.distances import distance_between, distance_to, place_now
 from scenario_compiler.engine.motion.on_tracks import point_at
 from scenario_compiler.engine.motion.tracks import track_followed, track_height, track_pose
 from scenario_compiler.engine.motion.watching import (
@@ -84,34 +85,26 @@ def headway(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
 
 
 @compiled
-def closing_speed(st: State, i: int, j: int) -> float:
-    """Return the speed at which entity i approaches j, m/s: the difference of speeds along j's velocity (esmini 3.6).
-
-    It is the speed of i if j stands, or if there is no j.
-    """
-    if j < 0:
-        return st.v[i]
-    speed = length_of(st.velocity_x[j], st.velocity_y[j])
-    if speed < op.TOLERANCE:
-        return st.v[i]
-    along = (st.velocity_x[i] * st.velocity_x[j] + st.velocity_y[i] * st.velocity_y[j]) / speed
-    closing = along - abs(st.v[j]) if along >= 0.0 else abs(st.v[j]) - along
-    return closing if st.v[i] >= 0.0 else -closing
-
-
-@compiled
 def time_to_collision(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
-    """Return the distance to the other entity or the position divided by the closing speed, s; -1 if undefined."""
+    """Return the distance to the other entity or the position divided by the closing speed, s; -1 if undefined.
+
+    It is undefined if they do not approach each other, and if no road leads there.
+    """
     other = p.condition_other[c]
+    mode = p.condition_mode[c]
+    freespace = p.condition_flags[c] & 1
     if other >= 0:
-        gap = distance_between(n, p, st, i, other, p.condition_mode[c], p.condition_flags[c] & 1)
+        gap = distance_between(n, p, st, i, other, mode, freespace)
+        road, s, t = st.road[other], st.s[other], st.t[other]
+        x, y, z = st.x[other], st.y[other], st.z[other]
     else:
-        gap = distance_to(n, p, st, i, p.condition_position[c], p.condition_mode[c], p.condition_flags[c] & 1)
-    closing = closing_speed(st, i, other)
-    if abs(gap) < op.TOLERANCE or abs(closing) < op.TOLERANCE:
+        position = p.condition_position[c]
+        gap = distance_to(n, p, st, i, position, mode, freespace)
+        _, x, y, z, road, s, t = place_now(n, p, st, position, i)
+    if abs(gap) < op.TOLERANCE or abs(gap) >= op.FAR:
         return -1.0
-    time = gap / closing
-    return min(time, op.FAR) if time >= 0.0 else -1.0
+    closing = approach_speed(n, p, st, i, other, road, s, t, x, y, z, mode, gap)
+    return min(abs(gap) / closing, op.FAR) if closing >= op.TOLERANCE else -1.0
 
 
 @compiled
@@ -146,9 +139,14 @@ def own_angle(st: State, i: int, kind: int) -> float:
 
 @compiled
 def angle_of(n: RoadTables, st: State, i: int, kind: int, frame: int) -> float:
-    """Return an entity's angle in the world, or relative to the road (along s) or the lane (as travelled), rad."""
+    """Return an entity's angle in the world, or relative to the road (along s) or the lane (as travelled), rad.
+
+    In the entity's own axes every angle is 0 (AngleCondition, ASAM OpenSCENARIO 1.3).
+    """
+    if frame == op.FRAME_ENTITY:
+        return 0.0
     angle = own_angle(st, i, kind)
-    if frame in (op.FRAME_WORLD, op.FRAME_ENTITY) or st.road[i] < 0:
+    if frame == op.FRAME_WORLD or st.road[i] < 0:
         return angle
     _, _, _, h, pitch, roll = lane_pose(n, st.road[i], st.lane[i], st.s[i], st.off[i])
     sense = 1.0

@@ -25,15 +25,17 @@ from scenario_compiler.roads.tables import RoadTables
 def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
     """Return 1 if all conditions of any group of a trigger fire; a trigger without groups never fires.
 
-    All groups are evaluated. After a false condition, the following ones of its group are not evaluated unless they
-    have a delay, so their memory of edges becomes outdated. A trigger that fires forgets the previous values of its
-    conditions.
+    All groups are evaluated. After a false condition, those of its group that have neither an edge nor a delay are left
+    out: an edge is a change since the previous time step ("Conditions and triggers", ASAM OpenSCENARIO), so its
+    condition is evaluated in every one. esmini 3.6 leaves out those with an edge too. A trigger that fires forgets the
+    previous values of its conditions.
     """
     fires = 0
     for g in range(p.trigger_first[trigger], p.trigger_first[trigger + 1]):
         all_fire = 1
         for c in range(p.group_first[g], p.group_first[g + 1]):
-            if (all_fire == 1 or p.condition_ring[c] >= 0) and condition_fires(n, p, st, c) == 0:
+            remembers = p.condition_ring[c] >= 0 or p.condition_edge[c] != op.EDGE_NONE
+            if (all_fire == 1 or remembers) and condition_fires(n, p, st, c) == 0:
                 all_fire = 0
         if all_fire == 1:
             fires = 1
@@ -69,8 +71,16 @@ def start_element(st: State, e: int, mark: int) -> None:
 
 @compiled
 def stop_below(p: Program, st: State, e: int, mark: int) -> None:
-    """Stop an element and all running elements below it, including actions."""
+    """Stop an element and all below it that are running, including actions, or are events in standby.
+
+    "Transition between the running or standby states to the complete state" (stopTransition, ASAM OpenSCENARIO). What
+    is below an element that is itself in standby has not been started, so it makes no transition.
+    """
+    executing = st.element_state[e] == op.RUNNING
+    st.element_stopped[e] = mark
     for k in range(e, p.element_end[e]):
+        if executing and st.element_state[k] == op.STANDBY and p.element_kind[k] == op.ELEMENT_EVENT:
+            st.element_stopped[k] = mark
         if st.element_state[k] == op.RUNNING:
             st.element_stopped[k] = mark
             if p.element_kind[k] == op.ELEMENT_EVENT:
@@ -253,7 +263,7 @@ def try_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
 
 @compiled
 def try_stop(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
-    """Stop a running act if its stop trigger fires.
+    """Stop an act, running or in standby, if its stop trigger fires.
 
     This counts as an end of the act too (esmini 3.6): conditions see both transitions.
     """
@@ -270,8 +280,10 @@ def try_stop(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
 def run_triggers(n: RoadTables, p: Program, st: State) -> None:
     """Visit all elements in document order, except those below an element that does not run.
 
-    An element without a start trigger runs as soon as its parent does. A stop trigger is evaluated from the frame after
-    the one in which the start trigger has fired (esmini 3.6).
+    An element without a start trigger runs as soon as its parent does, and one without children is complete as soon as
+    it runs: "a ManeuverGroup is executed by running its nested Maneuver instances (0..*)" (Execution, ASAM
+    OpenSCENARIO). A stop trigger is evaluated from the frame after
+    the one in which the start trigger has fired (esmini 3.6). It also stops an act that still waits for its start.
     """
     e = 0
     mark = 2 * st.frame[0] + 1
@@ -289,6 +301,10 @@ def run_triggers(n: RoadTables, p: Program, st: State) -> None:
                 try_event(n, p, st, e, mark)
             elif trigger_fires(n, p, st, p.element_start[e]) == 1:
                 start_element(st, e, mark)
+            elif p.element_stop[e] >= 0:
+                try_stop(n, p, st, e, mark)
+        if st.element_state[e] == op.RUNNING and p.element_end[e] == e + 1 and kind != op.ELEMENT_EVENT:
+            complete_element(p, st, e, mark)
         state = st.element_state[e]
         if state != op.RUNNING:
             e = p.element_end[e]

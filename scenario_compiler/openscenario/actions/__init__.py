@@ -13,7 +13,7 @@ from scenario_compiler.openscenario.actions.lateral import LATERAL
 from scenario_compiler.openscenario.actions.longitudinal import LONGITUDINAL
 from scenario_compiler.openscenario.actions.routing import ROUTING
 from scenario_compiler.openscenario.actions.traffic import NO_MEANING_IN_TRAFFIC, TRAFFIC
-from scenario_compiler.openscenario.actions.world import WORLD
+from scenario_compiler.openscenario.actions.world import WORLD, read_entity_actions
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.spelling import Forms, nested
@@ -65,6 +65,8 @@ def read_actions(node: Node) -> list[Action]:
         return list(read_environment(node))
     if node.tag == "OverrideControllerValueAction":
         return list(read_overrides(node))
+    if node.tag == "EntityAction":
+        return list(read_entity_actions(node))
     form = ACTIONS.by_tag.get(node.tag)
     if form is None:
         _report_unread(node)

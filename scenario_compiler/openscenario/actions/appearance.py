@@ -7,6 +7,7 @@ from typing import Any
 from lxml import etree
 
 from scenario_compiler.markup import codes
+from scenario_compiler.openscenario.codes import NOT_READ
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.spelling import Fields, Form, made, nested, number, regular
@@ -39,7 +40,8 @@ class _Light:
     """The light and its state."""
 
     def read(self, node: Node) -> Fields | None:
-        node.has("transitionTime")
+        if node.float("transitionTime", 0.0) != 0.0:
+            node.report(NOT_READ, "LightStateAction/transitionTime has no effect on the run", "transitionTime")
         kind, state = node.required("LightType"), node.required("LightState")
         inner = None if kind is None else kind.required("VehicleLight", "UserDefinedLight")
         if inner is None or state is None:
@@ -63,7 +65,7 @@ _ANIMATIONS = {
 
 
 class _Animation:
-    """The animated part and its state."""
+    """The animated part, its state, and whether it is repeated: then it has "no regular ending" (Action tables)."""
 
     def read(self, node: Node) -> Fields | None:
         kind = node.required("AnimationType")
@@ -73,7 +75,12 @@ class _Animation:
             node.report(codes.MISSING_ELEMENT, "<AnimationType> names no animation")
             return None
         state = node.child("AnimationState")
-        return {"type": found, **({} if state is None else {"state": state.number("state")})}
+        repeated = node.boolean("loop", False)
+        return {
+            "type": found,
+            "continuous": repeated,
+            **({} if state is None else {"state": state.number("state")}),
+        }
 
     def write(self, word: AnimationAction, element: etree._Element, output: Output) -> None:
         if word.type in _COMPONENTS:
@@ -83,6 +90,8 @@ class _Animation:
         else:
             inner = made("UserDefinedAnimation", userDefinedAnimationType=word.type)
         element.append(made("AnimationType", inner))
+        if word.continuous:
+            element.set("loop", "true")
         if word.state != 1.0:
             element.append(made("AnimationState", state=output.text(word.state, word)))
 

@@ -15,7 +15,7 @@ from scenario_compiler.openscenario.actions.dynamics import LIMITS, SHAPES, Tran
 from scenario_compiler.openscenario.actions.longitudinal import Kept
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
-from scenario_compiler.openscenario.spelling import Fields, Form, boolean, entity, made, number, regular
+from scenario_compiler.openscenario.spelling import Fields, Form, boolean, entity, made, regular
 from scenario_compiler.vocabulary.actions import (
     LaneChangeAction,
     LaneChangeToAction,
@@ -62,7 +62,11 @@ def _change(word: Any, target: etree._Element, output: Output) -> etree._Element
 
 
 class _Offset:
-    """The target of a lane offset and how it is reached."""
+    """The target of a lane offset and how it is reached.
+
+    A missing maxLateralAcc "is interpreted as 'inf'" (LaneOffsetActionDynamics) since 1.1, so the offset is reached at
+    once; 1.0 does not say, and it is the usual one of esmini 3.6 there.
+    """
 
     def read(self, node: Node) -> Fields | None:
         dynamics, target = node.required("LaneOffsetActionDynamics"), node.required("LaneOffsetTarget")
@@ -76,17 +80,35 @@ class _Offset:
         if dynamics is not None:
             fields["shape"] = dynamics.choice("dynamicsShape", SHAPES)
             fields["acceleration"] = dynamics.optional_number("maxLateralAcc")
+            if fields["acceleration"] is None and node.reading.version > (1, 0):
+                fields["shape"] = "step"
         return fields
 
     def write(self, word: LimitedLaneOffsetAction, element: etree._Element, output: Output) -> None:
+        from scenario_compiler.engine.moves.lane_offsets import USUAL_ACCELERATION
+
         dynamics = made("LaneOffsetActionDynamics", dynamicsShape=word.shape)
         if word.acceleration is not None:
             dynamics.set("maxLateralAcc", output.text(word.acceleration, word))
+        elif word.shape != "step" and output.version > (1, 0):
+            dynamics.set("maxLateralAcc", output.text(USUAL_ACCELERATION, word))
         value = output.text(word.to, word)
         target = made("AbsoluteTargetLaneOffset", value=value)
         if word.of:
             target = made("RelativeTargetLaneOffset", entityRef=word.of, value=value)
         element.extend([dynamics, made("LaneOffsetTarget", target)])
+
+
+class _Aside:
+    """The lateral distance: "missing value is interpreted as 0" (LateralDistanceAction)."""
+
+    def read(self, node: Node) -> Fields:
+        return {"distance": node.number("distance", 0.0)}
+
+    def write(self, word: LateralDistanceAction, element: etree._Element, output: Output) -> None:
+        if word.distance is None:
+            output.tell_lost(word, "OpenSCENARIO cannot express the present lateral distance: it is written as 0")
+        element.set("distance", output.text(word.distance or 0.0, word))
 
 
 LATERAL: tuple[Form[Any], ...] = (
@@ -97,7 +119,7 @@ LATERAL: tuple[Form[Any], ...] = (
         "LateralDistanceAction",
         LateralDistanceAction,
         entity(),
-        number("distance", default=None),
+        _Aside(),
         boolean("freespace"),
         boolean("continuous"),
         Kept(_SIDES, "any"),

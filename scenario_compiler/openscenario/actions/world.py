@@ -26,18 +26,24 @@ _GLOBAL = ("GlobalAction",)
 _SIGNALS = ("GlobalAction", "InfrastructureAction", "TrafficSignalAction")
 
 
-def _read_entity(node: Node) -> AddEntityAction | DeleteEntityAction | None:
+def read_entity_actions(node: Node) -> list[AddEntityAction | DeleteEntityAction]:
+    """Return the actions of an <EntityAction>: one, or one for each member of a selection of entities."""
     inner = node.required("AddEntityAction", "DeleteEntityAction")
     if inner is None:
-        return None
-    entity = node.entity("entityRef")
+        return []
+    entities = node.entities("entityRef")
     if inner.tag == "DeleteEntityAction":
-        return DeleteEntityAction.model_construct(entity=entity).written_at(node.origin)
+        return [DeleteEntityAction.model_construct(entity=one).written_at(node.origin) for one in entities]
     holder = inner.required("Position")
     position = None if holder is None else read_position(holder)
     if position is None:
-        return None
-    return AddEntityAction.model_construct(entity=entity, position=position).written_at(node.origin)
+        return []
+    return [AddEntityAction.model_construct(entity=one, position=position).written_at(node.origin) for one in entities]
+
+
+def _read_entity(node: Node) -> AddEntityAction | DeleteEntityAction | None:
+    found = read_entity_actions(node)
+    return found[0] if found else None
 
 
 def _write_add(word: AddEntityAction, output: Output) -> etree._Element:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from scenario_compiler.diagnostics import Code, Diagnostics, Related, Severity
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
-from scenario_compiler.vocabulary.actions import LimitedLaneOffsetAction
+from scenario_compiler.vocabulary.actions import AnimationAction, LimitedLaneOffsetAction
 from scenario_compiler.vocabulary.conditions import ElementStateCondition, EventCondition
 from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.word import Word
@@ -16,10 +16,10 @@ NEVER_ENDS = Code(
     "SC290",
     "never-ends",
     "A trigger waits for the end of an element that contains a continuous action. According to the standard, such an "
-    "action keeps its speed, distance or offset and never ends by itself. The trigger therefore waits until another "
-    "action replaces it. esmini ends a continuous LaneOffsetAction at its target.\n\n"
+    "action keeps its speed, distance or offset, or repeats its animation, and never ends by itself. The trigger "
+    "therefore waits until another action replaces it. esmini ends a continuous LaneOffsetAction at its target.\n\n"
     '    <LaneOffsetAction continuous="true"> ... <StoryboardElementStateCondition ... state="completeState"/>\n\n'
-    'Write continuous="false" if the action should end at its target.',
+    'Write continuous="false" if the action should end at its target, or loop="false" for an animation.',
     Severity.WARNING,
 )
 
@@ -46,7 +46,10 @@ def check_endless(plan: Plan, network: Network, sink: Diagnostics) -> None:
             ends = "; esmini ends it at its target" if isinstance(action, LimitedLaneOffsetAction) else ""
             message = f"the {kind} '{name}' never ends by itself: its <{action.tag()}> is continuous{ends}"
             related = (Related("the continuous action is here", action.origin),)
-            sink.add(NEVER_ENDS, message, word.origin, hint='continuous="false" ends it at its target', related=related)
+            hint = 'continuous="false" ends it at its target'
+            if isinstance(action, AnimationAction):
+                hint = 'loop="false" (continuous="false" in the conflict language) ends it after its duration'
+            sink.add(NEVER_ENDS, message, word.origin, hint=hint, related=related)
 
 
 def _endless(plan: Plan) -> Iterator[tuple[tuple[str, str], Word]]:

@@ -14,6 +14,8 @@ from scenario_compiler.vocabulary.actions import (
     LongitudinalDistanceAction,
     SynchronizeAction,
 )
+from scenario_compiler.vocabulary.positions import LanesAwayPosition
+from scenario_compiler.vocabulary.traversal import walk
 
 TO_ITSELF = Code(
     "SC270",
@@ -37,7 +39,8 @@ NO_SUCH_LANE = Code(
     "SC273",
     "no-such-lane",
     "The target of a lane change is a lane that no road of the map has, or the change is by more lanes than any road "
-    "of the map has beside another, so the action has no effect.\n\n"
+    "of the map has beside another, so the action has no effect. A position that counts more lanes than any road has "
+    "is in the outermost lane.\n\n"
     '    <lane_change_to lane="-2" over_time="3"/>     lanes to the right of the reference line are negative',
     Severity.WARNING,
 )
@@ -47,7 +50,7 @@ OTHERS = {LongitudinalDistanceAction: "to", LateralDistanceAction: "to", Synchro
 
 
 def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report actions that refer to their own actor, give two distances, or change to a lane that does not exist."""
+    """Report actions that refer to their own actor, give two distances, or need a lane that does not exist."""
     lanes, widest = set(network.tables.lane_id), _most_lanes(network)
     for actor, action in plan.storyboard.actions():
         named = OTHERS.get(type(action))
@@ -65,6 +68,12 @@ def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
         if isinstance(action, LaneChangeAction) and widest and abs(action.by) >= widest:
             message = f"no road of the map has the {abs(action.by) + 1} lanes that a change by {action.by} needs"
             sink.add(NO_SUCH_LANE, message, action.place_of("by"))
+    for word in walk(plan.storyboard):
+        if isinstance(word, LanesAwayPosition) and widest and abs(word.lanes) >= widest:
+            message = (
+                f"no road of the map has the {abs(word.lanes) + 1} lanes that a position {word.lanes} lanes away needs"
+            )
+            sink.add(NO_SUCH_LANE, message, word.place_of("lanes"))
 
 
 def _most_lanes(network: Network) -> int:

@@ -67,3 +67,4 @@ class AnimationAction(Word):
     type: str = attribute("Part that moves, or gesture.")
     state: Number = attribute("Final state, 0 to 1.", default=1.0)
     duration: Number | None = attribute("Duration, s.", default=None, quantity="time")
+    continuous: bool = attribute("Whether it is repeated, so that it never ends by itself.", default=False)

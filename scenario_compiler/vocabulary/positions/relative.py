@@ -46,7 +46,8 @@ class GeoPosition(Word):
 class LanesAwayPosition(Word):
     """A point in a lane counted from an entity's lane: ASAM's RelativeLanePosition.
 
-    Along the road, ahead and left refer to the direction of s; along the lane, to the lane's direction of travel.
+    Along the road, ahead and left refer to the direction of s, and the distance is that of the reference line. Along
+    the lane, they refer to the lane's direction of travel, and the distance is that of the lane's centre line.
     """
 
     word: Literal["relative_lane"] = "relative_lane"
@@ -55,9 +56,10 @@ class LanesAwayPosition(Word):
     lanes: int = attribute(
         "Number of lanes from the entity's lane, positive to the left (the centre lane is not counted).", default=0
     )
-    distance: Number = attribute("Distance ahead along the road's reference line, m.", quantity="length")
+    distance: Number = attribute("Distance ahead, m.", quantity="length")
     along: Literal["road", "lane"] = attribute(
-        "Whether ahead and left refer to the direction of the road's s or to the lane's direction of travel.",
+        "Whether the distance follows the road's reference line, in the direction of s, or the centre line of the "
+        "entity's lane, in its direction of travel; left is relative to that direction.",
         default="road",
     )
     offset: Number = attribute(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 
@@ -146,6 +147,15 @@ def test_a_distance_between_a_box_and_a_position(tmp_path: Path) -> None:
 def test_a_distance_to_an_entity(tmp_path: Path, system: str, kind: str) -> None:
     more = f'coordinateSystem="{system}" relativeDistanceType="{kind}"'
     assert seen(tmp_path, gap("RelativeDistanceCondition", more, 30.0), **B_AHEAD) == pytest.approx(2.1)
+
+
+@pytest.mark.parametrize("word", ["RelativeDistanceCondition", "DistanceCondition"])
+def test_a_straight_distance_includes_the_height(tmp_path: Path, word: str) -> None:
+    """The road climbs by 0.1: 200 m are 199.007 m along x, which are left after 1.0993 s."""
+    where = lane_position(-1, 1300.0) if word == "DistanceCondition" else ""
+    told = gap(word, 'coordinateSystem="entity" relativeDistanceType="euclidianDistance"', 200.0, where=where)
+    actors = {"A": Actor(s=1090.0), "B": Actor(s=1300.0, speed=0.0)}
+    assert seen(tmp_path, told, **actors) == pytest.approx(1.15)
 
 
 def test_a_distance_between_boxes(tmp_path: Path) -> None:
@@ -434,14 +444,88 @@ def test_a_controller_continues_from_the_phase_to_which_it_is_set(tmp_path: Path
         assert run.acts("W", DONE) == pytest.approx(wanted)
 
 
+TO_B = '<TimeToCollisionConditionTarget><EntityRef entityRef="B"/></TimeToCollisionConditionTarget>'
+
+
 @pytest.mark.law("TimeToCollisionCondition", "lateral")
 def test_a_time_to_collision_across(tmp_path: Path) -> None:
-    """Only the distance is that across: 3.5 m to the left over A's 10 m/s towards what stands (esmini 3.6)."""
-    target = '<TimeToCollisionConditionTarget><EntityRef entityRef="B"/></TimeToCollisionConditionTarget>'
-    more = 'coordinateSystem="road" relativeDistanceType="lateral"'
-    for value, wanted in ((0.4, 0.0), (0.3, None)):
-        told = gap("TimeToCollisionCondition", more, value, where=target)
-        assert seen(tmp_path, told, A=Actor(lane=-2), B=Actor(s=200.0, speed=0.0)) == wanted
+    """Distance and speed are those across: 3.5 m to the left of A, which moves there at 1 m/s from 1 s on.
+
+    Less than 2 s are left after 2.5 s. While A drives straight on there is no relative speed across, so no time.
+    """
+    told = gap("TimeToCollisionCondition", 'coordinateSystem="road" relativeDistanceType="lateral"', 2.0, where=TO_B)
+    actors = {"A": Actor(lane=-2), "B": Actor(s=200.0, speed=0.0)}
+    left = lane_change('<AbsoluteTargetLane value="-1"/>', by("linear", "rate", 1.0))
+    assert seen(tmp_path, told, Event("A", left), **actors) == pytest.approx(2.6)
+    assert seen(tmp_path, told, **actors) is None
+
+
+CROSSING_PATH = (
+    '<RoutingAction><FollowTrajectoryAction><TrajectoryRef><Trajectory name="t" closed="false"><Shape><Polyline>'
+    '<Vertex><Position><WorldPosition x="100" y="-30"/></Position></Vertex><Vertex><Position><WorldPosition x="100" '
+    'y="30"/></Position></Vertex></Polyline></Shape></Trajectory></TrajectoryRef><TimeReference><None/></TimeReference>'
+    '<TrajectoryFollowingMode followingMode="position"/></FollowTrajectoryAction></RoutingAction>'
+)
+CROSSES = Actor(
+    position='<Position><WorldPosition x="100" y="-30" h="1.5707963267948966"/></Position>', action=CROSSING_PATH
+)
+"""Walks to the left over A's way, 50 m ahead of where A begins, off every road until it reaches y = -10.5."""
+
+
+@pytest.mark.parametrize(("system", "kind"), [(one, "longitudinal") for one in SYSTEMS] + [("road", "lateral")])
+def test_a_time_to_collision_with_someone_who_crosses(tmp_path: Path, system: str, kind: str) -> None:
+    """Along, A closes the 50 m at its own 10 m/s: less than 3 s are left after 2 s.
+
+    Across, B closes 28.25 m at its 5 m/s: less than 3 s are left after 2.65 s.
+    """
+    more = f'coordinateSystem="{system}" relativeDistanceType="{kind}"'
+    told = gap("TimeToCollisionCondition", more, 3.0, where=TO_B)
+    found = seen(tmp_path, told, B=replace(CROSSES, speed=5.0))
+    assert found == pytest.approx(2.1 if kind == "longitudinal" else 2.75)
+
+
+@pytest.mark.parametrize("kind", ["longitudinal", "euclidianDistance"])
+def test_a_time_to_collision_with_what_moves_away_is_undefined(tmp_path: Path, kind: str) -> None:
+    for rule in ("lessThan", "greaterThan"):
+        told = gap("TimeToCollisionCondition", f'relativeDistanceType="{kind}"', 3.0, rule, TO_B)
+        assert seen(tmp_path, told, B=Actor(s=100.0, speed=12.0)) is None
+
+
+@pytest.mark.parametrize("freespace", ["false", "true"])
+@pytest.mark.parametrize("names", ["A B", "B A"])
+def test_a_distance_along_the_road_to_someone_beside_it(tmp_path: Path, names: str, freespace: str) -> None:
+    """B stands off every road at x = 100, across it: its box begins 1 m before that, A's front is 4 m ahead of A."""
+    one, other = names.split()
+    inner = (
+        f'<RelativeDistanceCondition entityRef="{other}" value="30" rule="lessThan" coordinateSystem="road" '
+        f'relativeDistanceType="longitudinal" freespace="{freespace}"/>'
+    )
+    actors = {"A": Actor(), "B": replace(CROSSES, speed=0.0, action=""), "W": W}
+    run = play(tmp_path, actors, [Event("W", speed(DONE), of_entity(one, inner))], 8.0)
+    assert run.acts("W", DONE) == pytest.approx(1.6 if freespace == "true" else 2.1)
+
+
+@pytest.mark.parametrize(
+    ("more", "wanted"),
+    [
+        ("", 2.1),
+        ('relativeDistanceType="longitudinal"', 1.65),
+        ('coordinateSystem="entity"', 2.1),
+        ('coordinateSystem="entity" relativeDistanceType="longitudinal"', 1.65),
+    ],
+)
+def test_along_route_is_ignored_beside_what_replaces_it(tmp_path: Path, more: str, wanted: float) -> None:
+    """A is turned by 0.5 rad: 30 m along its own axis are 30 / cos 0.5 = 34.2 m along the road, and 30 m straight."""
+    turned = Actor(position='<Position><WorldPosition x="50" y="-1.75" h="0.5"/></Position>')
+    told = gap("DistanceCondition", f'alongRoute="true" {more}', 30.0, where=lane_position(-1, 100.0))
+    assert seen(tmp_path, told, A=turned) == pytest.approx(wanted)
+
+
+def test_in_an_entitys_own_axes_every_angle_is_0(tmp_path: Path) -> None:
+    turned = Actor(position='<Position><WorldPosition x="50" y="-1.75" h="0.5"/></Position>')
+    for angle, wanted in ((0.0, 0.0), (0.5, None)):
+        inner = f'<AngleCondition angleType="heading" angle="{angle}" angleTolerance="0.1" coordinateSystem="entity"/>'
+        assert seen(tmp_path, inner, A=turned) == wanted
 
 
 @pytest.mark.law("UserDefinedValueCondition", "used")

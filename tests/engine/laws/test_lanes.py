@@ -12,10 +12,12 @@ from tests.engine.laws.told import (
     Actor,
     Event,
     by,
+    document,
     lane_change,
     lane_offset,
     lane_position,
     play,
+    play_text,
     speed,
 )
 
@@ -220,6 +222,14 @@ def polyline(*points: str, closed: str = "false") -> str:
     return f'<Trajectory name="t" closed="{closed}"><Shape><Polyline>{vertices}</Polyline></Shape></Trajectory>'
 
 
+@pytest.mark.parametrize(("minor", "y"), [(3, -0.75), (1, -0.75), (0, -1.54)])
+def test_an_offset_without_a_limit_is_reached_at_once_since_1_1(tmp_path: Path, minor: int, y: float) -> None:
+    """A "missing value is interpreted as 'inf'"; 1.0 does not say: 0.5 m/s2 as in esmini, so 1 m takes pi s."""
+    move = Event("A", lane_offset(offset(1.0), "sinusoidal", None))
+    text = document(A, [move], 3.0).replace('revMinor="3"', f'revMinor="{minor}"')
+    assert play_text(tmp_path, text, 3.0).at("A", 2.0).y == pytest.approx(y, abs=0.005)
+
+
 @pytest.mark.law("FollowTrajectoryAction", "closed")
 def test_a_closed_trajectory_continues_at_its_start(tmp_path: Path) -> None:
     square = polyline("60 -1.75", "70 -1.75", "70 -6.75", "60 -6.75", closed="true")
@@ -238,6 +248,23 @@ def test_times_are_scaled_and_shifted(tmp_path: Path, scale: float, shift: float
     timing = f'<Timing domainAbsoluteRelative="relative" scale="{scale}" offset="{shift}"/>'
     run = play(tmp_path, A, [Event("A", follow(line, timing))])
     assert [run.at("A", time).x for time in times] == pytest.approx([70.0, 80.0])
+
+
+@pytest.mark.parametrize(
+    ("domain", "times", "row", "x"),
+    [
+        ("relative", "0 10", 2.0, 130.0),
+        ("absolute", "0 10", 2.0, 140.0),
+        ("absolute", "5 15", 4.0, 120.0),
+        ("absolute", "5 15", 7.0, 140.0),
+    ],
+)
+def test_times_begin_at_the_initial_distance(tmp_path: Path, domain: str, times: str, row: float, x: float) -> None:
+    """The times are 10 m/s; the 2 s to the initial 20 m are deducted from all of them. Before, A waits there."""
+    line = polyline(*(f"{at} -1.75 {time}" for at, time in zip((100, 200), times.split(), strict=True)))
+    timing = f'<Timing domainAbsoluteRelative="{domain}" scale="1" offset="0"/>'
+    run = play(tmp_path, A, [Event("A", follow(line, timing, begin=20.0))], seconds=8.0)
+    assert run.at("A", row).x == pytest.approx(x)
 
 
 @pytest.mark.law("FollowTrajectoryAction", "with heights")
@@ -292,6 +319,31 @@ def test_without_limits_an_entity_is_put_at_its_distance(tmp_path: Path, side: s
     run = play(tmp_path, actors, [Event("A", distance(told))], seconds=4.0)
     assert run.at("A", 3.0).v == pytest.approx(8.0)
     assert run.at("A", 3.0).x - run.at("B", 3.0).x == pytest.approx(sign * 20.0)
+
+
+@pytest.mark.parametrize("freespace", ["false", "true"])
+def test_a_distance_is_kept_along_the_trajectory_that_is_followed(tmp_path: Path, freespace: str) -> None:
+    """B stands off every road, 180 m along A's trajectory, which turns to the left after 100 m.
+
+    A stops 30 m before it; between the boxes, B's width and A's front are 1 m and 4 m of that.
+    """
+    b = Actor(position='<Position><WorldPosition x="150" y="78.25" h="0"/></Position>', speed=0.0)
+    path = follow(polyline("50 -1.75", "150 -1.75", "150 98.25"))
+    told = f'distance="30" freespace="{freespace}" continuous="true" coordinateSystem="trajectory"'
+    keep = distance(told, 'maxAcceleration="10" maxDeceleration="10" maxSpeed="10"')
+    run = play(tmp_path, {"A": Actor(action=path), "B": b}, [Event("A", keep)], seconds=40.0)
+    assert run.at("A", 40.0).x == pytest.approx(150.0)
+    assert run.at("A", 40.0).y == pytest.approx(48.25 - (5.0 if freespace == "true" else 0.0), abs=0.05)
+
+
+def test_a_lateral_distance_that_is_not_given_is_0(tmp_path: Path) -> None:
+    """A drives in the lane beside B's and is put into line with it: "missing value is interpreted as 0"."""
+    beside = (
+        '<LateralAction><LateralDistanceAction entityRef="B" freespace="false" continuous="true" '
+        'coordinateSystem="lane"/></LateralAction>'
+    )
+    run = play(tmp_path, {"B": Actor(lane=-2, s=100.0), "A": Actor()}, [Event("A", beside)], seconds=3.0)
+    assert run.at("A", 3.0).y == pytest.approx(-5.25)
 
 
 @pytest.mark.law("LateralDistanceAction", "with limits of jerk")

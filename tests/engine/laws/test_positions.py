@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.engine.laws.told import Actor, Event, Seen, play
+from tests.engine.laws.told import Actor, Event, Seen, document, play, play_text
 
 
 def put(folder: Path, position: str, **actors: Actor) -> Seen:
@@ -80,6 +80,14 @@ def test_a_position_in_lane_0_lies_on_the_line_between_left_and_right(tmp_path: 
 def test_a_lane_position_is_turned_from_the_lanes_travel(tmp_path: Path, kind: str, lane: int, h: float) -> None:
     place = f'<LanePosition roadId="1" laneId="{lane}" s="100">{turned(kind)}</LanePosition>'
     assert put(tmp_path, place).h == pytest.approx(h)
+
+
+@pytest.mark.parametrize(("minor", "h"), [(3, pi + 0.3), (1, pi + 0.3), (0, 0.3)])
+def test_an_orientation_without_a_type_is_relative_since_1_1(tmp_path: Path, minor: int, h: float) -> None:
+    """A "missing type value is interpreted as relative" (Orientation); 1.0 does not say: absolute, as in esmini 3.6."""
+    place = '<Position><LanePosition roadId="1" laneId="1" s="100"><Orientation h="0.3"/></LanePosition></Position>'
+    text = document({"A": Actor(position=place)}, [], 1.0).replace('revMinor="3"', f'revMinor="{minor}"')
+    assert play_text(tmp_path, text, 1.0).at("A", 0.0).h == pytest.approx(h)
 
 
 @pytest.mark.law("RoadPosition", "turned against the road")

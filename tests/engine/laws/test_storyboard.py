@@ -12,10 +12,12 @@ from tests.engine.laws.told import (
     after,
     by,
     condition,
+    document,
     lane_change,
     lane_offset,
     of_entity,
     play,
+    play_text,
     relative_speed,
     speed,
 )
@@ -197,6 +199,16 @@ def test_an_edge_needs_an_evaluation_before(tmp_path: Path) -> None:
     assert play(tmp_path, {**A, "W": W}, [Event("W", speed(3.0), true_from_the_start)]).acts("W", 3.0) is None
 
 
+@pytest.mark.parametrize(("at", "wanted"), [(4.0, 4.05), (2.0, None)])
+def test_an_edge_counts_also_while_another_condition_of_its_group_is_false(
+    tmp_path: Path, at: float, wanted: float | None
+) -> None:
+    """The group holds if its second condition rises in the step in which the first one becomes true."""
+    trigger = after(4.0) + after(at, "rising")
+    run = play(tmp_path, {"W": W}, [Event("W", speed(3.0), trigger)])
+    assert run.acts("W", 3.0) == (None if wanted is None else pytest.approx(wanted))
+
+
 @pytest.mark.law("Storyboard", "delay")
 def test_a_delay_shifts_the_record_of_the_edge(tmp_path: Path) -> None:
     pulse = of_entity("A", '<SpeedCondition value="12.4" rule="greaterThan"/>', edge="rising", delay=1.5)
@@ -213,25 +225,88 @@ def test_groups_are_alternatives_of_conditions_that_all_hold(tmp_path: Path) -> 
     assert run.acts("W", 3.0) == pytest.approx(3.05)
 
 
-@pytest.mark.law("Storyboard", "triggering entities as actors")
-def test_the_triggering_entities_act_where_they_are_selected(tmp_path: Path) -> None:
-    """B is over 11 m/s from 2 s on; A, which its condition does not name, goes on."""
-    over = of_entity("B", '<SpeedCondition value="11" rule="greaterOrEqual"/>')
-    events = [Event("B", speed(20.0, by("linear", "rate", 1.0))), Event("", speed(3.0), over)]
-    run = play(tmp_path, {"A": Actor(), "B": Actor(lane=-2)}, events, seconds=4.0)
-    assert run.acts("B", 3.0) == pytest.approx(2.05)
-    assert run.acts("A", 3.0) is None
-
-
 @pytest.mark.law("AnimationAction", "used")
-@pytest.mark.parametrize(("duration", "wanted"), [(2.0, 3.05), (0.5, 1.55)])
-def test_an_animation_ends_after_its_duration(tmp_path: Path, duration: float, wanted: float) -> None:
+@pytest.mark.parametrize(
+    ("duration", "loop", "wanted"), [(2.0, "false", 3.05), (0.5, "false", 1.55), (0.5, "true", None)]
+)
+def test_an_animation_ends_after_its_duration_unless_it_is_repeated(
+    tmp_path: Path, duration: float, loop: str, wanted: float | None
+) -> None:
     """It begins at 1 s and ends in the row a duration later; the next frame sees that."""
     door = (
-        f'<AppearanceAction><AnimationAction animationDuration="{duration}" loop="false"><AnimationType>'
+        f'<AppearanceAction><AnimationAction animationDuration="{duration}" loop="{loop}"><AnimationType>'
         '<ComponentAnimation><VehicleComponent vehicleComponentType="doorFrontRight"/></ComponentAnimation>'
         '</AnimationType><AnimationState state="1"/></AnimationAction></AppearanceAction>'
     )
     done = state("event", "door", "completeState")
     run = play(tmp_path, {**A, "W": W}, [Event("A", door, name="door"), Event("W", speed(3.0), done)])
-    assert run.acts("W", 3.0) == pytest.approx(wanted)
+    assert run.acts("W", 3.0) == (None if wanted is None else pytest.approx(wanted))
+
+
+def actors_of(event: Event) -> str:
+    """Return the <Actors> of an event: its actor, or the triggering entities if it names none."""
+    if not event.actor:
+        return '<Actors selectTriggeringEntities="true"/>'
+    return f'<Actors selectTriggeringEntities="false"><EntityRef entityRef="{event.actor}"/></Actors>'
+
+
+def acts_of(*acts: str, **actors: Actor) -> str:
+    """Return the file of told.py with other acts in its story."""
+    text = document({**A, **actors, "W": W}, [], 8.0)
+    start, end = text.index('<Act name="act">'), text.index("</Story>")
+    return text[:start] + "".join(acts) + text[end:]
+
+
+def act(name: str, event: Event, start: str = "", stop: str = "") -> str:
+    """Return an act of one event; its start and stop are conditions."""
+    triggers = "".join(
+        f"<{tag}><ConditionGroup>{inner}</ConditionGroup></{tag}>"
+        for tag, inner in (("StartTrigger", start), ("StopTrigger", stop))
+        if inner
+    )
+    return (
+        f'<Act name="{name}"><ManeuverGroup name="g" maximumExecutionCount="1">{actors_of(event)}<Maneuver name="m">'
+        f"{event.text()}</Maneuver></ManeuverGroup>{triggers}</Act>"
+    )
+
+
+@pytest.mark.parametrize("element", ["act", "event"])
+def test_a_stop_trigger_stops_what_is_in_standby(tmp_path: Path, element: str) -> None:
+    """At 2 s the act waits for its start at 4 s, or runs while its event waits; neither ever starts."""
+    start = after(4.0) if element == "act" else ""
+    later = act("waits", Event("A", speed(20.0), 5.0), start, after(2.0))
+    name = "waits" if element == "act" else "event"
+    seen = act("watches", Event("W", speed(3.0), state(element, name, "stopTransition"), name="witness"))
+    run = play_text(tmp_path, acts_of(later, seen), 8.0)
+    assert run.acts("A", 20.0) is None
+    assert run.acts("W", 3.0) == pytest.approx(2.05)
+
+
+@pytest.mark.parametrize(("more", "wanted"), [(False, 1.05), (True, 5.05)])
+def test_a_group_without_maneuvers_is_complete_as_soon_as_it_runs(tmp_path: Path, more: bool, wanted: float) -> None:
+    """With a ramp of 4 s in another group, the act is complete after that."""
+    nobody = '<Actors selectTriggeringEntities="false"/>'
+    empty = f'<ManeuverGroup name="empty" maximumExecutionCount="2">{nobody}</ManeuverGroup>'
+    ramped = act("one", Event("A", RAMP, 0.0), after(1.0))
+    only = f'<Act name="one">{empty}<StartTrigger><ConditionGroup>{after(1.0)}</ConditionGroup></StartTrigger></Act>'
+    one = ramped.replace('<Act name="one">', f'<Act name="one">{empty}') if more else only
+    seen = act("watches", Event("W", speed(3.0), state("act", "one", "completeState"), name="witness"))
+    found = play_text(tmp_path, acts_of(one, seen), 8.0).acts("W", 3.0)
+    assert found == pytest.approx(wanted + (0.0 if more else 0.05))
+
+
+def test_an_event_of_an_act_that_never_ran_is_not_stopped(tmp_path: Path) -> None:
+    later = act("waits", Event("A", speed(20.0), 5.0), after(4.0), after(2.0))
+    seen = act("watches", Event("W", speed(3.0), state("event", "event", "stopTransition"), name="witness"))
+    assert play_text(tmp_path, acts_of(later, seen), 8.0).acts("W", 3.0) is None
+
+
+@pytest.mark.law("Storyboard", "triggering entities as actors")
+def test_the_entities_that_trigger_an_act_are_its_actors(tmp_path: Path) -> None:
+    """B is over 11 m/s from 2 s on; A, which the act's trigger does not name, goes on."""
+    over = of_entity("B", '<SpeedCondition value="11" rule="greaterOrEqual"/>')
+    faster = act("faster", Event("B", speed(20.0, by("linear", "rate", 1.0))))
+    slower = act("slower", Event("", speed(3.0), 0.0), over)
+    run = play_text(tmp_path, acts_of(faster, slower, B=Actor(lane=-2)), 8.0)
+    assert run.acts("B", 3.0) == pytest.approx(2.05)
+    assert run.acts("A", 3.0) is None
