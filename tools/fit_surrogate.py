@@ -279,7 +279,7 @@ def main() -> None:
     judging.add_argument("--sample", type=Path, default=Path("tests/engine/surrogate_runs.json"))
     options = parser.parse_args()
     if options.command == "gather":
-        todo = cases(sorted(options.maps.glob("*.xodr")), options.first, options.fitted)
+        todo = cases(sorted(options.maps.resolve().glob("*.xodr")), options.first, options.fitted)
         keep(make(todo, options.jobs, options.seconds), options.runs)
     elif options.command == "fit":
         found = fitted([one for one in kept(options.runs, options.maps) if one.case.number >= 0], options.jobs)
