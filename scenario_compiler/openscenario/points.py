@@ -73,12 +73,13 @@ class Orientation:
     def read(self, node: Node) -> Fields:
         """Return the fields; a missing element means relative and 0.
 
-        A missing type means relative since 1.1; 1.0 does not say, so it is absolute there, as in esmini 3.6.
+        A missing type "is interpreted as absolute" (Orientation, ASAM OpenSCENARIO) before 1.3, as in esmini 3.6, and as
+        relative since.
         """
         inner = node.child("Orientation")
         if inner is None:
             return {}
-        usual = "absolute" if node.reading.version == (1, 0) else "relative"
+        usual = "absolute" if node.reading.version < (1, 3) else "relative"
         kind = inner.choice("type", ("absolute", "relative"), usual)
         heading = inner.number("h", 0.0)
         check_tilt(inner)

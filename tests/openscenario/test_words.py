@@ -26,7 +26,6 @@ from scenario_compiler.vocabulary.actions import (
     FinalSpeed,
     LaneChangeAction,
     LateralDistanceAction,
-    LimitedLaneOffsetAction,
     OverrideControllerAction,
     SynchronizeAction,
     WeatherAction,
@@ -68,7 +67,6 @@ FIXED: dict[tuple[type[Word], str], Any] = {
     (RelativeClearanceCondition, "of"): st.sampled_from([(), ENTITIES]),
     (LaneChangeAction, "of"): st.sampled_from(ENTITIES),
     (LateralDistanceAction, "distance"): st.floats(0.0, 9.0),
-    (LimitedLaneOffsetAction, "acceleration"): st.floats(0.0, 9.0),
     (AssignControllerAction, "name"): st.just("ACCController"),
     (AssignControllerAction, "model"): st.just("acc"),
     (OverrideControllerAction, "value"): st.integers(-1, 6).map(float),
@@ -205,13 +203,3 @@ def test_expressions_are_written_where_the_version_has_them(text: str, version: 
 
 def test_fog_is_as_thick_as_the_cameras_see_it() -> None:
     assert (visibility.FOG_AT_ONE, visibility.FOG_THINNED) == (FOG_AT_ONE, FOG_THINNED)
-
-
-@pytest.mark.parametrize(("version", "limit"), [((1, 0), None), ((1, 3), "0.5")])
-def test_an_offset_without_a_limit_is_written_with_the_usual_one_where_none_means_at_once(
-    version: Version, limit: str | None
-) -> None:
-    element = _written(LimitedLaneOffsetAction(to=1.0), Output(version, Diagnostics(), OPEN))
-    assert element is not None
-    dynamics = next(element.iter("LaneOffsetActionDynamics"))
-    assert (dynamics.get("dynamicsShape"), dynamics.get("maxLateralAcc")) == ("sinusoidal", limit)

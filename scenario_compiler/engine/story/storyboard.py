@@ -25,17 +25,15 @@ from scenario_compiler.roads.tables import RoadTables
 def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
     """Return 1 if all conditions of any group of a trigger fire; a trigger without groups never fires.
 
-    All groups are evaluated. After a false condition, those of its group that have neither an edge nor a delay are left
-    out: an edge is a change since the previous time step ("Conditions and triggers", ASAM OpenSCENARIO), so its
-    condition is evaluated in every one. esmini 3.6 leaves out those with an edge too. A trigger that fires forgets the
-    previous values of its conditions.
+    All groups are evaluated. After a false condition, the following ones of its group are not evaluated unless they
+    have a delay, so their memory of edges becomes outdated (esmini 3.6). A trigger that fires forgets the previous
+    values of its conditions.
     """
     fires = 0
     for g in range(p.trigger_first[trigger], p.trigger_first[trigger + 1]):
         all_fire = 1
         for c in range(p.group_first[g], p.group_first[g + 1]):
-            remembers = p.condition_ring[c] >= 0 or p.condition_edge[c] != op.EDGE_NONE
-            if (all_fire == 1 or remembers) and condition_fires(n, p, st, c) == 0:
+            if (all_fire == 1 or p.condition_ring[c] >= 0) and condition_fires(n, p, st, c) == 0:
                 all_fire = 0
         if all_fire == 1:
             fires = 1

@@ -62,11 +62,7 @@ def _change(word: Any, target: etree._Element, output: Output) -> etree._Element
 
 
 class _Offset:
-    """The target of a lane offset and how it is reached.
-
-    A missing maxLateralAcc "is interpreted as 'inf'" (LaneOffsetActionDynamics) since 1.1, so the offset is reached at
-    once; 1.0 does not say, and it is the usual one of esmini 3.6 there.
-    """
+    """The target of a lane offset and how it is reached."""
 
     def read(self, node: Node) -> Fields | None:
         dynamics, target = node.required("LaneOffsetActionDynamics"), node.required("LaneOffsetTarget")
@@ -80,18 +76,12 @@ class _Offset:
         if dynamics is not None:
             fields["shape"] = dynamics.choice("dynamicsShape", SHAPES)
             fields["acceleration"] = dynamics.optional_number("maxLateralAcc")
-            if fields["acceleration"] is None and node.reading.version > (1, 0):
-                fields["shape"] = "step"
         return fields
 
     def write(self, word: LimitedLaneOffsetAction, element: etree._Element, output: Output) -> None:
-        from scenario_compiler.engine.moves.lane_offsets import USUAL_ACCELERATION
-
         dynamics = made("LaneOffsetActionDynamics", dynamicsShape=word.shape)
         if word.acceleration is not None:
             dynamics.set("maxLateralAcc", output.text(word.acceleration, word))
-        elif word.shape != "step" and output.version > (1, 0):
-            dynamics.set("maxLateralAcc", output.text(USUAL_ACCELERATION, word))
         value = output.text(word.to, word)
         target = made("AbsoluteTargetLaneOffset", value=value)
         if word.of:

@@ -12,12 +12,10 @@ from tests.engine.laws.told import (
     Actor,
     Event,
     by,
-    document,
     lane_change,
     lane_offset,
     lane_position,
     play,
-    play_text,
     speed,
 )
 
@@ -220,14 +218,6 @@ def polyline(*points: str, closed: str = "false") -> str:
         when = f' time="{time[0]}"' if time else ""
         vertices += f'<Vertex{when}><Position><WorldPosition x="{x}" y="{y}"/></Position></Vertex>'
     return f'<Trajectory name="t" closed="{closed}"><Shape><Polyline>{vertices}</Polyline></Shape></Trajectory>'
-
-
-@pytest.mark.parametrize(("minor", "y"), [(3, -0.75), (1, -0.75), (0, -1.54)])
-def test_an_offset_without_a_limit_is_reached_at_once_since_1_1(tmp_path: Path, minor: int, y: float) -> None:
-    """A "missing value is interpreted as 'inf'"; 1.0 does not say: 0.5 m/s2 as in esmini, so 1 m takes pi s."""
-    move = Event("A", lane_offset(offset(1.0), "sinusoidal", None))
-    text = document(A, [move], 3.0).replace('revMinor="3"', f'revMinor="{minor}"')
-    assert play_text(tmp_path, text, 3.0).at("A", 2.0).y == pytest.approx(y, abs=0.005)
 
 
 @pytest.mark.law("FollowTrajectoryAction", "closed")

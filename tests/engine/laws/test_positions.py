@@ -82,9 +82,9 @@ def test_a_lane_position_is_turned_from_the_lanes_travel(tmp_path: Path, kind: s
     assert put(tmp_path, place).h == pytest.approx(h)
 
 
-@pytest.mark.parametrize(("minor", "h"), [(3, pi + 0.3), (1, pi + 0.3), (0, 0.3)])
-def test_an_orientation_without_a_type_is_relative_since_1_1(tmp_path: Path, minor: int, h: float) -> None:
-    """A "missing type value is interpreted as relative" (Orientation); 1.0 does not say: absolute, as in esmini 3.6."""
+@pytest.mark.parametrize(("minor", "h"), [(3, pi + 0.3), (1, 0.3), (0, 0.3)])
+def test_an_orientation_without_a_type_is_relative_since_1_3(tmp_path: Path, minor: int, h: float) -> None:
+    """A "missing type value is interpreted as relative" in 1.3, and as absolute before, as in esmini 3.6."""
     place = '<Position><LanePosition roadId="1" laneId="1" s="100"><Orientation h="0.3"/></LanePosition></Position>'
     text = document({"A": Actor(position=place)}, [], 1.0).replace('revMinor="3"', f'revMinor="{minor}"')
     assert play_text(tmp_path, text, 1.0).at("A", 0.0).h == pytest.approx(h)

@@ -199,16 +199,6 @@ def test_an_edge_needs_an_evaluation_before(tmp_path: Path) -> None:
     assert play(tmp_path, {**A, "W": W}, [Event("W", speed(3.0), true_from_the_start)]).acts("W", 3.0) is None
 
 
-@pytest.mark.parametrize(("at", "wanted"), [(4.0, 4.05), (2.0, None)])
-def test_an_edge_counts_also_while_another_condition_of_its_group_is_false(
-    tmp_path: Path, at: float, wanted: float | None
-) -> None:
-    """The group holds if its second condition rises in the step in which the first one becomes true."""
-    trigger = after(4.0) + after(at, "rising")
-    run = play(tmp_path, {"W": W}, [Event("W", speed(3.0), trigger)])
-    assert run.acts("W", 3.0) == (None if wanted is None else pytest.approx(wanted))
-
-
 @pytest.mark.law("Storyboard", "delay")
 def test_a_delay_shifts_the_record_of_the_edge(tmp_path: Path) -> None:
     pulse = of_entity("A", '<SpeedCondition value="12.4" rule="greaterThan"/>', edge="rising", delay=1.5)
