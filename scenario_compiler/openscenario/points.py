@@ -73,8 +73,7 @@ class Orientation:
     def read(self, node: Node) -> Fields:
         """Return the fields; a missing element means relative and 0.
 
-        A missing type "is interpreted as absolute" (Orientation, ASAM OpenSCENARIO) before 1.3, as in esmini 3.6, and as
-        relative since.
+        A missing type means absolute before 1.3, as in esmini 3.6, and relative since (Orientation, ASAM OpenSCENARIO).
         """
         inner = node.child("Orientation")
         if inner is None:
