@@ -122,6 +122,16 @@ UNKNOWN_EVENT = Code(
     "An event of a template is known inside it by its own name, and outside by the name of the use, a point, and "
     "its own name.",
 )
+UNKNOWN_TRAFFIC = Code(
+    "SC293",
+    "unknown-traffic",
+    "A <stop_traffic> names traffic that the scenario does not have, so it would stop nothing. Traffic is a <traffic> "
+    "by its id, or the action that made it by its attribute `traffic`:\n\n"
+    '    <do><traffic_source traffic="ramp" .../></do>\n'
+    '    <do><stop_traffic traffic="ramps"/></do>     its name is ramp\n\n'
+    "Traffic of a template is known inside it by its own name, and outside by the name of the use, a point, and its "
+    "own name. Without the attribute, all traffic is meant.",
+)
 TOO_MANY_ITEMS = Code(
     "SC223",
     "too-many-items",
@@ -146,7 +156,7 @@ def first_at(place: Place | None) -> tuple[Related, ...]:
 
 
 LEAVING_WHOLE = frozenset(
-    (UNKNOWN_ARGUMENT, DUPLICATE_NAME, UNKNOWN_DRIVER, UNKNOWN_WEATHER, UNKNOWN_ENTITY, UNKNOWN_EVENT)
+    (UNKNOWN_ARGUMENT, DUPLICATE_NAME, UNKNOWN_DRIVER, UNKNOWN_WEATHER, UNKNOWN_ENTITY, UNKNOWN_EVENT, UNKNOWN_TRAFFIC)
 )
 """Errors that do not change any position, number or event of a scenario."""
 

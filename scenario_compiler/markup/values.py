@@ -25,6 +25,9 @@ COMMAND_LINE = FilePlace("--set")
 SPACE = " \t\r\n"
 """White space in XML."""
 
+MEANT_TRUTHS = {"true": ("true", "yes", "on", "1"), "false": ("false", "no", "off", "0")}
+"""What authors write for a truth, in lower case."""
+
 _SPACES = re.compile(f"[{SPACE}]+")
 _NUMBER = re.compile(rf"(?:{NUMBER})\Z")
 _INTEGER = re.compile(rf"(?:{INTEGER})\Z")
@@ -128,7 +131,7 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
         hint = did_you_mean(text, rule.choices)
         return f"one of {', '.join(rule.choices)}", hint if hint.startswith("did") else ""
     if rule.kind == "boolean":
-        return "true or false", ""
+        return "true or false", truth_hint(text)
     if rule.kind == "integer":
         return "a whole number", ""
     if rule.kind == "text":
@@ -139,11 +142,20 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
         return "a text that is not empty", ""
     quantity = QUANTITIES.get(rule.spelling.quantity)
     unit = f" in {quantity.unit}" if quantity and quantity.unit not in ("", "1") else ""
-    converted = in_unit(text, rule.spelling.quantity)
+    return f"a number{unit}", number_hint(text, rule.spelling.quantity)
+
+
+def truth_hint(text: str) -> str:
+    """Return a hint for a text that another program would take for true or false; empty for other texts."""
+    return next((f"write {one}" for one, known in MEANT_TRUTHS.items() if text.strip(SPACE).lower() in known), "")
+
+
+def number_hint(text: str, quantity: str) -> str:
+    """Return a hint for a number that was written with a unit or a decimal comma; empty for other texts."""
+    converted = in_unit(text, quantity)
     if not converted and _NUMBER.match(text.strip(SPACE).replace(",", ".")):
         converted = text.replace(",", ".")
-    hint = f"write {converted}" if converted else ""
-    return f"a number{unit}", hint
+    return f"write {converted}" if converted else ""
 
 
 def _check_limits(number: float, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> None:

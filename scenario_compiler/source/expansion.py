@@ -29,12 +29,11 @@ from scenario_compiler.source.variation import check_variation
 from scenario_compiler.vocabulary.actions import KeepsVehicles, TrafficKind
 from scenario_compiler.vocabulary.driver import Driver, DriverModel, Effect
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
-from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import NumberLimit, Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.takeover import Takeover
-from scenario_compiler.vocabulary.traversal import AnyWord, parameters_in, replaced, walk
+from scenario_compiler.vocabulary.traversal import AnyWord, entities_named, parameters_in, replaced, walk
 from scenario_compiler.vocabulary.weather import (
     WEATHER_PRESETS,
     AnyWeather,
@@ -418,9 +417,4 @@ def _without_whens(actor: Static | Dynamic) -> Static | Dynamic:
 
 def _names(word: Word) -> set[str]:
     """Return the ids of the entities that a word, or anything below it, names."""
-    return {
-        getattr(inner, rule.field)
-        for inner in walk(word)
-        for rule in grammar_of(type(inner)).attributes.values()
-        if rule.spelling.names == "entity"
-    }
+    return {name for name, _ in entities_named(word)}

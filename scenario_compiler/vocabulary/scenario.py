@@ -67,7 +67,8 @@ class Parameter(Word):
         "Name by which `$name` and `--set name=value` refer to the parameter.", defines="parameter", pattern=IDENTIFIER
     )
     type: ParameterKind = attribute(
-        "Quantity that the parameter measures. Numbers are in the unit that XML uses for this quantity."
+        "Quantity that the parameter measures. Numbers are in the unit that XML uses for this quantity. A fraction is "
+        "from 0 to 1, unless `min` and `max` set other limits."
     )
     default: str | None = attribute(
         "Default value, which cannot depend on other parameters. "

@@ -20,6 +20,7 @@ from scenario_compiler.plan.checks.plausible import check_plausible
 from scenario_compiler.plan.checks.presence import check_presence
 from scenario_compiler.plan.checks.reach import check_budget, check_range, check_reach
 from scenario_compiler.plan.checks.restarts import check_restarts
+from scenario_compiler.plan.checks.routes import check_routes
 from scenario_compiler.plan.checks.start import check_start
 from scenario_compiler.plan.checks.triggers import check_triggers
 from scenario_compiler.plan.checks.world import check_world
@@ -37,6 +38,7 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_driver,
     check_paths,
     check_curves,
+    check_routes,
     check_plausible,
     check_budget,
     check_range,

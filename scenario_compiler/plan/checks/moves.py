@@ -48,7 +48,7 @@ OTHERS = {LongitudinalDistanceAction: "to", LateralDistanceAction: "to", Synchro
 
 def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report actions that refer to their own actor, give two distances, or change to a lane that does not exist."""
-    lanes, widest = set(network.tables.lane_id), _most_lanes(network)
+    lanes, widest = set(network.tables.lane_id) - {0}, _most_lanes(network)
     for actor, action in plan.storyboard.actions():
         named = OTHERS.get(type(action))
         if named is not None and getattr(action, named) == actor:

@@ -42,7 +42,8 @@ class TrajectoryTiming(Word):
     word: Literal["timing"] = "timing"
 
     domain: Literal["absolute", "relative"] = attribute(
-        "Whether the times are simulation times, or count from the start of the action."
+        "`absolute`: the times are simulation times. `relative`: the action starts at the trajectory's first time, or "
+        "at the time of the place `begin`."
     )
     scale: Number = attribute("Factor by which the times are multiplied.", default=1.0)
     offset: Number = attribute("Time added to them, s.", default=0.0, quantity="time")
