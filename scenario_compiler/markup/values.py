@@ -14,7 +14,7 @@ from scenario_compiler.markup.environment import ReadingContext, UndeterminedErr
 from scenario_compiler.markup.names import UNKNOWN_PARAMETER
 from scenario_compiler.markup.units import in_unit
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, AttributeRule, out_of_limits
-from scenario_compiler.vocabulary.word import LABEL, QUANTITIES
+from scenario_compiler.vocabulary.word import ENTITY_ID, IDENTIFIER, LABEL, QUANTITIES
 
 Structural: TypeAlias = int | bool | float | str
 FieldValue: TypeAlias = Structural | Expression | tuple[Structural, ...]
@@ -24,6 +24,14 @@ COMMAND_LINE = FilePlace("--set")
 
 SPACE = " \t\r\n"
 """White space in XML."""
+
+PATTERNS = {
+    LABEL: "a name of letters from A to Z and digits",
+    IDENTIFIER: "a name of letters, digits and _, with no digit first",
+    ENTITY_ID: "a name of letters, digits, _ and -, with a letter or _ first",
+}
+PATTERNS |= {f"({pattern})?": text for pattern, text in PATTERNS.items()}
+"""What a text must be, by its pattern."""
 
 MEANT_TRUTHS = {"true": ("true", "yes", "on", "1"), "false": ("false", "no", "off", "0")}
 """What authors write for a truth, in lower case."""
@@ -75,6 +83,10 @@ def _structural(text: str, rule: AttributeRule, reading: ReadingContext, origin:
         words = [word for word in _SPACES.split(text) if word]
         if not words:
             _wrong(text, rule, reading, origin)
+        if any(word.strip("${}") in reading.environment.bindings for word in words if word.startswith("$")):
+            message = f"in '{text}' no parameter is replaced; a list is written out, or one parameter as a whole"
+            reading.sink.add(codes.WRONG_VALUE, f"{message} ({rule.name}: {rule.description})", origin)
+            raise UnreadError
         return tuple(_single(word, rule, reading, origin) for word in words)
     return _single(text, rule, reading, origin)
 
@@ -117,9 +129,8 @@ def _literal_number(text: str, rule: AttributeRule, reading: ReadingContext, ori
 
 def _wrong(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> NoReturn:
     expected, hint = _expected(text, rule)
-    reading.sink.add(
-        codes.WRONG_VALUE, f"'{text}' is not {expected} ({rule.name}: {rule.description})", origin, hint=hint
-    )
+    fault = f"'{text}' is not {expected}" if expected else f"{rule.name} is empty"
+    reading.sink.add(codes.WRONG_VALUE, f"{fault} ({rule.name}: {rule.description})", origin, hint=hint)
     raise UnreadError
 
 
@@ -135,11 +146,9 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
     if rule.kind == "integer":
         return "a whole number", ""
     if rule.kind == "text":
-        if rule.spelling.pattern == LABEL:
-            return "a name of letters from A to Z and digits", ""
         if rule.spelling.pattern:
-            return "a name of letters, digits and _, with a letter first", ""
-        return "a text that is not empty", ""
+            return PATTERNS.get(rule.spelling.pattern, f"of the form {rule.spelling.pattern}"), ""
+        return "", ""
     quantity = QUANTITIES.get(rule.spelling.quantity)
     unit = f" in {quantity.unit}" if quantity and quantity.unit not in ("", "1") else ""
     return f"a number{unit}", number_hint(text, rule.spelling.quantity)
@@ -151,7 +160,9 @@ def truth_hint(text: str) -> str:
 
 
 def number_hint(text: str, quantity: str) -> str:
-    """Return a hint for a number that was written with a unit or a decimal comma; empty for other texts."""
+    """Return a hint for a number with a unit, with a decimal comma or in a bare expression; empty for other texts."""
+    if "$" in text:
+        return "write the whole expression in ${...}, as in ${2 * $speed}"
     converted = in_unit(text, quantity)
     if not converted and _NUMBER.match(text.strip(SPACE).replace(",", ".")):
         converted = text.replace(",", ".")
