@@ -14,6 +14,7 @@ from scenario_compiler.source.expansion import (
     catalog_driver,
     catalog_vehicles,
     kept_vehicles,
+    report_empty_ranges,
     settled_weather,
     traffic_models,
     with_weather,
@@ -42,6 +43,7 @@ def completed(scenario: Scenario, sink: Diagnostics) -> Scenario:
     vehicles.update((one.name, one) for _, models in traffic for one in models)
     happening = [scenario.storyboard, *(when for one in entities if not isinstance(one, Static) for when in one.whens)]
     vehicles.update((one.name, one) for one in kept_vehicles(happening, catalogs, sink))
+    report_empty_ranges([*happening, *scenario.traffic], sink)
     takeover = scenario.takeover
     takeover = takeover.model_copy(update={"driver": catalog_driver(takeover.driver, catalogs, sink)})
     changes = {

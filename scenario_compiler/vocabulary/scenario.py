@@ -147,7 +147,11 @@ class Scenario(Word):
     source: str = attribute("Publication or observation that describes the situation.", default="")
     map: str = attribute("Name or path of the OpenDRIVE map.", names="map")
     duration: float | None = attribute(
-        "Latest end of the run, s.", default=None, quantity="time", minimum=0, exclusive=True
+        "Latest end of the run, s; a part of a step counts as a whole one.",
+        default=None,
+        quantity="time",
+        minimum=0,
+        exclusive=True,
     )
     step: float = attribute("Length of a time step, s.", default=0.05, quantity="time", minimum=0.001, maximum=1)
     control_every: int = attribute(

@@ -18,7 +18,8 @@ class SpeedAction(Word):
     """Change the speed to a target.
 
     A change that exceeds the vehicle's `max_acceleration` or `max_deceleration` takes longer, unless it is immediate;
-    no speed exceeds its `max_speed`. For the automated vehicle, the target is the speed that the automation aims for.
+    a target above its `max_speed` is that speed. For the automated vehicle, the target is the speed that the automation
+    aims for.
     """
 
     word: Literal["speed"] = "speed"
