@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from typing import Any
@@ -249,6 +249,7 @@ class _Attempt:
                     self.words[rule.field] = tuple(words)
                 elif words:
                     self.words[rule.field] = words[0]
+                self._report_twins(rule.field, words)
             if rule.field == "ego":
                 ego = self.words.get("ego")
                 self.scope.declare(ego.id if ego else "ego")
@@ -256,6 +257,19 @@ class _Attempt:
                     self.scope.places[("entity", ego.id)] = ego.place_of("id")
                     whens = tuple(self.scope.name_event(when, self.sink) for when in ego.whens)
                     self.words["ego"] = ego.model_copy(update={"whens": whens}).written_at(ego.origin)
+
+    def _report_twins(self, field: str, words: Sequence[Any]) -> None:
+        """Report variables, controllers of signals and spawn points whose name another one has."""
+        kinds = {"variables": "variable", "signal_controllers": "controller of traffic signals"}
+        kind = kinds.get(field, "spawn point" if field == "spawn_points" else "")
+        named = [point for word in words for point in word.points] if kind == "spawn point" else words
+        first: dict[str, Word] = {}
+        for one in named if kind else ():
+            there = first.setdefault(one.name, one)
+            if there is not one:
+                message = f"there is already a {kind} '{one.name}'"
+                related = names.first_at(there.place_of("name"))
+                self.sink.add(names.DUPLICATE_NAME, message, one.place_of("name"), related=related)
 
     def _contents(self, ego: Ego) -> tuple[list[Static | Dynamic], list[tuple[str, When | EntityWhen]]]:
         """Return the actors, and the events with their entities, with resolved references.

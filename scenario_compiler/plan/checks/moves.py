@@ -18,7 +18,8 @@ from scenario_compiler.vocabulary.actions import (
 TO_ITSELF = Code(
     "SC270",
     "distance-to-itself",
-    "An entity is to keep a distance to itself, or to arrive together with itself."
+    "An entity is to keep a distance to itself or to arrive together with itself, or a condition compares it with "
+    "itself."
     '\n\n    <dynamic id="truck"> ... <do><keep_distance to="truck" distance="20"/></do>     to another entity',
 )
 TWO_DISTANCES = Code(

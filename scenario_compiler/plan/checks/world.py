@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity, did_you_mean
+from scenario_compiler.plan.checks.moves import TO_ITSELF
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
@@ -16,9 +17,12 @@ from scenario_compiler.vocabulary.actions import (
     TrafficSignalStateAction,
 )
 from scenario_compiler.vocabulary.conditions import (
+    CollisionCondition,
     DistanceCondition,
     ElementStateCondition,
     PositionDistanceCondition,
+    RelativeAngleCondition,
+    RelativeSpeedCondition,
     TimeHeadwayCondition,
     TimeOfDayCondition,
     TimeToCollisionCondition,
@@ -214,6 +218,19 @@ def _check_frame(plan: Plan, word: Any, sink: Diagnostics) -> None:
         sink.add(ALONG_ROAD, message, word.place_of("coordinates"))
 
 
+def _check_other(plan: Plan, word: Any, sink: Diagnostics) -> None:
+    del plan
+    field, attribute = ("with_entity", "with") if isinstance(word, CollisionCondition) else ("to", "to")
+    if word.entity and getattr(word, field) == word.entity:
+        message = f"<{word.tag()}> compares '{word.entity}' with itself"
+        sink.add(TO_ITSELF, message, word.place_of(attribute), severity=Severity.WARNING)
+
+
+def _check_distance(plan: Plan, word: Any, sink: Diagnostics) -> None:
+    _check_frame(plan, word, sink)
+    _check_other(plan, word, sink)
+
+
 def _check_target(plan: Plan, word: Any, sink: Diagnostics) -> None:
     _check_frame(plan, word, sink)
     if bool(word.to) == (word.position is not None):
@@ -232,7 +249,10 @@ CHECKS_OF: dict[type[Word], Callable[[Plan, Any, Diagnostics], None]] = {
     UserDefinedValueCondition: _check_given,
     TimeToCollisionCondition: _check_target,
     TimeHeadwayCondition: _check_frame,
-    DistanceCondition: _check_frame,
+    DistanceCondition: _check_distance,
+    RelativeSpeedCondition: _check_other,
+    RelativeAngleCondition: _check_other,
+    CollisionCondition: _check_other,
     PositionDistanceCondition: _check_frame,
 }
 
