@@ -67,8 +67,9 @@ BEYOND_ROAD = Code(
 OFF_ROAD = Code(
     "SC374",
     "off-road",
-    "A position in the world lies on no lane of the map, so nothing can drive there. Check the frame: CARLA's y axis "
-    'points in the opposite direction to OpenDRIVE\'s (`frame="carla"`). Maps of different releases also differ.\n\n'
+    "A position in the world lies on no lane of the map, so nothing can drive there, or a position is measured along "
+    "the road of an entity that is on none. Check the frame: CARLA's y axis points in the opposite direction to "
+    'OpenDRIVE\'s (`frame="carla"`). Maps of different releases also differ.\n\n'
     '    <world x="151.4" y="-91.5" frame="carla"/>     y has the opposite sign in OpenDRIVE\'s axes',
 )
 LANE_ENDS_EARLY = Code(

@@ -267,9 +267,11 @@ def bind_fixed(draft: PlanDraft, position: Position) -> BoundPosition | None:
     """Bind a position that must be the same in every run, and report one that is random."""
     bound = draft.binder.bind(position, 0.0)
     if isinstance(bound, RandomPosition | AnyOfPosition):
-        message = f"<{position.word}> is drawn in each run; here a place is needed that is the same in all runs"
-        seeded = isinstance(bound, AnyOfPosition)
-        hint = 'give it a seed, as in <random_spawn_point seed="1"/>' if seeded else "it can only be an entity's start"
+        message = f"<{position.word}> can only be the start of an entity"
+        hint = "its place depends on the entities placed before, also with a seed"
+        if isinstance(bound, AnyOfPosition):
+            message = f"<{position.word}> is drawn again in each run"
+            hint = 'give it a seed, as in <random_spawn_point seed="1"/>'
         draft.sink.add(RANDOM_HERE, message, position.origin, hint=hint)
         return None
     return bound
