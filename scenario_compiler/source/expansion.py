@@ -144,6 +144,15 @@ def _environment(declared: Declared, values: Mapping[str, Value], settled: set[s
     return Environment(bindings, still_open, missing, not declared.all_read)
 
 
+NAMED = {
+    "variables": ("variable", "", "name"),
+    "signal_controllers": ("controller of traffic signals", "", "name"),
+    "spawn_points": ("spawn point", "points", "name"),
+    "takeover": ("cause", "causes", "kind"),
+}
+"""What a child of a scenario is or holds, in which field, and the attribute that must differ."""
+
+
 @dataclass
 class _Attempt:
     """One reading of a scenario with one environment."""
@@ -259,17 +268,18 @@ class _Attempt:
                     self.words["ego"] = ego.model_copy(update={"whens": whens}).written_at(ego.origin)
 
     def _report_twins(self, field: str, words: Sequence[Any]) -> None:
-        """Report variables, controllers of signals and spawn points whose name another one has."""
-        kinds = {"variables": "variable", "signal_controllers": "controller of traffic signals"}
-        kind = kinds.get(field, "spawn point" if field == "spawn_points" else "")
-        named = [point for word in words for point in word.points] if kind == "spawn point" else words
+        """Report variables, controllers of signals, spawn points and causes whose name another one has."""
+        if field not in NAMED:
+            return
+        kind, inside, attribute = NAMED[field]
         first: dict[str, Word] = {}
-        for one in named if kind else ():
-            there = first.setdefault(one.name, one)
+        for one in [inner for word in words for inner in (getattr(word, inside) if inside else (word,))]:
+            name = getattr(one, attribute)
+            there = first.setdefault(name, one)
             if there is not one:
-                message = f"there is already a {kind} '{one.name}'"
-                related = names.first_at(there.place_of("name"))
-                self.sink.add(names.DUPLICATE_NAME, message, one.place_of("name"), related=related)
+                related = names.first_at(there.place_of(attribute))
+                message = f"there is already a {kind} '{name}'"
+                self.sink.add(names.DUPLICATE_NAME, message, one.place_of(attribute), related=related)
 
     def _contents(self, ego: Ego) -> tuple[list[Static | Dynamic], list[tuple[str, When | EntityWhen]]]:
         """Return the actors, and the events with their entities, with resolved references.
