@@ -5,6 +5,7 @@ from collections.abc import Callable
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.plan.checks.camera import check_camera
 from scenario_compiler.plan.checks.causes import check_causes
+from scenario_compiler.plan.checks.classifications import check_classifications
 from scenario_compiler.plan.checks.controllers import check_controllers
 from scenario_compiler.plan.checks.curves import check_curves
 from scenario_compiler.plan.checks.driver import check_driver
@@ -51,4 +52,5 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_endless,
     check_world,
     check_controllers,
+    check_classifications,
 )
