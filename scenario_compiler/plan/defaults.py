@@ -43,11 +43,11 @@ def _complete(cause: Cause) -> Cause:
         name: value for name, value in CAUSE_DEFAULTS[cause.kind].items() if getattr(cause, name) is None
     }
     if "warning_over" in missing and cause.warning_below is not None:
-        missing["warning_over"] = _at_least(cause.warning_below, missing["warning_over"])
+        missing["warning_over"] = _at_least(cause.warning_below, CAUSE_DEFAULTS[cause.kind]["warning_over"])
     return cause.model_copy(update=missing)
 
 
-def _at_least(number: Number, least: Number) -> Number:
+def _at_least(number: Number, least: float) -> Number:
     """Return the greater of two numbers, of which the first may be an expression."""
     if isinstance(number, Expression):
         return parse_expression(f"max({number.text}, {least})")

@@ -10,7 +10,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Origin
-from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
+from scenario_compiler.expressions import RESERVED, Expression, ExpressionError, Value, format_value
 from scenario_compiler.markup import codes, names
 from scenario_compiler.markup.environment import Binding, Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, read_word
@@ -52,12 +52,19 @@ def read_parameters(element: etree._Element, reading: ReadingContext) -> Declare
                 parameter.place_of("name"),
                 related=names.first_at(known[parameter.name].place_of("name")),
             )
+        if parameter.name in RESERVED:
+            report_reserved(parameter.name, parameter.place_of("name"), sink)
         known.setdefault(parameter.name, parameter)
         least, greatest = parameter.limits.minimum, parameter.limits.maximum
         if least is not None and greatest is not None and least > greatest:
             message = f"no value of '{parameter.name}' is at least {least:g} and at most {greatest:g}"
             sink.add(codes.OUT_OF_LIMITS, message, parameter.place_of("min" if parameter.min is not None else "max"))
     return Declared(known, sink.reported == before and not misspelt(element, [Parameter.tag()]))
+
+
+def report_reserved(name: str, place: Place, sink: Diagnostics) -> None:
+    """Report a name of a parameter or a loop's variable that means something else in expressions."""
+    sink.add(names.RESERVED_NAME, f"'{name}' means something else in expressions; choose another name", place)
 
 
 def bind_arguments(declared: Declared, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, Value]:

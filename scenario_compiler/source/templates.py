@@ -13,7 +13,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Origin, read_document
-from scenario_compiler.expressions import Value
+from scenario_compiler.expressions import RESERVED, Value
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
@@ -34,7 +34,7 @@ from scenario_compiler.source.conflict import (
     read_library,
 )
 from scenario_compiler.source.groups import lines, members
-from scenario_compiler.source.parameters import Declared, bind_use, read_parameters
+from scenario_compiler.source.parameters import Declared, bind_use, read_parameters, report_reserved
 from scenario_compiler.vocabulary.actions import TrafficSinkAction, TrafficSourceAction, TrafficSwarmAction
 from scenario_compiler.vocabulary.entities import Dynamic, Row, Static, Traffic, WorkZone
 from scenario_compiler.vocabulary.grammar import NUMBER, ChildRule, grammar_of
@@ -411,6 +411,8 @@ class Expander:
             return
         name = scope.name_part(fields.get("id", ""), word.tag(), reading.origin(element, "id"), reading.sink)
         variable = fields.get("variable", "index")
+        if variable in RESERVED:
+            report_reserved(variable, reading.origin(element, dict(LOOPS)[word.tag()]), reading.sink)
         for number, value in enumerate(values if elements else (), start=1):
             if self.has_too_many:
                 break
