@@ -101,8 +101,9 @@ DEEP_INCLUDE = Code(
 RESERVED_NAME = Code(
     "SC221",
     "reserved-name",
-    "A template's parameter has a name that <use> needs for itself: `template` or `id`. Or a parameter or the variable of "
-    "a loop has a name that means something else in expressions: and, or, not, true, false, pi. Give it another name."
+    "A template's parameter has a name that <use> needs for itself: `template` or `id`. Or a parameter or the variable "
+    "of a loop has a name that means something else in expressions: and, or, not, true, false, pi. Give it another "
+    "name."
     '\n\n    <template name="parked"><parameter name="id" type="text"/>...</template>',
 )
 UNKNOWN_ENTITY = Code(

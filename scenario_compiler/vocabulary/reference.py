@@ -21,8 +21,8 @@ _HEAD = (
 _EXPRESSIONS = (
     "Parameters have the units of XML, so angles are in degrees, but `sin`, `atan` and the other functions of angles\n"
     "use radians: write `${sin(radians($bend))}`. `^` groups from the left, the result of `%` has the sign of the\n"
-    "divisor, `round` rounds halves up, `pi` is the constant, and `if(test, a, b)` is `a` or `b`. Texts are written in\n"
-    "single quotes, as in `${$kind == 'bus'}`. A list is either written out or one parameter as a whole.\n"
+    "divisor, `round` rounds halves up, `pi` is the constant, and `if(test, a, b)` is `a` or `b`. Texts are written\n"
+    "in single quotes, as in `${$kind == 'bus'}`. A list is either written out or one parameter as a whole.\n"
 )
 
 
