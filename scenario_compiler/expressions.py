@@ -182,6 +182,9 @@ _TOKEN = re.compile(
     r"|(?P<text>'[^']*')|(?P<sign><=|>=|==|!=|[-+*/%^<>(),])|(?P<end>$))"
 )
 
+RESERVED = frozenset(("and", "or", "not", "true", "false", "pi"))
+"""Names that mean something in every expression, so that no parameter can have them."""
+
 _ELSEWHERE = (("=", "=="), ("&", "and"), ("|", "or"), ("!", "not"), ("?", "if(condition, then, else)"))
 """Signs of other languages, and what is written for them here."""
 
@@ -203,7 +206,7 @@ def names_in(text: str) -> list[tuple[str, int]]:
             continue
         name, before = match.group("name"), match.start("name")
         at = max(match.end(), at + 1)
-        if name is None or name in ("and", "or", "not", "true", "false", "pi"):
+        if name is None or name in RESERVED:
             continue
         if name.startswith("$") or not text[match.end() :].lstrip().startswith("("):
             found.append((name.lstrip("$"), before + name.startswith("$")))

@@ -204,8 +204,10 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
         for fault in error.errors(include_url=False):
             name = str(fault["loc"][0]) if fault["loc"] else ""
             at = words[name].place_of("value") if name in words else place_of(plan, "controller")
-            hint = _meant(words[name], found) if fault["type"] == "extra_forbidden" else ""
-            sink.add(BAD_PROPERTY, f"property '{name}' of '{controller.model}': {fault['msg']}", at, hint=hint)
+            hint, message = "", f"property '{name}' of '{controller.model}': {fault['msg']}"
+            if fault["type"] == "extra_forbidden":
+                hint, message = _meant(words[name], found), f"'{controller.model}' has no property '{name}'"
+            sink.add(BAD_PROPERTY, message, at, hint=hint)
 
 
 def _meant(written: Property, found: type[ControllerModel]) -> str:

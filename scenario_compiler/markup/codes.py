@@ -85,6 +85,16 @@ BAD_EXPRESSION = Code(
     "parentheses, and the functions abs, min, max, sqrt, sin, cos, tan, asin, acos, atan, atan2, exp, log, pow, floor, "
     "ceil, round, sign, radians, degrees, if(condition, then, else).",
 )
+EMPTY_RANGE = Code(
+    "SC263",
+    "empty-range",
+    "The end of a range is not above its start, or below it where both may be equal: the greatest answer of a scale or "
+    "a number item, the latest time of a probe, the fastest driver or the highest speed of traffic, the last of some "
+    "lanes.\n\n"
+    '    <probe from="14" to="6">...</probe>     from="6" to="14"\n'
+    '    <traffic vehicles="20" slowest="1.2" fastest="1"/>     slowest="1" fastest="1.2"\n\n'
+    "Exchange the two numbers.",
+)
 STRAY_TEXT = Code(
     "SC114",
     "stray-text",

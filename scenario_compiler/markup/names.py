@@ -101,7 +101,9 @@ DEEP_INCLUDE = Code(
 RESERVED_NAME = Code(
     "SC221",
     "reserved-name",
-    "A template's parameter has a name that <use> needs for itself: `template` or `id`. Give it another name."
+    "A template's parameter has a name that <use> needs for itself: `template` or `id`. Or a parameter or the variable "
+    "of a loop has a name that means something else in expressions: and, or, not, true, false, pi. Give it another "
+    "name."
     '\n\n    <template name="parked"><parameter name="id" type="text"/>...</template>',
 )
 UNKNOWN_ENTITY = Code(
@@ -121,6 +123,16 @@ UNKNOWN_EVENT = Code(
     '    <when><event name="brakes" state="started"/><do><sensor_noise sigma="40"/></do></when>\n\n'
     "An event of a template is known inside it by its own name, and outside by the name of the use, a point, and "
     "its own name.",
+)
+UNKNOWN_TRAFFIC = Code(
+    "SC293",
+    "unknown-traffic",
+    "A <stop_traffic> names traffic that the scenario does not have, so it would stop nothing. Traffic is a <traffic> "
+    "by its id, or the action that made it by its attribute `traffic`:\n\n"
+    '    <do><traffic_source traffic="ramp" .../></do>\n'
+    '    <do><stop_traffic traffic="ramps"/></do>     its name is ramp\n\n'
+    "Traffic of a template is known inside it by its own name, and outside by the name of the use, a point, and its "
+    "own name. Without the attribute, all traffic is meant.",
 )
 TOO_MANY_ITEMS = Code(
     "SC223",
@@ -146,7 +158,7 @@ def first_at(place: Place | None) -> tuple[Related, ...]:
 
 
 LEAVING_WHOLE = frozenset(
-    (UNKNOWN_ARGUMENT, DUPLICATE_NAME, UNKNOWN_DRIVER, UNKNOWN_WEATHER, UNKNOWN_ENTITY, UNKNOWN_EVENT)
+    (UNKNOWN_ARGUMENT, DUPLICATE_NAME, UNKNOWN_DRIVER, UNKNOWN_WEATHER, UNKNOWN_ENTITY, UNKNOWN_EVENT, UNKNOWN_TRAFFIC)
 )
 """Errors that do not change any position, number or event of a scenario."""
 

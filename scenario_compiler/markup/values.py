@@ -14,7 +14,7 @@ from scenario_compiler.markup.environment import ReadingContext, UndeterminedErr
 from scenario_compiler.markup.names import UNKNOWN_PARAMETER
 from scenario_compiler.markup.units import in_unit
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, AttributeRule, out_of_limits
-from scenario_compiler.vocabulary.word import LABEL, QUANTITIES
+from scenario_compiler.vocabulary.word import ENTITY_ID, IDENTIFIER, LABEL, QUANTITIES
 
 Structural: TypeAlias = int | bool | float | str
 FieldValue: TypeAlias = Structural | Expression | tuple[Structural, ...]
@@ -24,6 +24,17 @@ COMMAND_LINE = FilePlace("--set")
 
 SPACE = " \t\r\n"
 """White space in XML."""
+
+PATTERNS = {
+    LABEL: "a name of letters from A to Z and digits",
+    IDENTIFIER: "a name of letters, digits and _, with no digit first",
+    ENTITY_ID: "a name of letters, digits, _ and -, with a letter or _ first",
+}
+PATTERNS |= {f"({pattern})?": text for pattern, text in PATTERNS.items()}
+"""What a text must be, by its pattern."""
+
+MEANT_TRUTHS = {"true": ("true", "yes", "on", "1"), "false": ("false", "no", "off", "0")}
+"""What authors write for a truth, in lower case."""
 
 _SPACES = re.compile(f"[{SPACE}]+")
 _NUMBER = re.compile(rf"(?:{NUMBER})\Z")
@@ -72,6 +83,10 @@ def _structural(text: str, rule: AttributeRule, reading: ReadingContext, origin:
         words = [word for word in _SPACES.split(text) if word]
         if not words:
             _wrong(text, rule, reading, origin)
+        if any(word.strip("${}") in reading.environment.bindings for word in words if word.startswith("$")):
+            message = f"in '{text}' no parameter is replaced; a list is written out, or one parameter as a whole"
+            reading.sink.add(codes.WRONG_VALUE, f"{message} ({rule.name}: {rule.description})", origin)
+            raise UnreadError
         return tuple(_single(word, rule, reading, origin) for word in words)
     return _single(text, rule, reading, origin)
 
@@ -114,9 +129,8 @@ def _literal_number(text: str, rule: AttributeRule, reading: ReadingContext, ori
 
 def _wrong(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> NoReturn:
     expected, hint = _expected(text, rule)
-    reading.sink.add(
-        codes.WRONG_VALUE, f"'{text}' is not {expected} ({rule.name}: {rule.description})", origin, hint=hint
-    )
+    fault = f"'{text}' is not {expected}" if expected else f"{rule.name} is empty"
+    reading.sink.add(codes.WRONG_VALUE, f"{fault} ({rule.name}: {rule.description})", origin, hint=hint)
     raise UnreadError
 
 
@@ -128,22 +142,31 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
         hint = did_you_mean(text, rule.choices)
         return f"one of {', '.join(rule.choices)}", hint if hint.startswith("did") else ""
     if rule.kind == "boolean":
-        return "true or false", ""
+        return "true or false", truth_hint(text)
     if rule.kind == "integer":
         return "a whole number", ""
     if rule.kind == "text":
-        if rule.spelling.pattern == LABEL:
-            return "a name of letters from A to Z and digits", ""
         if rule.spelling.pattern:
-            return "a name of letters, digits and _, with a letter first", ""
-        return "a text that is not empty", ""
+            return PATTERNS.get(rule.spelling.pattern, f"of the form {rule.spelling.pattern}"), ""
+        return "", ""
     quantity = QUANTITIES.get(rule.spelling.quantity)
     unit = f" in {quantity.unit}" if quantity and quantity.unit not in ("", "1") else ""
-    converted = in_unit(text, rule.spelling.quantity)
+    return f"a number{unit}", number_hint(text, rule.spelling.quantity)
+
+
+def truth_hint(text: str) -> str:
+    """Return a hint for a text that another program would take for true or false; empty for other texts."""
+    return next((f"write {one}" for one, known in MEANT_TRUTHS.items() if text.strip(SPACE).lower() in known), "")
+
+
+def number_hint(text: str, quantity: str) -> str:
+    """Return a hint for a number with a unit, with a decimal comma or in a bare expression; empty for other texts."""
+    if "$" in text:
+        return "write the whole expression in ${...}, as in ${2 * $speed}"
+    converted = in_unit(text, quantity)
     if not converted and _NUMBER.match(text.strip(SPACE).replace(",", ".")):
         converted = text.replace(",", ".")
-    hint = f"write {converted}" if converted else ""
-    return f"a number{unit}", hint
+    return f"write {converted}" if converted else ""
 
 
 def _check_limits(number: float, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> None:

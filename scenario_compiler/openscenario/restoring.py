@@ -183,6 +183,8 @@ class _Restoration:
         if element.tag == "dynamic":
             element.set("id", "actor")
             moving = read_word(element, Dynamic, self.reading(tree)) or actor
+            if start is None:
+                del said["speed"]
             return moving.model_copy(update={**said, "start": start}).written_at(actor.origin)
         place = etree.SubElement(element, "start")
         etree.SubElement(place, "free", x="0", y="0")

@@ -67,8 +67,9 @@ BEYOND_ROAD = Code(
 OFF_ROAD = Code(
     "SC374",
     "off-road",
-    "A position in the world lies on no lane of the map, so nothing can drive there. Check the frame: CARLA's y axis "
-    'points in the opposite direction to OpenDRIVE\'s (`frame="carla"`). Maps of different releases also differ.\n\n'
+    "A position in the world lies on no lane of the map, so nothing can drive there, or a position is measured along "
+    "the road of an entity that is on none. Check the frame: CARLA's y axis points in the opposite direction to "
+    'OpenDRIVE\'s (`frame="carla"`). Maps of different releases also differ.\n\n'
     '    <world x="151.4" y="-91.5" frame="carla"/>     y has the opposite sign in OpenDRIVE\'s axes',
 )
 LANE_ENDS_EARLY = Code(
@@ -99,8 +100,9 @@ RANDOM_HERE = Code(
     "SC383",
     "random-position-here",
     "A random position is used where only a fixed one is allowed: as a destination, in a condition or an action, or "
-    "as the start of an ego vehicle that has a destination (its route would differ from run to run). Add a `seed`, as "
-    'in <random_spawn_point seed="3"/>, or write a fixed position.\n\n'
+    "as the start of an ego vehicle that has a destination (its route would differ from run to run). Give a "
+    "<random_spawn_point> a `seed`, or write a fixed position; a <random> depends on the entities placed before, also "
+    "with a seed.\n\n"
     '    <destination><random on="driving"/></destination>     would differ from run to run',
 )
 NO_VALUE = Code(
@@ -329,7 +331,10 @@ class Binder:
         if not all(known):
             return None
         if not spans_of(self.network, position):
-            self.sink.add(NO_RANDOM_PLACE, "no lane matches this position", position.origin)
+            backwards = position.s_to is not None and position.s_to <= position.s_from
+            hint = "s_to is not greater than s_from" if backwards else ""
+            message = f"no {position.on} lane matches this position"
+            self.sink.add(NO_RANDOM_PLACE, message, position.origin, hint=hint)
             return None
         return position
 

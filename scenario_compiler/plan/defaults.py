@@ -2,12 +2,15 @@
 
 A warning below 0.6 and a request below 0.3 are the AISA toolkit's. The other defaults are ours: 5 of 8 control steps;
 gaps of a second either way; and 5 s without progress, which is longer than any pause of a vehicle that only follows.
+A warning that begins below a value above 0.7 ends at that value, so that it does not come and go.
 The minimum-risk manoeuvre begins at once when the camera fails: a severe failure after UN R157 (5.4.4, not verified).
 """
 
 from __future__ import annotations
 
+from scenario_compiler.expressions import Expression, parse_expression
 from scenario_compiler.vocabulary.takeover import Cause, CauseKind, Takeover
+from scenario_compiler.vocabulary.word import Number
 
 CAUSE_DEFAULTS: dict[CauseKind, dict[str, float | int]] = {
     "sensor_health": {
@@ -36,5 +39,16 @@ def complete_takeover(written: Takeover) -> Takeover:
 
 
 def _complete(cause: Cause) -> Cause:
-    missing = {name: value for name, value in CAUSE_DEFAULTS[cause.kind].items() if getattr(cause, name) is None}
+    missing: dict[str, Number] = {
+        name: value for name, value in CAUSE_DEFAULTS[cause.kind].items() if getattr(cause, name) is None
+    }
+    if "warning_over" in missing and cause.warning_below is not None:
+        missing["warning_over"] = _at_least(cause.warning_below, CAUSE_DEFAULTS[cause.kind]["warning_over"])
     return cause.model_copy(update=missing)
+
+
+def _at_least(number: Number, least: float) -> Number:
+    """Return the greater of two numbers, of which the first may be an expression."""
+    if isinstance(number, Expression):
+        return parse_expression(f"max({number.text}, {least})")
+    return max(number, least)

@@ -13,9 +13,8 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from scenario_compiler.plan.model import Entity
 from scenario_compiler.vocabulary.actions import RelativeSpeedAction, SpeedAction, TeleportAction
-from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.storyboard import InitAction
-from scenario_compiler.vocabulary.traversal import walk
+from scenario_compiler.vocabulary.traversal import entities_named
 from scenario_compiler.vocabulary.word import Word
 
 
@@ -65,7 +64,8 @@ def unplaced(ordered: Sequence[InitAction], started: Collection[str]) -> Iterato
     placed = set(started)
     for initial in ordered:
         if isinstance(initial.action, TeleportAction):
-            if initial.entity not in placed and initial.entity in _named(initial.action):
+            named = {name for name, _ in entities_named(initial.action)}
+            if initial.entity in named - placed:
                 yield initial
             placed.add(initial.entity)
 
@@ -99,7 +99,7 @@ class _Needs:
         action = self.init[at].action
         if not isinstance(action, TeleportAction | RelativeSpeedAction):
             return
-        for name in _named(action):
+        for name, _ in entities_named(action):
             setting = self._setting.get((name, _sets(action)), ())
             if setting and name not in self.started and name != self.init[at].entity:
                 yield setting[max(bisect_left(setting, at) - 1, 0)]
@@ -110,11 +110,3 @@ def _sets(action: Word) -> str:
     if isinstance(action, TeleportAction):
         return "position"
     return "speed" if isinstance(action, SpeedAction | RelativeSpeedAction) else ""
-
-
-def _named(action: Word) -> Iterator[str]:
-    """Yield the entities to which an action refers."""
-    for word in walk(action):
-        for rule in grammar_of(type(word)).attributes.values():
-            if rule.spelling.names == "entity" and (name := getattr(word, rule.field)):
-                yield name

@@ -93,7 +93,7 @@ def kept_entities(
         group = group_name(action, numbers)
         if any(one.id.rpartition(".")[0] == group for one in taken):
             message = f"there are entities '{group}.1' and so on already, as those of this action would be called"
-            sink.add(NAME_TAKEN, message, action.place_of("traffic"))
+            sink.add(NAME_TAKEN, message, action.place_of("traffic"), hint=f'name it: traffic="{group}_2"')
             continue
         models = _models(action.kinds, vehicles)
         if not models:

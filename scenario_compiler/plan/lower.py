@@ -14,6 +14,7 @@ from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, Value, parse_expression
 from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
+from scenario_compiler.plan.checks.routes import NOT_IN_A_LANE
 from scenario_compiler.plan.criteria import check_criteria
 from scenario_compiler.plan.defaults import complete_takeover
 from scenario_compiler.plan.init_order import in_order, placed_before
@@ -47,7 +48,7 @@ from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry, Perception
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
-from scenario_compiler.vocabulary.traversal import parameters_in, replaced
+from scenario_compiler.vocabulary.traversal import AnyWord, parameters_in, replaced
 from scenario_compiler.vocabulary.word import Word
 
 POSITION_CYCLE = Code(
@@ -171,7 +172,7 @@ def bind_entities(draft: PlanDraft) -> None:
     starts: dict[str, BoundPosition] = {}
     for entity in written_entities(draft.scenario):
         vehicle, written = vehicles[entity.model], start_of(entity)
-        start = None if written is None else draft.binder.bind(written, vehicle.center)
+        start = None if written is None else draft.binder.bind(bound_inside(draft, written), vehicle.center)
         if start is not None:
             starts[entity.id] = start
         draft.entities.append(make_entity(entity, start or written, vehicle))
@@ -236,7 +237,7 @@ def plan_routes(draft: PlanDraft) -> None:
 
 def find_way(draft: PlanDraft, entity: str, written: Position) -> tuple[FoundLane | None, tuple[RouteLeg, ...]]:
     """Return a destination's place and the route to it from an entity's start; report if there is none."""
-    bound = bind_fixed(draft, written)
+    bound = bind_fixed(draft, bound_inside(draft, written))
     placed = next((one.start for one in draft.entities if one.id == entity), None)
     if isinstance(placed, RandomPosition | AnyOfPosition):
         message = f"'{entity}' starts at random, so its route to a destination would differ from run to run"
@@ -247,6 +248,10 @@ def find_way(draft: PlanDraft, entity: str, written: Position) -> tuple[FoundLan
     found = None if bound is None or start is None else stands_at(draft.binder, bound, draft.standings)
     goal = None if found is None else found.lane
     if goal is None or start is None:
+        if not draft.sink.has_errors:  # otherwise the place may be unknown because of a fault in it
+            which = "start" if start is None else "destination"
+            message = f"no route can be planned for '{entity}': its {which} is in no lane that is known before the run"
+            draft.sink.add(NOT_IN_A_LANE, message, written.origin)
         return None, ()
     route = draft.network.route(start, goal)
     if route is None:
@@ -262,7 +267,12 @@ def bind_fixed(draft: PlanDraft, position: Position) -> BoundPosition | None:
     """Bind a position that must be the same in every run, and report one that is random."""
     bound = draft.binder.bind(position, 0.0)
     if isinstance(bound, RandomPosition | AnyOfPosition):
-        draft.sink.add(RANDOM_HERE, f"<{position.word}> is drawn again in each run", position.origin)
+        message = f"<{position.word}> can only be the start of an entity"
+        hint = "its place depends on the entities placed before, also with a seed"
+        if isinstance(bound, AnyOfPosition):
+            message = f"<{position.word}> is drawn again in each run"
+            hint = 'give it a seed, as in <random_spawn_point seed="1"/>'
+        draft.sink.add(RANDOM_HERE, message, position.origin, hint=hint)
         return None
     return bound
 
@@ -291,19 +301,25 @@ def bind_corner(draft: PlanDraft, corner: Vertex | ControlPoint) -> Vertex | Con
     return corner.model_copy(update={"position": bound.model_copy(update={"turn": 0.0})})
 
 
+def bound_inside(draft: PlanDraft, word: AnyWord) -> AnyWord:
+    """Return a word in which the positions below it are bound, such as the waypoints of a position on a route."""
+
+    def bind(inner: Word) -> Word:
+        if isinstance(inner, Vertex | ControlPoint):
+            return bind_corner(draft, inner)
+        return bind_fixed(draft, inner) or inner if isinstance(inner, POSITIONS) else inner
+
+    return replaced(word, bind)
+
+
 def bind_storyboard(draft: PlanDraft) -> None:
     """Bind the positions of conditions, actions and paths."""
-
-    def bind(word: Word) -> Word:
-        if isinstance(word, Vertex | ControlPoint):
-            return bind_corner(draft, word)
-        return bind_fixed(draft, word) or word if isinstance(word, POSITIONS) else word
-
     written = draft.scenario.storyboard
     ordered = written.model_copy(update={"init": in_order(written.init, placed_before(draft.entities))})
-    draft.storyboard = replaced(ordered, bind)
+    draft.storyboard = bound_inside(draft, ordered)
     draft.entities = [
-        one if one.path is None else one.model_copy(update={"path": replaced(one.path, bind)}) for one in draft.entities
+        one if one.path is None else one.model_copy(update={"path": bound_inside(draft, one.path)})
+        for one in draft.entities
     ]
 
 

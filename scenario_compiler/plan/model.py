@@ -7,6 +7,7 @@ filled in and every reference resolved. Its digest covers the words, the numbers
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -21,9 +22,10 @@ from scenario_compiler.vocabulary.sensors import Camera, Failure, ForwardSensor,
 from scenario_compiler.vocabulary.signals import SignalController
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
+from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.variables import Variable
 from scenario_compiler.vocabulary.weather import Weather
-from scenario_compiler.vocabulary.word import Number
+from scenario_compiler.vocabulary.word import Number, Word
 
 
 class PlanPart(BaseModel):
@@ -144,6 +146,14 @@ class Plan(PlanPart):
     def ego(self) -> Entity:
         """The vehicle of the reports, which is the first entity; raises IndexError if there is none."""
         return self.entities[0]
+
+    def words(self) -> Iterator[Word]:
+        """Yield every word of the storyboard and of the entities' starts and paths."""
+        yield from walk(self.storyboard)
+        for entity in self.entities:
+            for part in (entity.start, entity.path):
+                if part is not None:
+                    yield from walk(part)
 
     @property
     def failures(self) -> tuple[Failure, ...]:

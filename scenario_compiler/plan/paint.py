@@ -11,7 +11,7 @@ from scenario_compiler.vocabulary.word import number_value
 EMPTY_STRETCH = Code(
     "SC388",
     "empty-stretch",
-    "A stretch of paint ends before it begins. `from` and `to` are measured along the road's reference line, "
+    "A stretch of paint ends where it begins, or before. `from` and `to` are measured along the road's reference line, "
     "independent of the direction of its lanes. For a line beside an entity they are measured from the entity in the "
     "direction that it faces.\n\n"
     '    <markings road="1" from="200" to="100" quality="0"/>     write from="100" to="200"',
@@ -23,8 +23,8 @@ def check_paint(binder: Binder, scenario: Scenario) -> None:
     """Report marks on roads and lanes that the map does not have, and warn of stretches outside their road."""
     for stretch in (*scenario.markings, *scenario.secondary_markings):
         begin, end = number_value(stretch.s_from, binder.values), number_value(stretch.s_to, binder.values)
-        if end < begin:
-            message = f"the stretch ends at {end:g} m, before it begins at {begin:g} m"
+        if end <= begin:
+            message = f"the stretch from {begin:g} m to {end:g} m is empty"
             binder.sink.add(EMPTY_STRETCH, message, stretch.place_of("to"))
         if not isinstance(stretch, LineBeside) and binder.on_road(stretch, stretch.road, 0.0):
             _check_on_road(binder, stretch, min(begin, end), max(begin, end))

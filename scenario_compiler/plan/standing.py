@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from scenario_compiler.plan.binding import Binder
+from scenario_compiler.plan.binding import OFF_ROAD, Binder
 from scenario_compiler.plan.model import StartPose
 from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads.below import place_below
@@ -63,9 +63,15 @@ def standings_of(
             break
         for name, start in ready.items():
             del waiting[name]
-            standing = stands_at(binder, start, {**known, **found} if known else found)
+            before = {**known, **found} if known else found
+            standing = stands_at(binder, start, before)
             if standing is not None:
                 found[name] = standing
+            elif isinstance(start, BesidePosition | RelativeLanePosition):
+                base = before.get(start.entity)
+                if base is not None and base.lane is None:
+                    message = f"'{start.entity}' is on no road, along which <{start.word}> could be measured"
+                    binder.sink.add(OFF_ROAD, message, start.origin)
     return found, set(waiting)
 
 

@@ -102,7 +102,7 @@ STOP_REASONS: dict[int, StopReason] = {
 
 FAULTS: dict[int, str] = {
     opcodes.FAULT_NOT_FINITE: "a position or speed is no longer a finite number",
-    opcodes.FAULT_OFF_ROAD_START: "a start position lies on no lane",
+    opcodes.FAULT_OFF_ROAD_START: "a position lies on no lane",
     opcodes.FAULT_UNKNOWN_CONDITION: "the program holds an unknown condition",
     opcodes.FAULT_UNKNOWN_ACTION: "the program holds an unknown action",
     opcodes.FAULT_UNKNOWN_SHAPE: "the program holds an unknown transition shape",

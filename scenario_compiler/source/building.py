@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 from scenario_compiler.diagnostics import Diagnostics, did_you_mean
 from scenario_compiler.markup import names
@@ -14,15 +14,16 @@ from scenario_compiler.source.expansion import (
     catalog_driver,
     catalog_vehicles,
     kept_vehicles,
+    report_empty_ranges,
     settled_weather,
     traffic_models,
     with_weather,
 )
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static
-from scenario_compiler.vocabulary.grammar import empty_texts, grammar_of, limits_broken
+from scenario_compiler.vocabulary.grammar import empty_texts, limits_broken
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.storyboard import Storyboard, When
-from scenario_compiler.vocabulary.traversal import parameters_in, walk
+from scenario_compiler.vocabulary.traversal import entities_named, parameters_in, walk
 
 
 def completed(scenario: Scenario, sink: Diagnostics) -> Scenario:
@@ -42,6 +43,7 @@ def completed(scenario: Scenario, sink: Diagnostics) -> Scenario:
     vehicles.update((one.name, one) for _, models in traffic for one in models)
     happening = [scenario.storyboard, *(when for one in entities if not isinstance(one, Static) for when in one.whens)]
     vehicles.update((one.name, one) for one in kept_vehicles(happening, catalogs, sink))
+    report_empty_ranges([*happening, *scenario.traffic], sink)
     takeover = scenario.takeover
     takeover = takeover.model_copy(update={"driver": catalog_driver(takeover.driver, catalogs, sink)})
     changes = {
@@ -72,8 +74,9 @@ def _with_whens(written: Storyboard, entities: Iterable[Ego | Static | Dynamic],
 def _check_names(scenario: Scenario, ids: list[str], sink: Diagnostics) -> None:
     for name in sorted({one for one in ids if ids.count(one) > 1}):
         sink.add(names.DUPLICATE_NAME, f"there are several entities '{name}'", scenario.origin)
-    for name, where in _entities_named(scenario):
+    for name, word in entities_named(scenario):
         if name not in ids:
+            where = word.tag() or type(word).__name__
             message = f"<{where}> names the entity '{name}', which the scenario does not have"
             sink.add(names.UNKNOWN_ENTITY, message, scenario.origin, hint=did_you_mean(name, ids))
     declared = {one.name for one in scenario.parameters}
@@ -93,15 +96,3 @@ def _check_values(scenario: Scenario, sink: Diagnostics) -> None:
             sink.add(WRONG_VALUE, f"{type(word).__name__}: {field} is empty", scenario.origin)
         for broken in limits_broken(word, values):
             sink.add(OUT_OF_LIMITS, f"{type(word).__name__}: {broken}", scenario.origin)
-
-
-def _entities_named(scenario: Scenario) -> Iterator[tuple[str, str]]:
-    """Yield the entities that words name, each with the word's tag or type."""
-    for word in walk(scenario):
-        for rule in grammar_of(type(word)).attributes.values():
-            if rule.spelling.names != "entity":
-                continue
-            value = getattr(word, rule.field)
-            for name in value if isinstance(value, tuple) else (value,):
-                if name:
-                    yield name, word.tag() or type(word).__name__

@@ -354,14 +354,25 @@ def _bring_in(
     inside = ReadingContext(document, reading.sink, Environment(), place)
     if document.root.tag == CatalogElement.tag():
         return catalogs.extended(read_catalog(inside))
-    if document.root.tag != LibraryElement.tag():
+    parts = list(document.root.iterchildren(TemplateElement.tag(), Include.tag()))
+    if document.root.tag != LibraryElement.tag() or (len(document.root) > 0 and not parts):
         reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}' contains neither templates nor a catalog", place)
         return catalogs.with_a_gap()
-    for child_element in document.root.iterchildren("template"):
-        templates.setdefault(str(child_element.get("name", "")), Part(document, child_element, place))
+    for child_element in document.root.iterchildren(TemplateElement.tag()):
+        _add_included(templates, Part(document, child_element, place), inside)
     for child_element in document.root.iterchildren("include"):
         catalogs = _bring_in(child_element, inside, templates, catalogs, seen, depth + 1)
     return catalogs
+
+
+def _add_included(templates: dict[str, Part], part: Part, reading: ReadingContext) -> None:
+    """Add a template of an included file; warn if an earlier include has one with this name, which is used instead."""
+    there = templates.setdefault(part.name, part)
+    if there.within is not None and there.document.path != part.document.path:
+        message = f"the template '{part.name}' of {there.document.path} is used, not this one"
+        place = _name_of(part, reading)
+        first = names.first_at(there.document.origin(there.element, "name"))
+        reading.sink.add(names.DUPLICATE_NAME, message, place, related=first, severity=Severity.WARNING)
 
 
 def _find(name: str, folder: Path) -> Path:

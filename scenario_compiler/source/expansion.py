@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from typing import Any
@@ -11,7 +11,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, did_you_mean
 from scenario_compiler.expressions import Value, format_value, parse_expression
-from scenario_compiler.markup import names
+from scenario_compiler.markup import codes, names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.catalogs import Catalogs
@@ -26,7 +26,8 @@ from scenario_compiler.source.parameters import (
 )
 from scenario_compiler.source.templates import Expander, TemplateScope, template_parameters
 from scenario_compiler.source.variation import check_variation
-from scenario_compiler.vocabulary.actions import KeepsVehicles, TrafficKind
+from scenario_compiler.vocabulary.actions import KeepsVehicles, SpeedRange, TrafficKind
+from scenario_compiler.vocabulary.conditions import RelativeLaneRange
 from scenario_compiler.vocabulary.driver import Driver, DriverModel, Effect
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of
@@ -34,7 +35,7 @@ from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import NumberLimit, Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.takeover import Takeover
-from scenario_compiler.vocabulary.traversal import AnyWord, parameters_in, replaced, walk
+from scenario_compiler.vocabulary.traversal import AnyWord, entities_named, parameters_in, replaced, walk
 from scenario_compiler.vocabulary.weather import (
     WEATHER_PRESETS,
     AnyWeather,
@@ -143,6 +144,15 @@ def _environment(declared: Declared, values: Mapping[str, Value], settled: set[s
     return Environment(bindings, still_open, missing, not declared.all_read)
 
 
+NAMED = {
+    "variables": ("variable", "", "name"),
+    "signal_controllers": ("controller of traffic signals", "", "name"),
+    "spawn_points": ("spawn point", "points", "name"),
+    "takeover": ("cause", "causes", "kind"),
+}
+"""What a child of a scenario is or holds, in which field, and the attribute that must differ."""
+
+
 @dataclass
 class _Attempt:
     """One reading of a scenario with one environment."""
@@ -182,6 +192,7 @@ class _Attempt:
         storyboard = storyboard_of([ego.id, *(actor.id for actor in actors)], self._bounded(happenings))
         more = [one for _, some in traffic for one in some]
         more += kept_vehicles([storyboard], catalogs, self.sink)
+        report_empty_ranges([storyboard, *flows], self.sink)
         scenario = Scenario.model_construct(
             **fields,
             weather=weather,
@@ -247,6 +258,7 @@ class _Attempt:
                     self.words[rule.field] = tuple(words)
                 elif words:
                     self.words[rule.field] = words[0]
+                self._report_twins(rule.field, words)
             if rule.field == "ego":
                 ego = self.words.get("ego")
                 self.scope.declare(ego.id if ego else "ego")
@@ -254,6 +266,20 @@ class _Attempt:
                     self.scope.places[("entity", ego.id)] = ego.place_of("id")
                     whens = tuple(self.scope.name_event(when, self.sink) for when in ego.whens)
                     self.words["ego"] = ego.model_copy(update={"whens": whens}).written_at(ego.origin)
+
+    def _report_twins(self, field: str, words: Sequence[Any]) -> None:
+        """Report variables, controllers of signals, spawn points and causes whose name another one has."""
+        if field not in NAMED:
+            return
+        kind, inside, attribute = NAMED[field]
+        first: dict[str, Word] = {}
+        for one in [inner for word in words for inner in (getattr(word, inside) if inside else (word,))]:
+            name = getattr(one, attribute)
+            there = first.setdefault(name, one)
+            if there is not one:
+                related = names.first_at(there.place_of(attribute))
+                message = f"there is already a {kind} '{name}'"
+                self.sink.add(names.DUPLICATE_NAME, message, one.place_of(attribute), related=related)
 
     def _contents(self, ego: Ego) -> tuple[list[Static | Dynamic], list[tuple[str, When | EntityWhen]]]:
         """Return the actors, and the events with their entities, with resolved references.
@@ -380,17 +406,46 @@ def catalog_vehicles(
     return tuple(found.values())
 
 
+RANGES: Mapping[type[Word], tuple[str, str]] = {
+    Traffic: ("slowest", "fastest"),
+    SpeedRange: ("low", "high"),
+    RelativeLaneRange: ("least", "greatest"),
+}
+"""Fields with the least and the greatest of several values, which may be equal."""
+
+
+def report_empty_ranges(words: Iterable[Word], sink: Diagnostics) -> None:
+    """Report each range at or below the words whose end is below its start."""
+    for word in (one for root in words for one in walk(root) if type(one) in RANGES):
+        least, greatest = (getattr(word, field) for field in RANGES[type(word)])
+        if least is not None and greatest is not None and greatest < least:
+            name = next(
+                name for name, rule in grammar_of(type(word)).attributes.items() if rule.field == RANGES[type(word)][1]
+            )
+            message = f"{name} is {greatest:g}, but must be at least {least:g}, where the range begins"
+            sink.add(codes.EMPTY_RANGE, message, word.place_of(name))
+
+
+VEHICLE_CATEGORIES = ("car", "van", "truck", "bus", "motorbike", "bicycle")
+"""Categories of the models that drive in traffic."""
+
+PEDESTRIAN_CATEGORIES = ("pedestrian",)
+"""Categories of the models that walk in traffic."""
+
+
 def traffic_models(traffic: Traffic, catalogs: Catalogs, sink: Diagnostics) -> tuple[Traffic, list[Vehicle]]:
     """Return the traffic with the catalog's models as its types, and these models; report unknown types."""
     found: dict[str, Vehicle] = {}
     fields: dict[str, tuple[str, ...]] = {}
-    for name in ("types", "pedestrian_types"):
+    for name, categories in (("types", VEHICLE_CATEGORIES), ("pedestrian_types", PEDESTRIAN_CATEGORIES)):
+        able = [one for one in catalogs.vehicles.values() if one.category in categories]
         models: dict[str, Vehicle] = {}
         for wanted in getattr(traffic, name):
-            some = [one for one in catalogs.vehicles.values() if wanted in (one.name, one.category)]
+            some = [one for one in able if wanted in (one.name, one.category)]
             if not some and catalogs.complete:
-                known = {*catalogs.vehicles, *(one.category for one in catalogs.vehicles.values())}
-                message = f"there is no vehicle or category '{wanted}'"
+                known = {*categories, *(one.name for one in able)}
+                what = "vehicle" if name == "types" else "pedestrian"
+                message = f"there is no {what} or category of {what}s '{wanted}'"
                 sink.add(names.UNKNOWN_VEHICLE, message, traffic.place_of(name), hint=did_you_mean(wanted, known))
             models.update((one.name, one) for one in some)
         fields[name] = tuple(models)
@@ -418,9 +473,4 @@ def _without_whens(actor: Static | Dynamic) -> Static | Dynamic:
 
 def _names(word: Word) -> set[str]:
     """Return the ids of the entities that a word, or anything below it, names."""
-    return {
-        getattr(inner, rule.field)
-        for inner in walk(word)
-        for rule in grammar_of(type(inner)).attributes.values()
-        if rule.spelling.names == "entity"
-    }
+    return {name for name, _ in entities_named(word)}

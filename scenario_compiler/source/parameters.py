@@ -10,11 +10,11 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Origin
-from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
+from scenario_compiler.expressions import RESERVED, Expression, ExpressionError, Value, format_value
 from scenario_compiler.markup import codes, names
 from scenario_compiler.markup.environment import Binding, Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, read_word
-from scenario_compiler.markup.values import COMMAND_LINE, bound_value
+from scenario_compiler.markup.values import COMMAND_LINE, bound_value, number_hint, truth_hint
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, limits_text, out_of_limits
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import QUANTITIES, Word
@@ -52,8 +52,19 @@ def read_parameters(element: etree._Element, reading: ReadingContext) -> Declare
                 parameter.place_of("name"),
                 related=names.first_at(known[parameter.name].place_of("name")),
             )
+        if parameter.name in RESERVED:
+            report_reserved(parameter.name, parameter.place_of("name"), sink)
         known.setdefault(parameter.name, parameter)
+        least, greatest = parameter.limits.minimum, parameter.limits.maximum
+        if least is not None and greatest is not None and least > greatest:
+            message = f"no value of '{parameter.name}' is at least {least:g} and at most {greatest:g}"
+            sink.add(codes.OUT_OF_LIMITS, message, parameter.place_of("min" if parameter.min is not None else "max"))
     return Declared(known, sink.reported == before and not misspelt(element, [Parameter.tag()]))
+
+
+def report_reserved(name: str, place: Place, sink: Diagnostics) -> None:
+    """Report a name of a parameter or a loop's variable that means something else in expressions."""
+    sink.add(names.RESERVED_NAME, f"'{name}' means something else in expressions; choose another name", place)
 
 
 def bind_arguments(declared: Declared, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, Value]:
@@ -166,13 +177,14 @@ def typed(text: str, parameter: Parameter, place: Place, sink: Diagnostics) -> V
     if kind == "boolean":
         if stripped in ("true", "false"):
             return stripped == "true"
-        return _misfit(text, parameter, "true or false", place, sink)
+        return _misfit(text, parameter, "true or false", truth_hint(text), place, sink)
     if kind == "integer":
         if not re.fullmatch(INTEGER, stripped):
-            return _misfit(text, parameter, "a whole number", place, sink)
+            return _misfit(text, parameter, "a whole number", "", place, sink)
     elif not re.fullmatch(NUMBER, stripped):
         unit = QUANTITIES[kind].unit
-        return _misfit(text, parameter, f"a number in {unit}" if unit not in ("", "1") else "a number", place, sink)
+        expected = f"a number in {unit}" if unit not in ("", "1") else "a number"
+        return _misfit(text, parameter, expected, number_hint(stripped, kind), place, sink)
     number = float(stripped)
     fault = out_of_limits(parameter.name, number, parameter.limits)
     if fault:
@@ -188,11 +200,7 @@ def parameter_kind(parameter: Parameter) -> str:
     return ", ".join(part for part in (f"{parameter.type}{unit}", limits_text(parameter.limits)) if part)
 
 
-def _misfit(text: str, parameter: Parameter, expected: str, place: Place, sink: Diagnostics) -> Value | None:
-    sink.add(
-        codes.WRONG_VALUE,
-        f"'{text}' is not {expected}, which the parameter '{parameter.name}' holds",
-        place,
-        hint=parameter.summary,
-    )
+def _misfit(text: str, parameter: Parameter, expected: str, hint: str, place: Place, sink: Diagnostics) -> Value | None:
+    message = f"'{text}' is not {expected}, which the parameter '{parameter.name}' holds"
+    sink.add(codes.WRONG_VALUE, message, place, hint=hint or parameter.summary)
     return None

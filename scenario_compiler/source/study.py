@@ -42,14 +42,6 @@ UNKNOWN_ITEM = Code(
     '    <score name="trust" of="save"/>\n\n'
     "Correct the name. Scores are computed from items with a scale and from number items.",
 )
-EMPTY_RANGE = Code(
-    "SC263",
-    "empty-range",
-    "The end of a range is not above its start: a scale or number item whose greatest answer is not above its least, "
-    "or a probe whose latest time is before its earliest.\n\n"
-    '    <probe from="14" to="6">...</probe>     from="6" to="14"\n\n'
-    "Exchange the two numbers.",
-)
 UNEVEN_SQUARE = Code(
     "SC264",
     "uneven-square",

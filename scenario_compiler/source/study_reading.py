@@ -9,10 +9,10 @@ from pathlib import Path
 from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.markup import names
+from scenario_compiler.markup.codes import EMPTY_RANGE
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import read_fields, read_word
 from scenario_compiler.source.study import (
-    EMPTY_RANGE,
     UNEVEN_SQUARE,
     UNKNOWN_ITEM,
     UNKNOWN_SCALE,

@@ -13,7 +13,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Origin, read_document
-from scenario_compiler.expressions import Value
+from scenario_compiler.expressions import RESERVED, Value
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
@@ -34,7 +34,8 @@ from scenario_compiler.source.conflict import (
     read_library,
 )
 from scenario_compiler.source.groups import lines, members
-from scenario_compiler.source.parameters import Declared, bind_use, read_parameters
+from scenario_compiler.source.parameters import Declared, bind_use, read_parameters, report_reserved
+from scenario_compiler.vocabulary.actions import TrafficSinkAction, TrafficSourceAction, TrafficSwarmAction
 from scenario_compiler.vocabulary.entities import Dynamic, Row, Static, Traffic, WorkZone
 from scenario_compiler.vocabulary.grammar import NUMBER, ChildRule, grammar_of
 from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
@@ -54,6 +55,7 @@ class TemplateScope:
         all_read: Whether every id here could be read; otherwise an unknown one is not reported.
         uses: Names of the uses in this scope.
         events: Names of events in this scope, with the corresponding names in the whole scenario.
+        traffic: Names of background traffic and of actions on traffic, in the same way.
         numbered: Last number of a part without an id, by the stem of its name.
         places: Where the names of this scope are written: of entities, parts, events and traffic.
         origin: The use or the loop that made the scope; None for the scenario.
@@ -65,27 +67,36 @@ class TemplateScope:
     all_read: bool = True
     uses: set[str] = field(default_factory=set)
     events: dict[str, str] = field(default_factory=dict)
+    traffic: dict[str, str] = field(default_factory=dict)
     numbered: dict[str, int] = field(default_factory=dict)
     places: dict[tuple[str, str], Place] = field(default_factory=dict)
     origin: Origin | None = None
 
     def declare(self, local: str) -> str:
         """Register an id here and, with the uses' names as a prefix, in the enclosing scopes; return the full id."""
-        name, scope = local, self
-        known = [(self, local)]
-        while scope.parent is not None:
-            name, scope = f"{scope.name}.{name}", scope.parent
-            known.append((scope, name))
-        for where, as_known in known:
-            where.ids[as_known] = name
-        return name
+        full = self.in_full(local)
+        for scope, name in self._known_as(local):
+            scope.ids[name] = full
+        return full
+
+    def declare_traffic(self, local: str) -> str:
+        """Register a name of traffic in the same way; return the full name."""
+        full = self.in_full(local)
+        for scope, name in self._known_as(local):
+            scope.traffic[name] = full
+        return full
 
     def in_full(self, local: str) -> str:
         """Return the name in the whole scenario of a name in this scope."""
-        name, scope = local, self
-        while scope.parent is not None:
-            name, scope = f"{scope.name}.{name}", scope.parent
-        return name
+        *_, (_, full) = self._known_as(local)
+        return full
+
+    def _known_as(self, local: str) -> Iterator[tuple[TemplateScope, str]]:
+        """Yield this scope and those around it, each with the name under which it knows a name of this one."""
+        name = local
+        for scope in self._outwards():
+            yield scope, name
+            name = f"{scope.name}.{name}"
 
     def name_use(self, use: Use, sink: Diagnostics) -> str:
         """Return the name of a use: its id, or else the template's name with the first free number."""
@@ -137,16 +148,22 @@ class TemplateScope:
         return {one for scope in self._outwards() for one in scope.ids}
 
     def resolved(self, word: AnyWord, sink: Diagnostics) -> AnyWord:
-        """Return the word with full ids of all entities in it and below it; report unknown ids."""
+        """Return the word with the full names of all entities, events and traffic in it; report unknown ones."""
 
         def in_full(one: Word) -> Word:
             changes = {}
             for name, rule in grammar_of(type(one)).attributes.items():
                 if rule.spelling.names == "entity" and (named := getattr(one, rule.field)):
-                    changes[rule.field] = self.resolve(named) or self._unknown(named, one, name, sink)
+                    listed = named if isinstance(named, tuple) else (named,)
+                    found = tuple(self.resolve(each) or self._unknown(each, one, name, sink) for each in listed)
+                    changes[rule.field] = found if listed is named else found[0]
                 elif rule.spelling.names == "event":
                     named = getattr(one, rule.field)
                     changes[rule.field] = self.resolve_event(named) or self._unknown_event(named, one, name, sink)
+                elif rule.spelling.names == "traffic" and (named := getattr(one, rule.field)):
+                    changes[rule.field] = self._resolve_traffic(named) or self._unknown_traffic(named, one, name, sink)
+                elif rule.spelling.defines == "traffic" and (named := getattr(one, rule.field)):
+                    changes[rule.field] = self.in_full(named)
             return one.model_copy(update=changes) if changes else one
 
         return replaced(cast(AnyWord, in_full(word)), in_full)
@@ -163,25 +180,38 @@ class TemplateScope:
         return named
 
     def name_event(self, when: When | EntityWhen, sink: Diagnostics) -> When | EntityWhen:
-        """Register an event's name here and, with the names of the uses as a prefix, in the enclosing scopes.
+        """Register the names of an event and of its actions on traffic, here and in the enclosing scopes.
 
-        Returns the event with its full name. An event without a name is returned unchanged.
+        There the names of the uses are their prefix. Returns the event with its full name; an event without a name is
+        returned unchanged.
         """
+        for action in when.do.actions:
+            if isinstance(action, TrafficSwarmAction | TrafficSourceAction | TrafficSinkAction) and action.traffic:
+                self.declare_traffic(action.traffic)
         if not when.name:
             return when
         if when.name in self.events:
             self.report_taken("event", when.name, when.place_of("name"), sink)
         self.places.setdefault(("event", when.name), when.place_of("name"))
-        name, scope, full = when.name, self, self.in_full(when.name)
-        scope.events[name] = full
-        while scope.parent is not None:
-            name, scope = f"{scope.name}.{name}", scope.parent
+        full = self.in_full(when.name)
+        for scope, name in self._known_as(when.name):
             scope.events[name] = full
         return when.model_copy(update={"name": full}).written_at(when.origin)
 
     def resolve_event(self, name: str) -> str | None:
         """Return the name in the whole scenario to which the name of an event refers here."""
         return next((scope.events[name] for scope in self._outwards() if name in scope.events), None)
+
+    def _resolve_traffic(self, name: str) -> str | None:
+        return next((scope.traffic[name] for scope in self._outwards() if name in scope.traffic), None)
+
+    def _unknown_traffic(self, named: str, word: Word, attribute: str, sink: Diagnostics) -> str:
+        something_unread = any(one.code.id.startswith("SC1") for one in sink)
+        if self._complete() and not something_unread:
+            known = {one for scope in self._outwards() for one in scope.traffic}
+            hint = did_you_mean(named, known) or "the scenario has no traffic with a name"
+            sink.add(names.UNKNOWN_TRAFFIC, f"there is no traffic '{named}'", word.place_of(attribute), hint=hint)
+        return named
 
     def _unknown_event(self, named: str, word: Word, attribute: str, sink: Diagnostics) -> str:
         something_unread = any(one.code.id.startswith("SC1") for one in sink)
@@ -381,6 +411,8 @@ class Expander:
             return
         name = scope.name_part(fields.get("id", ""), word.tag(), reading.origin(element, "id"), reading.sink)
         variable = fields.get("variable", "index")
+        if variable in RESERVED:
+            report_reserved(variable, reading.origin(element, dict(LOOPS)[word.tag()]), reading.sink)
         for number, value in enumerate(values if elements else (), start=1):
             if self.has_too_many:
                 break
@@ -411,6 +443,7 @@ class Expander:
             scope.report_taken("traffic", traffic.id, traffic.place_of("id"), sink)
             return
         scope.places[("traffic", traffic.id)] = traffic.place_of("id")
+        scope.declare_traffic(traffic.id)
         self.contents.traffic[full] = traffic.model_copy(update={"id": full}).written_at(traffic.origin)
 
     def _add_use(self, use: Use, reading: ReadingContext, scope: TemplateScope, chain: tuple[str, ...]) -> None:

@@ -158,7 +158,7 @@ class Dynamic(Word):
     model: str = attribute("Model from the vehicle catalog.", default="vehicle.tesla.model3", names="vehicle")
     speed: Number = attribute("Speed at the start, m/s.", default=0.0, quantity="speed", minimum=0)
     start: Position | None = child(
-        "Start position. If left out, the actor is off every road until an action places it.",
+        "Start position. If left out, the actor is absent until <add_entity> places it.",
         default=None,
         wrapper="start",
     )

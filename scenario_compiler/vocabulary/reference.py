@@ -18,6 +18,12 @@ _HEAD = (
     "Expressions support `+ - * / % ^`, the comparisons `== != < <= > >=` (in XML, `<` is written `&lt;`), `and`,\n"
     "`or`, `not`, parentheses, and the functions "
 )
+_EXPRESSIONS = (
+    "Parameters have the units of XML, so angles are in degrees, but `sin`, `atan` and the other functions of angles\n"
+    "use radians: write `${sin(radians($bend))}`. `^` groups from the left, the result of `%` has the sign of the\n"
+    "divisor, `round` rounds halves up, `pi` is the constant, and `if(test, a, b)` is `a` or `b`. Texts are written\n"
+    "in single quotes, as in `${$kind == 'bus'}`. A list is either written out or one parameter as a whole.\n"
+)
 
 
 LEAST_WORDS, LEAST_PARENTS = 5, 4
@@ -63,7 +69,7 @@ def language_page(roots: Iterable[type[Word]], examples: Examples, head: str = "
     parents = {word: tuple(inner) for word, inner in found.items()}
     groups = _groups(parents)
     functions = ", ".join(f"`{name}`" for name in FUNCTIONS)
-    parts = [head or f"{_HEAD}{functions}.\n"]
+    parts = [head or f"{_HEAD}{functions}.\n{_EXPRESSIONS}"]
     parts += ["\n".join(_group_section(group)) for group in groups]
     parts += ["\n".join(_section(word, parents[word], groups, examples)) for word in words]
     return "\n".join(parts)

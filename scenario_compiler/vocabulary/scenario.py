@@ -67,7 +67,8 @@ class Parameter(Word):
         "Name by which `$name` and `--set name=value` refer to the parameter.", defines="parameter", pattern=IDENTIFIER
     )
     type: ParameterKind = attribute(
-        "Quantity that the parameter measures. Numbers are in the unit that XML uses for this quantity."
+        "Quantity that the parameter measures. Numbers are in the unit that XML uses for this quantity. A fraction is "
+        "from 0 to 1, unless `min` and `max` set other limits."
     )
     default: str | None = attribute(
         "Default value, which cannot depend on other parameters. "
@@ -146,7 +147,11 @@ class Scenario(Word):
     source: str = attribute("Publication or observation that describes the situation.", default="")
     map: str = attribute("Name or path of the OpenDRIVE map.", names="map")
     duration: float | None = attribute(
-        "Latest end of the run, s.", default=None, quantity="time", minimum=0, exclusive=True
+        "Latest end of the run, s; a part of a step counts as a whole one.",
+        default=None,
+        quantity="time",
+        minimum=0,
+        exclusive=True,
     )
     step: float = attribute("Length of a time step, s.", default=0.05, quantity="time", minimum=0.001, maximum=1)
     control_every: int = attribute(

@@ -71,7 +71,7 @@ class Cause(Word):
     )
     warning_over: Number | None = attribute(
         "lane_confidence, sensor_health: a warning ends when neither side is below this value, which is at least "
-        "`warning_below`.",
+        "`warning_below`; the greater of `warning_below` and 0.7 if left out.",
         default=None,
         quantity="fraction",
         minimum=0,

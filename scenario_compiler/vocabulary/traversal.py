@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 from scenario_compiler.expressions import Expression
+from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.word import Word
 
 AnyWord = TypeVar("AnyWord", bound=Word)
@@ -26,6 +27,17 @@ def parameters_in(word: Word) -> set[str]:
             if isinstance(value, Expression):
                 found.update(value.names)
     return found
+
+
+def entities_named(word: Word) -> Iterator[tuple[str, Word]]:
+    """Yield the id of each entity that a word, or a word below it, names, with the word that names it."""
+    for inner in walk(word):
+        for rule in grammar_of(type(inner)).attributes.values():
+            if rule.spelling.names == "entity":
+                value = getattr(inner, rule.field)
+                for name in value if isinstance(value, tuple) else (value,):
+                    if name:
+                        yield name, inner
 
 
 def replaced(word: AnyWord, replace: Callable[[Word], Word]) -> AnyWord:

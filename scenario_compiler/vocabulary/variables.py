@@ -19,7 +19,9 @@ class Variable(Word):
 
     name: str = attribute("Name used by actions and conditions.", defines="variable")
     type: VariableType = attribute("Type of the value.", default="double")
-    value: str = attribute("Its value at the start.", default="")
+    value: str = attribute(
+        "Its value at the start. If left out, it is 0, false, an empty text or the beginning of 1970.", default=""
+    )
 
 
 def seconds_of(text: str) -> float:

@@ -60,6 +60,38 @@ def test_a_pedestrian_waits_crosses_and_stops(tmp_path: Path) -> None:
     assert play.st.t[1] == pytest.approx(6.0, abs=1e-6)
 
 
+FAR_AHEAD = "<vertex><free x='0' y='40'/></vertex><vertex><free x='500' y='40'/></vertex>"
+
+
+@pytest.mark.parametrize(
+    ("goal", "x", "y"),
+    [
+        ('<free x="330" y="190"/>', 330.0, 190.0),
+        ('<relative_object entity="walker" dx="0" dy="4"/>', 342.0, 168.0),
+        ('<relative_world entity="walker" dx="-3" dy="0"/>', 339.0, 164.0),
+        ('<relative_road entity="walker" ds="2" dt="-1"/>', 344.0, 163.0),
+        ('<relative_lane entity="walker" distance="5"/>', 347.0, 165.0),
+        (
+            f'<on_trajectory s="340"><trajectory><polyline>{FAR_AHEAD}</polyline></trajectory></on_trajectory>',
+            340.0,
+            40.0,
+        ),
+    ],
+    ids=lambda goal: goal[1:13] if isinstance(goal, str) else "",
+)
+@pytest.mark.parametrize("as_action", [False, True], ids=["path", "follow_path"])
+def test_a_path_leads_to_any_kind_of_position(tmp_path: Path, goal: str, x: float, y: float, as_action: bool) -> None:
+    """Positions relative to the walker, who stands at (342, 164), are those at the start of the path."""
+    points = f'speed="50"><point>{goal}</point>'
+    path = f"<path {points}</path>"
+    if as_action:
+        path = f'<when><time after="0"/><do><follow_path {points}</follow_path></do></when>'
+    start = '<start><road road="1" s="150" t="-6"/></start>'
+    play = Play(tmp_path, f'<dynamic id="walker" model="walker.pedestrian.0001">{start}{path}</dynamic>').until(4.0)
+    assert (play.st.x[1], play.st.y[1]) == pytest.approx((x, y), abs=1e-6)
+    assert play.st.v[1] == 0.0
+
+
 def test_a_trajectory_keeps_its_times_and_then_drives_on(tmp_path: Path) -> None:
     play = Play(
         tmp_path,

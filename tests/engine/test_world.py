@@ -18,6 +18,7 @@ from scenario_compiler.roads import Network
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.runtime.log import named_events
 from tests.engine.both import run_both
+from tests.engine.test_traffic import compiled_text
 
 HERE = Path(__file__).parent
 STEP = 0.05
@@ -126,3 +127,15 @@ def test_both_forms_leave_the_same_bytes(name: str) -> None:
     rows, draws = [list(program.const)], [make_draws(1, 0)]
     both = run_both(network.tables, program, rows, draws, 700)
     assert both.interpreted == both.compiled
+
+
+@pytest.mark.parametrize("kind", ["double", "integer", "boolean", "dateTime"])
+def test_a_variable_without_a_value_begins_with_0(tmp_path: Path, kind: str) -> None:
+    ego = '<ego speed="5"><start><lane road="1" lane="-1" s="20"/></start></ego>'
+    done = compiled_text(
+        tmp_path,
+        f'<scenarios version="1"><scenario name="clock" map="town_grid" duration="1">{ego}'
+        f'<variable name="one" type="{kind}"/></scenario></scenarios>',
+    )
+    program = build_program(done.plan, done.network)
+    assert program.const[program.variable_const[0]] == 0.0

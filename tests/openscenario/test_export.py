@@ -123,6 +123,26 @@ def test_exported_file_runs_as_the_plan_does(target: str, tmp_path: Path) -> Non
         assert_same_course(before, recorded(again))
 
 
+ADDED = """<scenarios version="1"><scenario name="added" map="town_grid" duration="4">
+  <parameter name="pace" type="speed" default="7"/>
+  <ego speed="5"><start><lane road="1" lane="-1" s="20"/></start></ego>
+  <static id="box"><at><lane road="1" lane="-1" s="130"/></at></static>
+  <dynamic id="later" speed="$pace"><follow time_gap="1"/><when><time after="1"/><do>
+    <add_entity entity="later"><lane road="1" lane="-1" s="80"/></add_entity>
+  </do></when></dynamic>
+</scenario></scenarios>"""
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_an_actor_that_is_added_keeps_its_speed_and_its_following(tmp_path: Path, version: Version) -> None:
+    path = tmp_path / "added.xml"
+    path.write_text(ADDED, encoding="utf-8")
+    compilation = compiled(path)
+    before = recorded(compilation)
+    assert before.v[-1, 2] > 3.0
+    assert_same_course(before, recorded(compiled(exported(compilation, tmp_path, version))))
+
+
 @pytest.mark.parametrize("target", EITHER)
 def test_no_text_looks_like_a_parameter(target: str, tmp_path: Path) -> None:
     """Esmini 3.6 evaluates `$` in the text of a CustomCommandAction, and ends where it has no meaning."""

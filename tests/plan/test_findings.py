@@ -9,7 +9,7 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostic_formats import formatted
-from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.plan.store import read_plan, write_plan
 from scenario_compiler.vocabulary.sensors import Perception
@@ -139,3 +139,23 @@ def test_surrogate_perception_cannot_replace_a_users_own_controller(tmp_path: Pa
     assert [one.message for one in sink if one.code.id == "SC514"] == [
         "surrogate perception cannot replace the controller 'own.py:Steering'"
     ]
+
+
+@pytest.mark.parametrize(
+    ("condition", "hint"),
+    [
+        ('<variable variable="wet" value="1"/>', 'declare it: <variable name="wet" value="0"/>'),
+        ('<signal_phase controller="main" phase="go"/>', "declare it with <signal_controller>"),
+        ('<time_of_day date_time="noon"/>', "write it as 2026-06-21T18:30:00"),
+        (
+            '<element_state kind="event" element="brakes" state="endTransition"/>',
+            "did you mean 'story::act::ego::ego.whens::brakes'?",
+        ),
+    ],
+)
+def test_a_name_that_nothing_has_comes_with_what_to_write(tmp_path: Path, condition: str, hint: str) -> None:
+    when = '<when name="brakes"><time after="1"/><do><stop/></do></when>'
+    path = _file(tmp_path, f"<when>{condition}<do><stop/></do></when>", when)
+    sink = Diagnostics()
+    assert compile_target(path, {}, sink) is None
+    assert [one.hint for one in sink if one.severity is Severity.ERROR] == [hint]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
-from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
 from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.story.step import reset
@@ -190,3 +190,61 @@ def test_the_requested_clearance_is_kept(tmp_path: Path) -> None:
     assert isinstance(start, RandomPosition)
     assert isinstance(start.clear, Expression)
     assert start.clear.number({"gap": 0.0}) > 4.0
+
+
+ROUTE = """<on_route><route><waypoint>{}</waypoint><waypoint><lane road="1" lane="-1" s="300"/></waypoint></route>
+  <route_lane s="40" lane="-1"/></on_route>"""
+CURVE = """<on_trajectory s="40"><trajectory><polyline>
+  <vertex>{}</vertex><vertex><lane road="1" lane="-1" s="300"/></vertex></polyline></trajectory></on_trajectory>"""
+CORNERS = {
+    "road": '<road road="1" s="100" t="-1.75"/>',
+    "world": '<world x="292" y="168.25"/>',
+    "own spawn point": '<spawn_point name="own"/>',
+    "numbered spawn point": '<numbered_spawn_point index="0"/>',
+    "seeded spawn point": '<random_spawn_point seed="1"/>',
+}
+OWN = '<spawn_points><point name="own"><lane road="1" lane="-1" s="100"/></point></spawn_points>'
+
+
+@pytest.mark.parametrize("way", [ROUTE, CURVE], ids=["route", "trajectory"])
+@pytest.mark.parametrize("corner", CORNERS)
+def test_a_start_on_a_way_binds_the_ways_own_positions(tmp_path: Path, way: str, corner: str) -> None:
+    static = f'<static id="box"><at>{way.format(CORNERS[corner])}</at></static>'
+    state, numbers = at_start(compiled(tmp_path, static, before=OWN))
+    at = numbers["box"]
+    assert (state.x[at], state.y[at]) == pytest.approx((332.0, 168.25))
+
+
+@pytest.mark.parametrize(
+    ("corner", "code"),
+    [
+        ('<lane road="77" lane="-1" s="5"/>', "SC371"),
+        ('<lane road="1" lane="-9" s="5"/>', "SC372"),
+        ('<lane road="1" lane="-1" s="5000"/>', "SC373"),
+        ('<spawn_point name="nowhere"/>', "SC376"),
+        ("<random_spawn_point/>", "SC383"),
+        ('<geographic latitude="0" longitude="0"/>', "SC385"),
+    ],
+)
+@pytest.mark.parametrize("way", [ROUTE, CURVE], ids=["route", "trajectory"])
+@pytest.mark.parametrize("where", ["start", "destination"])
+def test_a_fault_of_a_way_is_reported_where_an_entity_starts_or_ends_on_it(
+    tmp_path: Path, where: str, way: str, corner: str, code: str
+) -> None:
+    places = {"start": '<lane road="1" lane="-1" s="60"/>', "destination": '<lane road="1" lane="-1" s="90"/>'}
+    places[where] = way.format(corner)
+    body = "".join(f"<{name}>{place}</{name}>" for name, place in places.items())
+    path = tmp_path / "place.xml"
+    head = '<scenarios version="1"><scenario name="place" map="town_grid" duration="5">'
+    path.write_text(f'{head}{EGO}<dynamic id="car">{body}</dynamic></scenario></scenarios>', encoding="utf-8")
+    sink = Diagnostics()
+    compile_target(path, {}, sink, overrides=Overrides(perception="ideal"))
+    assert {one.code.id for one in sink if one.severity is Severity.ERROR} == {code}
+
+
+def test_a_route_begins_at_its_first_waypoint_that_is_a_place_on_the_map(tmp_path: Path) -> None:
+    """A waypoint relative to an entity is left out: SC389 says so."""
+    first = '<relative_lane entity="ego" distance="9"/></waypoint><waypoint><lane road="1" lane="-1" s="200"/>'
+    done = compiled(tmp_path, f'<static id="box"><at>{ROUTE.format(first)}</at></static>')
+    state, numbers = at_start(done)
+    assert state.x[numbers["box"]] == pytest.approx(192.0 + 240.0)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.expressions import Expression
 from scenario_compiler.languages import ScenarioNameNeededError, check_source, expand
 from scenario_compiler.vocabulary.conditions import TimeHeadwayCondition
@@ -235,7 +235,10 @@ def test_an_include_brings_templates_and_catalogs(tmp_path: Path) -> None:
     assert place.within is not None
 
 
-@pytest.mark.parametrize("content", ["<scenarios", "<OpenSCENARIO/>", None])
+ONLY_A_SCENARIO = '<scenarios version="1"><scenario name="other" map="town_grid"/></scenarios>'
+
+
+@pytest.mark.parametrize("content", ["<scenarios", "<OpenSCENARIO/>", ONLY_A_SCENARIO, None])
 def test_an_include_that_cannot_be_used(tmp_path: Path, content: str | None) -> None:
     if content is not None:
         (tmp_path / "parts.xml").write_text(content, encoding="utf-8")
@@ -250,6 +253,58 @@ def test_includes_in_a_circle_are_read_once(tmp_path: Path) -> None:
     )
     (tmp_path / "made.xml").write_text(text, encoding="utf-8")
     assert codes_of(text, tmp_path / "made.xml") == []
+
+
+def test_a_template_that_two_includes_have_is_that_of_the_first(tmp_path: Path) -> None:
+    for name, width in (("one", 1), ("two", 2)):
+        static = f'<row id="cones" count="{width}"><at><ahead_of entity="ego" distance="50"/></at></row>'
+        text = f'<scenarios version="1">\n<template name="cones">{static}</template></scenarios>'
+        (tmp_path / f"{name}.xml").write_text(text, encoding="utf-8")
+    head = '<include file="one.xml"/><include file="two.xml"/>'
+    sink = Diagnostics()
+    scenario = expand(
+        parsed(library_text('<use template="cones"/>', head=head), sink, str(tmp_path / "made.xml")), None, {}, sink
+    )
+    assert scenario is not None
+    assert len(scenario.actors) == 1
+    (found,) = sink
+    assert (found.code.id, found.severity) == ("SC216", Severity.WARNING)
+    assert (Path(found.place.file).name, found.place.line) == ("two.xml", 2)
+    assert [Path(one.place.file).name for one in found.related] == ["one.xml"]
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        ('<allow code="unused"/>', "'unused' is not of the form SC[0-9]{3} (code: "),
+        ('<include file=""/>', "file is empty (file: "),
+    ],
+)
+def test_a_text_of_another_form_is_reported_with_the_form(part: str, message: str) -> None:
+    sink = Diagnostics()
+    parsed(library_text(head=part), sink)
+    assert [one.message[: len(message)] for one in sink] == [message]
+
+
+@pytest.mark.parametrize(
+    ("item", "told"),
+    [
+        ('<static id="1a"><at>{}</at></static>', "a name of letters, digits, _ and -, with a letter or _ first"),
+        (
+            '<static id="a"><at><lane road="1" lane="-1" s="2 * $gap"/></at></static>',
+            "write the whole expression in ${",
+        ),
+        ('<for each="k" in="1 $gap"/>', "a list is written out, or one parameter as a whole"),
+        ('<for each="2k" in="1"/>', "a name of letters, digits and _, with no digit first"),
+    ],
+)
+def test_what_is_nearly_a_name_an_expression_or_a_list_is_put_right(item: str, told: str) -> None:
+    sink = Diagnostics()
+    gap = '<parameter name="gap" type="length" default="1"/>'
+    text = library_text(item.format('<lane road="1" lane="-1" s="9"/>'), parameters=gap)
+    expand(parsed(text, sink), None, {}, sink)
+    (found,) = sink
+    assert told in f"{found.message} {found.hint}"
 
 
 def test_checking_a_file_expands_every_scenario_and_template() -> None:

@@ -6,9 +6,11 @@ import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Value
+from scenario_compiler.languages import expand
 from scenario_compiler.markup.values import COMMAND_LINE
 from scenario_compiler.source.parameters import Declared, bind_arguments, default_value, typed
 from scenario_compiler.vocabulary.scenario import Parameter, ParameterKind
+from tests.source.made import library_text, parsed
 
 
 def _typed(kind: ParameterKind, text: str) -> tuple[Value | None, list[str]]:
@@ -48,6 +50,31 @@ def test_texts_that_fit(kind: ParameterKind, text: str, value: Value) -> None:
 )
 def test_texts_that_do_not_fit(kind: ParameterKind, text: str, code: str) -> None:
     assert _typed(kind, text) == (None, [code])
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "hint"),
+    [
+        ("length", "50 m", "write 50"),
+        ("speed", "50 km/h", "write 13.89"),
+        ("length", "1,5", "write 1.5"),
+        ("boolean", "yes", "write true"),
+        ("boolean", "0", "write false"),
+        ("boolean", "maybe", "What p means."),
+    ],
+)
+def test_a_text_that_is_nearly_right_is_put_right(kind: ParameterKind, text: str, hint: str) -> None:
+    sink = Diagnostics()
+    typed(text, Parameter(name="p", type=kind, summary="What p means."), COMMAND_LINE, sink)
+    assert [one.hint for one in sink] == [hint]
+
+
+def test_limits_that_leave_no_value_are_reported_at_the_declaration() -> None:
+    template = '<template name="t">\n<parameter name="p" type="length" min="3" max="2"/></template>'
+    sink = Diagnostics()
+    expand(parsed(library_text('<use template="t" p="3"/>', head=template), sink), None, {}, sink)
+    assert [(one.code.id, one.place.line) for one in sink] == [("SC112", 2), ("SC112", 2)]
+    assert sink.found[0].message == "no value of 'p' is at least 3 and at most 2"
 
 
 def test_a_fraction_lies_between_zero_and_one() -> None:

@@ -8,8 +8,11 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Expression
 from scenario_compiler.languages import check_source, expand
 from scenario_compiler.source.templates import TemplateScope
+from scenario_compiler.vocabulary.actions import StopTrafficAction, TrafficSourceAction
+from scenario_compiler.vocabulary.conditions import RelativeClearanceCondition
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.positions import RelativeLanePosition
+from scenario_compiler.vocabulary.traversal import walk
 from tests.source.made import codes_of, expanded, library_text, parsed
 
 PAIR = """<template name="pair">
@@ -95,6 +98,31 @@ def test_an_event_in_a_template_may_be_its_actors() -> None:
     scenario = expanded(library_text('<use template="mover" id="m"/>', head=head))
     (group,) = scenario.storyboard.stories[0].acts[0].groups
     assert (group.actors, group.maneuvers[0].events[0].name) == (("m.it",), "m.it.when1")
+
+
+FLOW = """<template name="flow"><traffic id="cars" vehicles="2"/>
+  <when><time after="0"/><do>
+    <traffic_source traffic="ramp" rate="1"><lane road="1" lane="-1" s="300"/></traffic_source>
+    <stop_traffic traffic="cars"/><stop_traffic traffic="ramp"/><stop_traffic/>
+  </do></when></template>"""
+
+
+def test_traffic_of_a_template_is_local_to_each_use() -> None:
+    outside = '<when><time after="3"/><do><stop_traffic traffic="b.ramp"/></do></when>'
+    scenario = expanded(library_text(f'<use template="flow" id="a"/><use template="flow" id="b"/>{outside}', head=FLOW))
+    actions = [action for _, action in scenario.storyboard.actions()]
+    named = [one.traffic for one in actions if isinstance(one, TrafficSourceAction | StopTrafficAction)]
+    assert named == ["a.ramp", "a.cars", "a.ramp", "", "b.ramp", "b.cars", "b.ramp", "", "b.ramp"]
+    assert [one.id for one in scenario.traffic] == ["a.cars", "b.cars"]
+
+
+def test_a_clearance_lists_entities_of_its_template() -> None:
+    clear = '<when><clearance of="a b ego" forward="50"/><do><stop/></do></when>'
+    head = PAIR.replace("</template>", f"{clear}</template>")
+    scenario = expanded(library_text('<use template="pair" id="x"/>', head=head))
+    (found,) = (word for word in walk(scenario.storyboard) if isinstance(word, RelativeClearanceCondition))
+    assert found.of == ("x.a", "x.b", "ego")
+    assert codes_of(library_text('<use template="pair"/>', head=head.replace("a b ego", "a bb"))) == ["SC222"]
 
 
 def test_numbers_of_uses_skip_names_that_are_taken() -> None:

@@ -15,6 +15,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.free import place_free
+from scenario_compiler.engine.motion.on_tracks import point_at
 from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import wrap_heading
@@ -63,14 +64,20 @@ def path_goes_on(p: Program, st: State, k: int, i: int, progress: float) -> int:
 
 @compiled
 def start_follow_path(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Begin a path at its entity's position; an entity that stood at the end of another path moves again."""
-    del n
+    """Begin a path at its entity's position; an entity that stood at the end of another path moves again.
+
+    The points that `reset_positions` leaves open are where they are now.
+    """
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED:
         return
     for q in range(p.action_point[k], p.action_point[k] + p.action_points[k]):
-        if st.position_x[p.point_position[q]] >= op.FAR:
+        at = p.point_position[q]
+        found, x, y = point_at(n, p, st, at, i)
+        if found == 0 or x >= op.FAR:
             fault(st, op.FAULT_OFF_ROAD_START, i)
+        st.position_x[at] = x
+        st.position_y[at] = y
     st.action_x[k] = st.x[i]
     st.action_y[k] = st.y[i]
     st.lateral[i] = k

@@ -122,7 +122,8 @@ def place_on_route(draft: ProgramBuilder, position: RoutePosition) -> tuple[int,
         return 0, 0, 0.0, 0.0
     rest = number_value(place.s, values)
     road, sense = path[0]
-    s = _waypoint_s(draft, position.route.waypoints[0].position, values)
+    first = next(one.position for one in position.route.waypoints if stretch_of(draft, one.position) is not None)
+    s = _waypoint_s(draft, first, values)
     for following in (*path[1:], None):
         room = n.road_length[road] - s if sense > 0 else s
         if rest <= room or following is None:

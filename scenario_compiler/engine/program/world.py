@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.program.builder import ProgramBuilder
@@ -19,7 +19,7 @@ from scenario_compiler.vocabulary.conditions import (
     VariableCondition,
 )
 from scenario_compiler.vocabulary.traversal import walk
-from scenario_compiler.vocabulary.variables import Variable, number_of
+from scenario_compiler.vocabulary.variables import Variable, VariableType, number_of
 
 LAMPS = ("red", "yellow", "green")
 """Lamps of a signal head from the top."""
@@ -92,6 +92,10 @@ def aspect_of(state: str) -> int:
     return op.ASPECT_CAUTION if "yellow" in colours else op.ASPECT_NONE
 
 
+LEFT_OUT: Mapping[VariableType, str] = {"boolean": "false", "dateTime": "1970-01-01T00:00:00"}
+"""Values at the start of variables without one, by their type; those of all others are 0."""
+
+
 def variable_value(draft: ProgramBuilder, variable: Variable, text: str) -> float:
     """Return the number that represents a variable's value: for a text its index among all texts, which are sorted.
 
@@ -100,7 +104,7 @@ def variable_value(draft: ProgramBuilder, variable: Variable, text: str) -> floa
     """
     if variable.type == "string":
         return float(draft.texts[text])
-    number = number_of(variable.type, text or ("false" if variable.type == "boolean" else "0"))
+    number = number_of(variable.type, text or LEFT_OUT.get(variable.type, "0"))
     if number is None:
         raise ValueError(f"'{text}' is not a value of the variable '{variable.name}'")
     return number

@@ -23,10 +23,16 @@ SAID = ("parameters", "variables", "signal_controllers", "storyboard")
 
 
 def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
-    """Return the element that keeps an entity's own kind; none for an entity that the standard expresses completely."""
-    if entity.start is None:
+    """Return the element that keeps an entity's own kind; none for an entity that the standard expresses completely.
+
+    The init expresses the speed of an entity with a start. That of another one, which an action adds, is kept.
+    """
+    later = entity.start is None
+    if later and (entity.kind != "dynamic" or (entity.speed == 0.0 and entity.follow is None)):
         return []
-    word: Word = Dynamic(id="id", destination=goal_of(plan, entity), follow=entity.follow, path=entity.path)
+    word: Word = Dynamic(
+        id="id", speed=entity.speed, destination=goal_of(plan, entity), follow=entity.follow, path=entity.path
+    )
     if entity.kind == "static":
         word = Static(id="id", at=_NOWHERE)
     elif entity.kind == "ego":
@@ -41,7 +47,7 @@ def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
         )
     element = write_word(word)
     for attribute in _ATTRIBUTES_SAID:
-        if attribute in element.attrib:
+        if attribute in element.attrib and not (later and attribute == "speed"):
             del element.attrib[attribute]
     for child in element.findall("start") + element.findall("at"):
         element.remove(child)

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.plan.checks.camera import check_camera
 from scenario_compiler.plan.checks.causes import check_causes
+from scenario_compiler.plan.checks.classifications import check_classifications
 from scenario_compiler.plan.checks.controllers import check_controllers
 from scenario_compiler.plan.checks.curves import check_curves
 from scenario_compiler.plan.checks.driver import check_driver
@@ -20,6 +21,7 @@ from scenario_compiler.plan.checks.plausible import check_plausible
 from scenario_compiler.plan.checks.presence import check_presence
 from scenario_compiler.plan.checks.reach import check_budget, check_range, check_reach
 from scenario_compiler.plan.checks.restarts import check_restarts
+from scenario_compiler.plan.checks.routes import check_routes
 from scenario_compiler.plan.checks.start import check_start
 from scenario_compiler.plan.checks.triggers import check_triggers
 from scenario_compiler.plan.checks.world import check_world
@@ -37,6 +39,7 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_driver,
     check_paths,
     check_curves,
+    check_routes,
     check_plausible,
     check_budget,
     check_range,
@@ -49,4 +52,5 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_endless,
     check_world,
     check_controllers,
+    check_classifications,
 )

@@ -6,8 +6,9 @@ from scenario_compiler.diagnostics import Code, Diagnostics
 from scenario_compiler.plan.defaults import CAUSE_DEFAULTS
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.takeover import Cause
-from scenario_compiler.vocabulary.word import AttributeSpelling, spelling_of
+from scenario_compiler.vocabulary.word import AttributeSpelling, number_value, spelling_of
 
 FOREIGN_LIMIT = Code(
     "SC501",
@@ -26,13 +27,23 @@ IMPOSSIBLE_COUNT = Code(
 )
 
 
+CROSSED_THRESHOLDS = Code(
+    "SC516",
+    "crossed-thresholds",
+    "A warning of a <cause> ends at a lower value than it begins (`warning_over` is less than `warning_below`), so "
+    "that between the two it would end and begin again in turn.\n\n"
+    '    <cause kind="lane_confidence" warning_below="0.6" warning_over="0.5"/>     warning_over="0.7"',
+)
+
+
 def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report attributes that do not apply to the kind of a cause or sensor, and counts that are never reached."""
+    """Report attributes of other kinds of causes or sensors, counts that are never reached, and crossed thresholds."""
     del network
     sensor = plan.forward_sensor
     for name in ("noise",) if sensor.kind == "camera" else ("headlights",):
         if getattr(sensor, name) is not None:
             sink.add(FOREIGN_LIMIT, f"a {sensor.kind} has no '{name}'", sensor.place_of(name))
+    values = parameter_values(plan.parameters)
     for cause in plan.takeover.causes:
         counted = set() if cause.kind == "no_progress" else {"count", "of"}
         budgets = {"budget", "warning_budget"} if cause.kind in ("path_blocked", "lane_ends") else set()
@@ -46,3 +57,8 @@ def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
         if cause.count is not None and cause.of is not None and cause.count > cause.of:
             message = f"{cause.count} of {cause.of} control steps are impossible: the cause never takes effect"
             sink.add(IMPOSSIBLE_COUNT, message, cause.place_of("count"))
+        if cause.warning_below is not None and cause.warning_over is not None:
+            begins, ends = (number_value(one, values) for one in (cause.warning_below, cause.warning_over))
+            if ends < begins:
+                message = f"the warning begins below {begins:g} and would end over {ends:g}"
+                sink.add(CROSSED_THRESHOLDS, message, cause.place_of("warning_over"))

@@ -6,11 +6,24 @@ from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.plan.model import Entity, Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
+    AcquirePositionAction,
     ActivateControllerAction,
     AssignControllerAction,
+    AssignRouteAction,
+    FollowPathAction,
+    FollowTrajectoryAction,
     LaneChangeAction,
     LaneChangeToAction,
+    LaneOffsetAction,
+    LateralDistanceAction,
+    LimitedLaneOffsetAction,
+    LongitudinalDistanceAction,
     OverrideControllerAction,
+    RandomRouteAction,
+    RelativeSpeedAction,
+    SpeedAction,
+    SpeedProfileAction,
+    SynchronizeAction,
 )
 from scenario_compiler.vocabulary.entities import Controller
 
@@ -49,6 +62,16 @@ STAYS_IN_LANE = Code(
     '    <ego speed="20"> ... <when><time after="3"/><do><lane_change by="1" over_time="4"/></do></when></ego>',
     Severity.WARNING,
 )
+NOT_MOVED = Code(
+    "SC531",
+    "not-moved-by-actions",
+    "An action gives the automated vehicle a path, a trajectory or a route, or moves a <static>. It is executed "
+    "without effect: the automation follows its lane, and at junctions the route to its destination; a <static> "
+    "stands still, although it can be teleported and deleted.\n\n"
+    '    <ego> ... <do><acquire_position><lane road="3" lane="-1" s="90"/></acquire_position></do>\n'
+    '    <ego> ... <destination><lane road="3" lane="-1" s="90"/></destination>',
+    Severity.WARNING,
+)
 BAD_PROPERTY = Code(
     "SC284",
     "follow-property",
@@ -59,6 +82,25 @@ BAD_PROPERTY = Code(
 
 DRIVING = ("acc", "alks", "default", "follow_route")
 """Controller models that drive an actor here, or that leave it to the storyboard as they should."""
+
+ROUTING = AssignRouteAction | AcquirePositionAction | RandomRouteAction
+STEERING = ROUTING | FollowPathAction | FollowTrajectoryAction
+"""Actions that say where their actor drives; the automated vehicle decides this itself."""
+
+MOVING = (
+    STEERING
+    | SpeedAction
+    | RelativeSpeedAction
+    | SpeedProfileAction
+    | LongitudinalDistanceAction
+    | LateralDistanceAction
+    | LaneChangeAction
+    | LaneChangeToAction
+    | LaneOffsetAction
+    | LimitedLaneOffsetAction
+    | SynchronizeAction
+)
+"""Actions that only what moves can execute."""
 
 FOLLOWING = ("acc", "alks")
 LEAST = {"timeGap": 0.1, "time_gap": 0.1, "minimum_gap": 0.1, "setSpeed": 0.0, "speed": 0.0}
@@ -90,6 +132,13 @@ def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
         elif isinstance(word, LaneChangeAction | LaneChangeToAction) and keeps_lane and entity and entity.kind == "ego":
             message = f"with {plan.perception} perception '{actor}' stays in the lane that it sees"
             sink.add(STAYS_IN_LANE, message, word.origin, hint="--perception ideal changes the lane")
+        elif isinstance(word, STEERING) and entity is not None and entity.kind == "ego":
+            message = f"'{actor}' is steered by its automation, so <{word.tag()}> has no effect"
+            hint = "give it a <destination>" if isinstance(word, ROUTING) else ""
+            sink.add(NOT_MOVED, message, word.origin, hint=hint)
+        elif isinstance(word, MOVING) and entity is not None and entity.kind == "static":
+            message = f"'{actor}' is a <static>, so <{word.tag()}> has no effect"
+            sink.add(NOT_MOVED, message, word.origin, hint="a <dynamic> with the speed 0 can be moved")
 
 
 def _check_assigned(word: AssignControllerAction, entity: Entity | None, sink: Diagnostics) -> None:

@@ -8,7 +8,6 @@ from scenario_compiler.diagnostics import Code, Diagnostics
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.positions import Nurbs
-from scenario_compiler.vocabulary.traversal import walk
 
 MALFORMED_NURBS = Code(
     "SC529",
@@ -25,7 +24,7 @@ MALFORMED_NURBS = Code(
 def check_curves(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report each NURBS whose knots, order and control points do not define a curve."""
     del network
-    for word in walk(plan.storyboard):
+    for word in plan.words():
         if isinstance(word, Nurbs):
             fault = _fault_of(word)
             if fault:

@@ -20,7 +20,8 @@ from scenario_compiler.vocabulary.traversal import walk
 TO_ITSELF = Code(
     "SC270",
     "distance-to-itself",
-    "An entity is to keep a distance to itself, or to arrive together with itself."
+    "An entity is to keep a distance to itself or to arrive together with itself, or a condition compares it with "
+    "itself."
     '\n\n    <dynamic id="truck"> ... <do><keep_distance to="truck" distance="20"/></do>     to another entity',
 )
 TWO_DISTANCES = Code(
@@ -51,7 +52,7 @@ OTHERS = {LongitudinalDistanceAction: "to", LateralDistanceAction: "to", Synchro
 
 def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report actions that refer to their own actor, give two distances, or need a lane that does not exist."""
-    lanes, widest = set(network.tables.lane_id), _most_lanes(network)
+    lanes, widest = set(network.tables.lane_id) - {0}, _most_lanes(network)
     for actor, action in plan.storyboard.actions():
         named = OTHERS.get(type(action))
         if named is not None and getattr(action, named) == actor:

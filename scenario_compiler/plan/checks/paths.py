@@ -45,7 +45,7 @@ def check_paths(plan: Plan, network: Network, sink: Diagnostics) -> None:
             else:
                 continue
             sink.add(PATH_TIMES, message, point.place_of("time") if time is not None else point.origin)
-    for line in walk(plan.storyboard):
+    for line in plan.words():
         if isinstance(line, Polyline):
             _check_vertices(line, values, sink)
 

@@ -15,7 +15,6 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.conditions import (
     Condition,
-    DistanceCondition,
     ElementStateCondition,
     EventCondition,
     ReachPositionCondition,
@@ -190,7 +189,7 @@ def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[s
         begin = number_value(condition.after, values) + number_value(one.delay, values)
         late = f"the run ends at {plan.duration:g} s, before {begin:g} s"
         return Never(AFTER_THE_END, late, "after") if begin >= plan.duration else None
-    between = TimeHeadwayCondition | DistanceCondition | TimeToCollisionCondition
+    between = TimeHeadwayCondition | TimeToCollisionCondition
     if isinstance(condition, between) and condition.to and condition.to == condition.entity:
         return Never(NEVER_FIRES, f"'{condition.to}' cannot be ahead of itself", "to")
     missed = beyond(condition, plan, values)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity, did_you_mean
+from scenario_compiler.plan.checks.moves import TO_ITSELF
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
@@ -16,9 +17,12 @@ from scenario_compiler.vocabulary.actions import (
     TrafficSignalStateAction,
 )
 from scenario_compiler.vocabulary.conditions import (
+    CollisionCondition,
     DistanceCondition,
     ElementStateCondition,
     PositionDistanceCondition,
+    RelativeAngleCondition,
+    RelativeSpeedCondition,
     TimeHeadwayCondition,
     TimeOfDayCondition,
     TimeToCollisionCondition,
@@ -115,13 +119,19 @@ def check_world(plan: Plan, network: Network, sink: Diagnostics) -> None:
             check(plan, word, sink)
         if isinstance(word, ElementStateCondition) and word.element not in paths[word.kind]:
             message = f"there is no {word.kind} '{word.element}'"
-            sink.add(
-                UNKNOWN_ELEMENT, message, word.place_of("element"), hint=did_you_mean(word.element, paths[word.kind])
-            )
+            hint = _meant_element(word.element, paths[word.kind])
+            sink.add(UNKNOWN_ELEMENT, message, word.place_of("element"), hint=hint)
     for variable in plan.variables:
         if variable.type != "string" and variable.value and number_of(variable.type, variable.value) is None:
             message = f"'{variable.value}' is not a value of the type {variable.type}"
             sink.add(WRONG_VALUE, message, variable.place_of("value"))
+
+
+def _meant_element(written: str, known: set[str]) -> str:
+    """Return a hint with the only element of the same last name, or else with a similar one."""
+    last = written.rpartition("::")[2]
+    namesakes = [path for path in known if path.rpartition("::")[2] == last]
+    return did_you_mean(namesakes[0] if len(namesakes) == 1 else written, known)
 
 
 def _check_variable(plan: Plan, word: Any, sink: Diagnostics) -> None:
@@ -129,7 +139,8 @@ def _check_variable(plan: Plan, word: Any, sink: Diagnostics) -> None:
     if variable is None:
         known = [one.name for one in plan.variables]
         message = f"there is no variable '{word.variable}'"
-        sink.add(UNKNOWN_VARIABLE, message, word.place_of("variable"), hint=did_you_mean(word.variable, known))
+        hint = did_you_mean(word.variable, known) or f'declare it: <variable name="{word.variable}" value="0"/>'
+        sink.add(UNKNOWN_VARIABLE, message, word.place_of("variable"), hint=hint)
     elif isinstance(word, ModifyVariableAction):
         if variable.type not in NUMBERS:
             message = f"'{variable.name}' is not a number: its type is {variable.type}"
@@ -144,7 +155,8 @@ def _check_phase(plan: Plan, word: Any, sink: Diagnostics) -> None:
     if controller is None:
         known = [one.name for one in plan.signal_controllers]
         message = f"there is no controller of traffic signals '{word.controller}'"
-        sink.add(UNKNOWN_PHASE, message, word.place_of("controller"), hint=did_you_mean(word.controller, known))
+        hint = did_you_mean(word.controller, known) or "declare it with <signal_controller>"
+        sink.add(UNKNOWN_PHASE, message, word.place_of("controller"), hint=hint)
     elif word.phase not in {one.name for one in controller.phases}:
         message = f"'{controller.name}' has no phase '{word.phase}'"
         known = [one.name for one in controller.phases]
@@ -190,7 +202,8 @@ def _check_date(plan: Plan, word: Any, sink: Diagnostics) -> None:
     try:
         seconds_of(word.date_time or "1970-01-01T00:00:00")
     except (ValueError, OverflowError):
-        sink.add(BAD_DATE, f"'{word.date_time}' is not a date and time", word.place_of("date_time"))
+        hint = "write it as 2026-06-21T18:30:00"
+        sink.add(BAD_DATE, f"'{word.date_time}' is not a date and time", word.place_of("date_time"), hint=hint)
 
 
 def _check_given(plan: Plan, word: Any, sink: Diagnostics) -> None:
@@ -203,6 +216,19 @@ def _check_frame(plan: Plan, word: Any, sink: Diagnostics) -> None:
     if word.distance != "euclidianDistance" and word.coordinates == "trajectory":
         message = "a distance along a trajectory is measured along the road"
         sink.add(ALONG_ROAD, message, word.place_of("coordinates"))
+
+
+def _check_other(plan: Plan, word: Any, sink: Diagnostics) -> None:
+    del plan
+    field, attribute = ("with_entity", "with") if isinstance(word, CollisionCondition) else ("to", "to")
+    if word.entity and getattr(word, field) == word.entity:
+        message = f"<{word.tag()}> compares '{word.entity}' with itself"
+        sink.add(TO_ITSELF, message, word.place_of(attribute), severity=Severity.WARNING)
+
+
+def _check_distance(plan: Plan, word: Any, sink: Diagnostics) -> None:
+    _check_frame(plan, word, sink)
+    _check_other(plan, word, sink)
 
 
 def _check_target(plan: Plan, word: Any, sink: Diagnostics) -> None:
@@ -223,7 +249,10 @@ CHECKS_OF: dict[type[Word], Callable[[Plan, Any, Diagnostics], None]] = {
     UserDefinedValueCondition: _check_given,
     TimeToCollisionCondition: _check_target,
     TimeHeadwayCondition: _check_frame,
-    DistanceCondition: _check_frame,
+    DistanceCondition: _check_distance,
+    RelativeSpeedCondition: _check_other,
+    RelativeAngleCondition: _check_other,
+    CollisionCondition: _check_other,
     PositionDistanceCondition: _check_frame,
 }
 

@@ -65,6 +65,6 @@ class AnimationAction(Word):
     word: Literal["animation"] = "animation"
 
     type: str = attribute("Part that moves, or gesture.")
-    state: Number = attribute("Final state, 0 to 1.", default=1.0)
-    duration: Number | None = attribute("Duration, s.", default=None, quantity="time")
+    state: Number = attribute("Final state, 0 to 1.", default=1.0, minimum=0, maximum=1)
+    duration: Number | None = attribute("Duration, s.", default=None, quantity="time", minimum=0)
     continuous: bool = attribute("Whether it is repeated, so that it never ends by itself.", default=False)

@@ -13,7 +13,9 @@ class AtRate(Word):
 
     word: Literal["at_rate"] = "at_rate"
 
-    value: Number = attribute("Greatest rate, m/s2 for a speed, m/s for an offset; the sign is ignored.")
+    value: Number = attribute(
+        "Greatest rate, m/s2 for a speed, m/s for an offset; the sign is ignored. With 0 the transition is immediate."
+    )
 
 
 class OverDistance(Word):
@@ -21,7 +23,7 @@ class OverDistance(Word):
 
     word: Literal["over_distance"] = "over_distance"
 
-    value: Number = attribute("Distance, m.", quantity="length", minimum=0)
+    value: Number = attribute("Distance, m; with 0 the transition is immediate.", quantity="length", minimum=0)
 
 
 class Limits(Word):

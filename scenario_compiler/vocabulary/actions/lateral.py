@@ -6,13 +6,18 @@ from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDi
 from scenario_compiler.vocabulary.conditions.measuring import CoordinateSystem
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
+_OVER_TIME = "Duration of the change, s; with 0 it is immediate."
 _SHAPE = "Shape of the lateral motion from one lane to the other."
 _INSTEAD = "A rate or a distance instead of the duration."
 _OFFSET = "Final distance from the new lane's centre, m, along the road's t axis: positive to the left of s."
 
 
 class LaneChangeAction(Word):
-    """Change to a neighbouring lane, counted from the lane of this entity or of another one."""
+    """Change to a neighbouring lane, counted from the lane of this entity or of another one.
+
+    The speed is that along the path. An entity that is too slow for the duration takes longer, and a standing one
+    waits. The automation of the automated vehicle steers to the lane by itself, with at most 3 m/s2 to the side.
+    """
 
     word: Literal["lane_change"] = "lane_change"
 
@@ -20,7 +25,7 @@ class LaneChangeAction(Word):
         "Number of lanes, positive to the left and negative to the right, in the direction of travel of the entity "
         "from which lanes are counted."
     )
-    over_time: Number = attribute("Duration of the change, s.", default=0.0, quantity="time", minimum=0)
+    over_time: Number = attribute(_OVER_TIME, default=0.0, quantity="time", minimum=0)
     shape: Shape = attribute(_SHAPE, default="sinusoidal")
     of: str = attribute(
         "Id of the entity from whose lane the lanes are counted; the entity itself if left out.",
@@ -32,19 +37,23 @@ class LaneChangeAction(Word):
 
 
 class LaneChangeToAction(Word):
-    """Change to the lane with a given id, on the road that the entity is on."""
+    """Change to the lane with a given id, on the road that the entity is on; otherwise like <lane_change>."""
 
     word: Literal["lane_change_to"] = "lane_change_to"
 
     lane: int = attribute("Id of the lane.")
-    over_time: Number = attribute("Duration of the change, s.", default=0.0, quantity="time", minimum=0)
+    over_time: Number = attribute(_OVER_TIME, default=0.0, quantity="time", minimum=0)
     shape: Shape = attribute(_SHAPE, default="sinusoidal")
     offset: Number = attribute(_OFFSET, default=0.0, quantity="length")
     dynamics: AtRate | OverDistance | None = child(_INSTEAD, default=None)
 
 
 class LaneOffsetAction(Word):
-    """Move sideways to an offset from the lane's centre, within the lane or beyond it."""
+    """Move sideways to an offset from the lane's centre, within the lane or beyond it.
+
+    An entity that is too slow for the duration takes longer, and a standing one waits. The automation of the automated
+    vehicle steers there by itself, with at most 1 m/s2 to the side.
+    """
 
     word: Literal["lane_offset"] = "lane_offset"
 
@@ -52,7 +61,7 @@ class LaneOffsetAction(Word):
         "Distance from the lane's centre, m, positive to the left in the entity's direction of travel.",
         quantity="length",
     )
-    over_time: Number = attribute("Duration of the move, s.", quantity="time", minimum=0)
+    over_time: Number = attribute("Duration of the move, s; with 0 it is immediate.", quantity="time", minimum=0)
     shape: Shape = attribute("Shape of the motion from the present offset to the target.", default="sinusoidal")
 
 
@@ -62,12 +71,13 @@ class LimitedLaneOffsetAction(Word):
     word: Literal["limited_lane_offset"] = "limited_lane_offset"
 
     to: Number = attribute(
-        "Distance from the lane's centre, or from the other entity, m, along the t axis: positive to the left of s.",
+        "Distance from the lane's centre, m, along the t axis: positive to the left of s. With `of`, the distance from "
+        "that entity, positive to its left.",
         quantity="length",
     )
     of: str = attribute("Id of the entity to whose position the offset refers.", default="", names="entity")
     acceleration: Number | None = attribute(
-        "Greatest lateral acceleration, m/s2.", default=None, quantity="acceleration", minimum=0
+        "Greatest lateral acceleration, m/s2; 0.5 if left out or 0.", default=None, quantity="acceleration", minimum=0
     )
     shape: Shape = attribute("Shape of the motion from the present offset to the target.", default="sinusoidal")
     continuous: bool = attribute("Whether the offset is kept afterwards.", default=False)

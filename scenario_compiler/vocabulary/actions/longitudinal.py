@@ -15,7 +15,12 @@ Displacement = Literal["any", "trailingReferencedEntity", "leadingReferencedEnti
 
 
 class SpeedAction(Word):
-    """Change the speed to a target."""
+    """Change the speed to a target.
+
+    A change that exceeds the vehicle's `max_acceleration` or `max_deceleration` takes longer, unless it is immediate;
+    a target above its `max_speed` is that speed. For the automated vehicle, the target is the speed that the automation
+    aims for.
+    """
 
     word: Literal["speed"] = "speed"
 
@@ -26,7 +31,7 @@ class SpeedAction(Word):
 
 
 class RelativeSpeedAction(Word):
-    """Change the speed to a target relative to another entity's speed."""
+    """Change the speed to a target relative to another entity's speed, within the limits of the vehicle."""
 
     word: Literal["relative_speed"] = "relative_speed"
 
@@ -75,7 +80,9 @@ class LongitudinalDistanceAction(Word):
 
     to: str = attribute("Id of the other entity.", names="entity")
     distance: Number | None = attribute(
-        "Distance, m; the present one if neither distance nor time gap is given.", default=None, quantity="length"
+        "Distance, m; the present one if neither distance nor time gap is given. A negative one is on the other side.",
+        default=None,
+        quantity="length",
     )
     time_gap: Number | None = attribute("Time gap, s, instead of a distance.", default=None, quantity="time")
     freespace: bool = attribute("Whether the distance is measured between the bounding boxes.", default=False)

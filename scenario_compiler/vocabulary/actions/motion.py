@@ -15,7 +15,10 @@ class TeleportAction(Word):
 
 
 class AssignRouteAction(Word):
-    """Assign a route to the entity, which it follows at junctions from now on."""
+    """Assign a route to the entity, which it follows at junctions from now on.
+
+    The automated vehicle does not: its route is the one to its <destination>.
+    """
 
     word: Literal["assign_route"] = "assign_route"
 
@@ -23,7 +26,10 @@ class AssignRouteAction(Word):
 
 
 class AcquirePositionAction(Word):
-    """Give the entity a route to a position."""
+    """Give the entity a route to a position.
+
+    The automated vehicle does not follow it: its route is the one to its <destination>.
+    """
 
     word: Literal["acquire_position"] = "acquire_position"
 
@@ -31,7 +37,10 @@ class AcquirePositionAction(Word):
 
 
 class RandomRouteAction(Word):
-    """Let the entity turn at random at junctions from now on."""
+    """Let the entity turn at random at junctions from now on.
+
+    The automated vehicle does not: its route is the one to its <destination>.
+    """
 
     word: Literal["random_route"] = "random_route"
 
@@ -42,14 +51,18 @@ class TrajectoryTiming(Word):
     word: Literal["timing"] = "timing"
 
     domain: Literal["absolute", "relative"] = attribute(
-        "Whether the times are simulation times, or count from the start of the action."
+        "`absolute`: the times are simulation times. `relative`: the action starts at the trajectory's first time, or "
+        "at the time of the place `begin`."
     )
     scale: Number = attribute("Factor by which the times are multiplied.", default=1.0)
     offset: Number = attribute("Time added to them, s.", default=0.0, quantity="time")
 
 
 class FollowTrajectoryAction(Word):
-    """Follow a trajectory, at its times or at the entity's own speed."""
+    """Follow a trajectory, at its times or at the entity's own speed.
+
+    The automated vehicle does not: it steers itself.
+    """
 
     word: Literal["follow_trajectory"] = "follow_trajectory"
 

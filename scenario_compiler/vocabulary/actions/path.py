@@ -42,7 +42,10 @@ class Path(Word):
 
 
 class FollowPathAction(Word):
-    """Leave the lane and move in straight lines from the present position over points."""
+    """Leave the lane and move in straight lines from the present position over points.
+
+    The automated vehicle does not: it steers itself.
+    """
 
     word: Literal["follow_path"] = "follow_path"
 

@@ -34,7 +34,7 @@ class TrafficSwarmAction(Word):
 
     word: Literal["traffic_swarm"] = "traffic_swarm"
 
-    traffic: str = attribute("Name, for <stop_traffic>.", default="")
+    traffic: str = attribute("Name, for <stop_traffic>.", default="", defines="traffic")
     entity: str = attribute("Id of the entity at the centre.", names="entity")
     vehicles: int = attribute("Number of vehicles.", minimum=0, maximum=500)
     inner_radius: Number = attribute(
@@ -69,7 +69,7 @@ class TrafficSourceAction(Word):
 
     word: Literal["traffic_source"] = "traffic_source"
 
-    traffic: str = attribute("Name, for <stop_traffic>.", default="")
+    traffic: str = attribute("Name, for <stop_traffic>.", default="", defines="traffic")
     rate: float = attribute("Vehicles per second.", minimum=0, exclusive=True, maximum=10)
     radius: Number = attribute(
         "Greatest distance from the position at which they appear, m.", default=0.0, quantity="length", minimum=0
@@ -89,7 +89,7 @@ class TrafficSinkAction(Word):
 
     word: Literal["traffic_sink"] = "traffic_sink"
 
-    traffic: str = attribute("Name, for <stop_traffic>.", default="")
+    traffic: str = attribute("Name, for <stop_traffic>.", default="", defines="traffic")
     radius: Number = attribute("Distance at which vehicles are removed, m.", quantity="length", minimum=0)
     rate: Number | None = attribute(
         "Greatest number of vehicles per second; no limit if left out.", default=None, minimum=0, exclusive=True

@@ -65,7 +65,8 @@ class ElementStateCondition(Word):
 
     kind: Literal["story", "act", "maneuverGroup", "maneuver", "event", "action"] = attribute("Kind of the element.")
     element: str = attribute(
-        "Name of the element, preceded by the names of the elements that contain it: story::act::..."
+        "Name of the element, preceded by the names of the elements that contain it. The event `brakes` of the entity "
+        "`lead` is story::act::lead::lead.whens::brakes; <event> names it more simply."
     )
     state: Literal[
         "standbyState", "runningState", "completeState",

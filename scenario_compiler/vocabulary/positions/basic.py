@@ -99,7 +99,11 @@ class RandomSpawnPoint(Word):
 
 
 class RelativeLanePosition(Word):
-    """A point ahead of or behind an entity, along the lanes on which it travels."""
+    """A point ahead of or behind an entity, along the lanes on which it travels.
+
+    In a path or a condition it is measured from the entity's start, in an action that places another one from where the
+    entity is then.
+    """
 
     word: Literal["ahead_of"] = "ahead_of"
 
@@ -124,7 +128,11 @@ class RelativeLanePosition(Word):
 
 
 class BesidePosition(Word):
-    """A point beside an entity, and ahead of it if required, measured from the entity's own position in its lane."""
+    """A point beside an entity, and ahead of it if required, measured from the entity's own position in its lane.
+
+    In a path or a condition it is measured from the entity's start, in an action that places another one from where the
+    entity is then.
+    """
 
     word: Literal["beside"] = "beside"
 

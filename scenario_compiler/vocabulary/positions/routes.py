@@ -70,7 +70,7 @@ class InRouteLane(Word):
 
     word: Literal["route_lane"] = "route_lane"
 
-    s: Number = attribute("Distance along the route, m.", quantity="length", minimum=0)
+    s: Number = attribute("Distance along the route, m; beyond its end, the end.", quantity="length", minimum=0)
     lane: int = attribute("Id of the lane.")
     offset: Number = attribute("Distance from the lane's centre, m.", default=0.0, quantity="length")
 
@@ -80,7 +80,7 @@ class InRouteRoad(Word):
 
     word: Literal["route_road"] = "route_road"
 
-    s: Number = attribute("Distance along the route, m.", quantity="length", minimum=0)
+    s: Number = attribute("Distance along the route, m; beyond its end, the end.", quantity="length", minimum=0)
     t: Number = attribute("Distance from the reference line, m.", quantity="length")
 
 
@@ -200,7 +200,9 @@ class TrajectoryPosition(Word):
 
     word: Literal["on_trajectory"] = "on_trajectory"
 
-    s: Number = attribute("Distance from the trajectory's start, m.", quantity="length", minimum=0)
+    s: Number = attribute(
+        "Distance from the trajectory's start, m; beyond its end, the end.", quantity="length", minimum=0
+    )
     t: Number = attribute("Distance to the left of the trajectory, m.", default=0.0, quantity="length")
     turn: Number = attribute("Heading relative to the trajectory's, degrees.", default=0.0, quantity="angle")
     heading: Number | None = attribute(
