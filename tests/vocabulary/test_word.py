@@ -42,4 +42,4 @@ def test_the_json_schema_describes_numbers() -> None:
         {"type": "number"},
         {"type": "object", "additionalProperties": {"type": "string"}},
     ]
-    assert properties["over_time"]["description"] == "Duration of the move, s."
+    assert properties["over_time"]["description"] == "Duration of the move, s; with 0 it is immediate."
