@@ -245,7 +245,8 @@ pictures, and agrees with itself in {ceiling}.
 
 {agreement}
 
-There is no request in {asked} with the surrogate. Aims that are missed: {missed}.
+There is no request in {asked} with the surrogate.
+Aims that are missed: {missed}.
 
 174 more runs with the camera were made after the fit, with other numbers and on the same seven maps. The surrogate
 has the camera's answer in 140 of them (80 %): in 24 of 25 variants of the conflicts, 64 of 87 drawn roads, and 52 of

@@ -271,6 +271,10 @@ fit of the confidence, soderleden's expected error was 0.045 while driving and 0
 and its largest error 0.125. Then the clips of the fit were doubled; the paint was fitted to the same pictures, in
 another order.
 
+**More clips.** On 1920 clips of each of the two maps, four times as many, the area while driving is 0.987, the expected
+error 0.016 and the largest 0.046: all aims are met. On Town03 alone the largest error is just over 0.08, on soderleden
+alone 0.167. There the confidence is too low: of the sides between 0.6 and 0.9, 94 % are right while 82 % was stated.
+
 **Masks.** A mask is three columns of 128 around the boundary, in every row that has the boundary. On 600 clips of
 Town03 and 150 of soderleden, which have other seeds than those of the tables, the masks overlap the true ones by 0.81
 and by 0.89; the aim is 0.80. Rows without a boundary count less than others in the training, so a row is taken to have
