@@ -34,6 +34,7 @@ from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import NumberLimit, Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import When
+from scenario_compiler.vocabulary.structural import structural_parameters
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import AnyWord, entities_named, parameters_in, replaced, walk
 from scenario_compiler.vocabulary.weather import (
@@ -93,6 +94,8 @@ def expand_scenario(
         attempt = Diagnostics()
         environment = _environment(declared, values, settled)
         scenario = _Attempt(part, part.reading(attempt, environment), surroundings).scenario(declared.known, values)
+        if scenario is not None:
+            environment.structural |= structural_parameters(scenario)
         if environment.structural <= settled:
             sink.absorb(attempt)
             if scenario is not None and scenario.vary is not None:
