@@ -410,10 +410,14 @@ def _text(node: _Node) -> str:
     return f"{node.function}({', '.join(parts)})"
 
 
+WHOLE_BELOW = 1e15
+"""Amount from which on a whole number is written with an exponent, so that it is not an integer in XML."""
+
+
 def format_value(value: Value) -> str:
     """Return a value as XML writes it: true/false, shortest round-trip decimals, whole numbers without a point."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
         return value
-    return str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
+    return str(int(value)) if value == int(value) and abs(value) < WHOLE_BELOW else repr(value)

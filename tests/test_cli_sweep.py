@@ -252,6 +252,28 @@ def test_a_repeat_s_command_runs_it_again() -> None:
     assert again["trajectory_hash"] == headers[5]["trajectory_hash"]
 
 
+def test_a_row_with_an_integer_parameter_is_repeated_by_copying_its_values() -> None:
+    assert sweep("--vary", "number=poisson(3)", "--vary", "speed=choice(10, 12)", "--samples", 4) == 0
+    rows, _ = read_results(Path("out"))
+    lines = Path("out/codebook.csv").read_text(encoding="utf-8").splitlines()
+    codebook = {row["column"]: row["kind"] for row in csv.DictReader(lines)}
+    assert codebook["parameter.number"] == "integer"
+    assert codebook["parameter.speed"] == "number"
+    copied = [f"{name}={rows[f'parameter.{name}'][2]}" for name in ("number", "speed")]
+    assert re.fullmatch(r"number=\d+", copied[0])
+    options = [word for text in copied for word in ("--set", text)]
+    seed, variant = rows["seed"][2], rows["variant"][2]
+    assert call("run", "it.xml", "--perception", "ideal", *options, "--seed", seed, "--variant", variant) == 0
+
+
+@pytest.mark.parametrize("vary", ["number=choice(1, 1e300)", "number=grid(1, 1e16, 2)"])
+def test_integers_that_cannot_be_written_without_an_exponent_are_refused(
+    vary: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert sweep("--vary", vary, "--samples", 1) == 2
+    assert "'number' is of the type integer" in capsys.readouterr().err
+
+
 def test_the_codebook_has_every_column_of_the_table() -> None:
     Path("it.xml").write_text(
         CONFLICT.format("").replace('max="30"', 'max="30" summary="How fast it begins."'), encoding="utf-8"

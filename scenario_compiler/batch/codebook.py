@@ -53,7 +53,8 @@ def parameter_column(name: str, axis: Distribution, declared: Declaration | None
     quantity = None if declared is None else QUANTITIES.get(declared.kind)
     summary = "" if declared is None or not declared.summary else f"{declared.summary.rstrip('.')}. "
     definition = f"{summary}Value of the scenario's parameter '{name}'; it varies by {axis.text}."
-    return Column(PARAMETER + name, axis.kind, "" if quantity is None else quantity.unit, definition)
+    kind: ColumnKind = "integer" if declared is not None and declared.kind == "integer" else axis.kind
+    return Column(PARAMETER + name, kind, "" if quantity is None else quantity.unit, definition)
 
 
 def result_columns(parameters: Iterable[Column]) -> tuple[Column, ...]:

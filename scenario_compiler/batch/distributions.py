@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from statistics import NormalDist
 from typing import Literal
 
-from scenario_compiler.expressions import Value, format_value
+from scenario_compiler.expressions import WHOLE_BELOW, Value, format_value
 from scenario_compiler.vocabulary.grammar import outside
 from scenario_compiler.vocabulary.scenario import ParameterKind
 from scenario_compiler.vocabulary.variation import in_far_tail
@@ -87,7 +87,7 @@ def misfit(axis: Distribution, kind: ParameterKind) -> str:
     if axis.kind != "number":
         return "numbers only"
     counts = axis.text.startswith("poisson") or (
-        axis.points and all(float(value) % 1.0 == 0.0 for value in axis.points)
+        axis.points and all(float(value) % 1.0 == 0.0 and abs(float(value)) < WHOLE_BELOW for value in axis.points)
     )
     if kind == "integer" and not counts:
         return "whole numbers: choice(1, 2, ...), values(1, 2, ...), grid(first, last, count) or poisson(mean)"

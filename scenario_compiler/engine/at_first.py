@@ -8,11 +8,13 @@ measured with the rendered camera.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.ego.failures import reset_camera
 from scenario_compiler.engine.ego.reach import sensor_reach
@@ -24,6 +26,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.roads.network import Network
 from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.sensors import Failure
 from scenario_compiler.vocabulary.weather import weather_preset
 from scenario_compiler.vocabulary.word import number_value
 
@@ -42,11 +45,11 @@ SHORT_SIGHT = Code(
     "SC513",
     "short-sight",
     "The forward sensor sees far enough for the time budget in clear air by day, but not in the scenario's "
-    "weather, or with its noise: the request for a limit ahead comes as soon as the sensor detects it, which is "
-    "later than the budget:\n\n"
+    "weather, or with its noise or the camera's failures: the request for a limit ahead comes as soon as the sensor "
+    "detects it, which is later than the budget. The message names the causes:\n\n"
     '    <scenario ... weather="HardRainNoon">  <ego speed="22">     7 s are 154 m, but the camera sees 96 m\n\n'
-    'This may be intended. Otherwise choose another weather, another sensor (<forward_sensor kind="radar"/>), a '
-    "longer range, a shorter `budget` or a lower speed.",
+    "This may be intended. Otherwise choose another weather, less noise, a later failure, another sensor "
+    '(<forward_sensor kind="radar"/>), a longer range, a shorter `budget` or a lower speed.',
     Severity.WARNING,
 )
 
@@ -60,14 +63,26 @@ class FirstRequest:
     place: float
 
 
+@dataclass(frozen=True, slots=True)
+class Obscuring:
+    """One cause of a shorter range of the forward sensor.
+
+    Attributes:
+        name: Its name in a message.
+        only: The plan with this cause alone, in clear weather otherwise.
+        place: Where it is written.
+    """
+
+    name: str
+    only: Plan
+    place: Place
+
+
 def check_at_first(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report what weather and noise alone cause from the start: a short sensor range, or a cause that holds."""
     ideal = plan.model_copy(update={"perception": "ideal"})
-    program = build_program(ideal, network)
-    state = new_state(program)
-    reset_weather(program, state)
-    reset_camera(program, state)
-    _check_sight(plan, sensor_reach(program, state), sink)
+    program, state = _at_start(ideal, network)
+    _check_sight(plan, network, _lasting_reach(program, state), sink)
     values = program.const
     health = _lasting_health(state)
     causes = (
@@ -83,19 +98,62 @@ def _lasting_health(state: State) -> float:
     return state.image_health[0] * state.lines_left[0]
 
 
-def _check_sight(plan: Plan, reach: float, sink: Diagnostics) -> None:
-    """Warn if the sensor's range covers the time budget only in clear air."""
+def _at_start(plan: Plan, network: Network) -> tuple[Program, State]:
+    """Return the program of a plan, and its state with the weather and the camera of the start."""
+    program = build_program(plan, network)
+    state = new_state(program)
+    reset_weather(program, state)
+    reset_camera(program, state)
+    return program, state
+
+
+def _lasting_reach(program: Program, state: State) -> float:
+    """Return how far the forward sensor sees, m; a dropout counts only if it affects all images."""
+    state.missing[0] = 1 if state.failure_now[op.FAILURE_DROPOUT] >= 1.0 else 0
+    return sensor_reach(program, state)
+
+
+def _check_sight(plan: Plan, network: Network, reach: float, sink: Diagnostics) -> None:
+    """Warn if the sensor's range covers the time budget only in clear air, without noise and failures."""
     asked = obstacle_budget(plan)
     if asked is None:
         return
     needed = asked.time * asked.speed
-    if reach < needed <= number_value(plan.forward_sensor.range, parameter_values(plan.parameters)):
-        message = (
-            f"a budget of {asked.time:g} s at {asked.speed:g} m/s is {needed:.0f} m, but in this weather and with its "
-            f"noise the {plan.forward_sensor.kind} sees {reach:.0f} m: the request comes {reach / asked.speed:.1f} s "
-            "before the limit"
-        )
-        sink.add(SHORT_SIGHT, message, place_of(plan, "weather"))
+    clear = number_value(plan.forward_sensor.range, parameter_values(plan.parameters))
+    if not reach < needed <= clear:
+        return
+    causes = [(cause, _lasting_reach(*_at_start(cause.only, network))) for cause in _obscuring(plan)]
+    shortening = [cause for cause, seen in causes if seen < clear]
+    blamed = [cause for cause, seen in causes if seen < needed] or shortening
+    names = " and ".join(cause.name for cause in blamed)
+    message = (
+        f"a budget of {asked.time:g} s at {asked.speed:g} m/s is {needed:.0f} m, but because of {names} the "
+        f"{plan.forward_sensor.kind} sees {reach:.0f} m: the request comes {reach / asked.speed:.1f} s before the limit"
+    )
+    sink.add(SHORT_SIGHT, message, blamed[0].place)
+
+
+def _obscuring(plan: Plan) -> Iterator[Obscuring]:
+    """Yield what may shorten the forward sensor's range: weather, noise, and each kind of the camera's failures."""
+    sensor = plan.forward_sensor.model_copy(update={"noise": None})
+    clear = _in_clear_weather(plan).model_copy(update={"forward_sensor": sensor, "perception": "ideal"})
+    yield Obscuring(_weather_of(plan), clear.model_copy(update={"weather": plan.weather}), place_of(plan, "weather"))
+    noisy = {"forward_sensor": plan.forward_sensor}
+    yield Obscuring("the sensor's noise", clear.model_copy(update=noisy), plan.forward_sensor.place_of("noise"))
+    noise = clear.camera.model_copy(update={"sensor_noise": plan.camera.sensor_noise})
+    place = plan.camera.place_of("sensor_noise")
+    yield Obscuring("the camera's noise", clear.model_copy(update={"camera": noise}), place)
+    by_kind: dict[str, list[Failure]] = {}
+    for failure in plan.camera.failures:
+        by_kind.setdefault(failure.kind, []).append(failure)
+    for kind, failures in by_kind.items():
+        failing = clear.camera.model_copy(update={"failures": tuple(failures)})
+        name = f"the camera's failure '{kind}'"
+        yield Obscuring(name, clear.model_copy(update={"camera": failing}), failures[0].place_of("kind"))
+
+
+def _weather_of(plan: Plan) -> str:
+    return "the weather" if plan.weather.preset == "custom" else plan.weather.preset
 
 
 def _check_request(plan: Plan, ideal: Plan, network: Network, state: State, enough: float, sink: Diagnostics) -> None:
@@ -108,8 +166,7 @@ def _check_request(plan: Plan, ideal: Plan, network: Network, state: State, enou
         return
     by_weather = asked.cause == op.CAUSE_LANE_CONFIDENCE and state.paint_seen[0] < enough
     by_camera = asked.cause == op.CAUSE_SENSOR_HEALTH or _lasting_health(state) < enough
-    weather = "the weather" if plan.weather.preset == "custom" else plan.weather.preset
-    reasons = [weather] if by_weather or not by_camera else []
+    reasons = [_weather_of(plan)] if by_weather or not by_camera else []
     reasons += ["the camera's noise or failures"] if by_camera or not by_weather else []
     otherwise = "without this there is no request" if clear is None else f"before the conflict at {clear.place:.0f} m"
     message = f"a request at {asked.time:.1f} s because of {' and '.join(reasons)}, {otherwise}"

@@ -34,6 +34,7 @@ from scenario_compiler.openscenario.unread import report_unread
 from scenario_compiler.openscenario.variables import read_variables, used_variables
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import Storyboard
+from scenario_compiler.vocabulary.structural import structural_parameters
 from scenario_compiler.vocabulary.traversal import parameters_in
 from scenario_compiler.vocabulary.weather import Weather, weather_preset
 
@@ -102,6 +103,7 @@ def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str,
         attempt = Diagnostics()
         root = _root(source.document, attempt)
         scenario = _scenario(root, name, arguments, settled, variation)
+        root.scope.structural.update(structural_parameters(scenario))
         if root.scope.structural <= settled:
             sink.take(_with_structure(source.document, attempt))
             return scenario

@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
-from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Place, Severity
-from scenario_compiler.document import Origin
+from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Severity
 from scenario_compiler.expressions import Expression, Value, parse_expression
 from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
@@ -393,15 +392,11 @@ def fill_duration(draft: PlanDraft) -> None:
     """Set the run's duration, by default DEFAULT_DURATION."""
     if draft.scenario.duration is not None:
         draft.duration = draft.scenario.duration
-    elif _is_written(draft.scenario.origin, "duration"):
+    elif draft.scenario.written("duration") is not None:
         return  # a fault in it has been reported
     elif draft.scenario.storyboard.stop is None and (draft.scenario.ego is None or not draft.scenario.ego.destination):
         message = f"'{draft.scenario.name}' defines no end; it ends after {DEFAULT_DURATION:g} s"
         draft.sink.add(NO_DURATION, message, draft.scenario.origin)
-
-
-def _is_written(place: Place, attribute: str) -> bool:
-    return isinstance(place, Origin) and attribute in place.element.attrib
 
 
 def judged_by(scenario: Scenario) -> tuple[Criterion, ...]:

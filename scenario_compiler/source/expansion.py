@@ -26,14 +26,15 @@ from scenario_compiler.source.parameters import (
 )
 from scenario_compiler.source.templates import Expander, TemplateScope, template_parameters
 from scenario_compiler.source.variation import check_variation
-from scenario_compiler.vocabulary.actions import KeepsVehicles, SpeedRange, TrafficKind
+from scenario_compiler.vocabulary.actions import AssignControllerAction, KeepsVehicles, SpeedRange, TrafficKind
 from scenario_compiler.vocabulary.conditions import RelativeLaneRange
 from scenario_compiler.vocabulary.driver import Driver, DriverModel, Effect
-from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
+from scenario_compiler.vocabulary.entities import Controller, Dynamic, Ego, Static, Traffic, Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import NumberLimit, Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import When
+from scenario_compiler.vocabulary.structural import structural_parameters
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import AnyWord, entities_named, parameters_in, replaced, walk
 from scenario_compiler.vocabulary.weather import (
@@ -93,6 +94,8 @@ def expand_scenario(
         attempt = Diagnostics()
         environment = _environment(declared, values, settled)
         scenario = _Attempt(part, part.reading(attempt, environment), surroundings).scenario(declared.known, values)
+        if scenario is not None:
+            environment.structural |= structural_parameters(scenario)
         if environment.structural <= settled:
             sink.absorb(attempt)
             if scenario is not None and scenario.vary is not None:
@@ -211,6 +214,9 @@ class _Attempt:
             takeover=takeover,
             criteria=self.words.get("criteria", ()),
         ).written_at(self.reading.origin(element))
+        for word in walk(scenario):
+            if isinstance(word, Controller | AssignControllerAction):
+                self._report_equal(word.properties, "property of the controller", "name")
         in_use = parameters_in(scenario)
         still_open = tuple(
             one.model_copy(update={"default": format_value(values[name])})
@@ -272,8 +278,13 @@ class _Attempt:
         if field not in NAMED:
             return
         kind, inside, attribute = NAMED[field]
+        self._report_equal(
+            [i for word in words for i in (getattr(word, inside) if inside else (word,))], kind, attribute
+        )
+
+    def _report_equal(self, words: Sequence[Any], kind: str, attribute: str) -> None:
         first: dict[str, Word] = {}
-        for one in [inner for word in words for inner in (getattr(word, inside) if inside else (word,))]:
+        for one in words:
             name = getattr(one, attribute)
             there = first.setdefault(name, one)
             if there is not one:

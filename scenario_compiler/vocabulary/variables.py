@@ -11,6 +11,9 @@ VariableType = Literal["double", "integer", "unsignedInt", "unsignedShort", "boo
 NUMBERS: tuple[VariableType, ...] = ("double", "integer", "unsignedInt", "unsignedShort")
 """The types that support addition and multiplication."""
 
+WHOLE: tuple[VariableType, ...] = ("integer", "unsignedInt", "unsignedShort")
+"""The types of whole numbers; those of the unsigned ones are not negative."""
+
 
 class Variable(Word):
     """A variable, or a parameter that actions change, with its value at the start."""

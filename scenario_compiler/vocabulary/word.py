@@ -120,6 +120,10 @@ class Word(BaseModel):
         origin = self._origin
         return origin.of(attribute) if isinstance(origin, Origin) else self.origin
 
+    def written(self, attribute: str) -> str | None:
+        """Return the text of one of the word's attributes in the file, named as in XML; None if it is not written."""
+        return self._origin.element.get(attribute) if isinstance(self._origin, Origin) else None
+
     def written_at(self, origin: Place) -> Self:
         """Store the place where the word was written, and return the word."""
         self._origin = origin

@@ -309,3 +309,45 @@ def test_variants_beyond_limits_are_rows_with_the_error_of_a_run(conflict: Path,
             reasons.add(str(rows["error"][index]).split(" is ")[0])
     assert {"speed", "distance"} <= reasons
     assert "pass" in rows["result"]
+
+
+WAYPOINTS = (
+    '<waypoint><lane road="1" lane="-1" s="{}"/></waypoint><waypoint><lane road="1" lane="-1" s="300"/></waypoint>'
+)
+ON_ROUTE = f"<on_route><route>{WAYPOINTS}</route><route_lane s='{{}}' lane='-1'/></on_route>"
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        ON_ROUTE.format("60", "$d"),
+        ON_ROUTE.format("${50 + $d}", "10"),
+        '<on_trajectory s="30"><trajectory><clothoid curvature="0" curvature_rate="${$d / 10000}" length="40">'
+        '<lane road="1" lane="-1" s="60"/></clothoid></trajectory></on_trajectory>',
+        '<on_trajectory s="60"><trajectory><nurbs order="3" knots="0 0 0 1 1 1">'
+        '<control_point><lane road="1" lane="-1" s="40"/></control_point>'
+        '<control_point weight="$d"><free x="262" y="230"/></control_point>'
+        '<control_point><lane road="1" lane="-1" s="120"/></control_point></nurbs></trajectory></on_trajectory>',
+    ],
+    ids=["on a route", "of a waypoint", "on a clothoid", "on a NURBS"],
+)
+def test_a_place_on_a_route_or_curve_varies_with_its_parameter(place: str, tmp_path: Path) -> None:
+    """A sweep gives what single runs give, although the parameter is a number of the ego's too."""
+    file = tmp_path / "place.xml"
+    file.write_text(
+        '<scenarios version="1"><scenario name="a" map="town_grid" duration="0.5">'
+        '<parameter name="d" type="number" default="5"/>'
+        '<ego speed="$d"><start><lane road="1" lane="-1" s="20"/></start></ego>'
+        f'<dynamic id="lead" speed="0"><start>{place}</start></dynamic></scenario></scenarios>',
+        encoding="utf-8",
+    )
+    spec = _spec(vary=("d=values(5, 12)",), samples=1)
+    run_sweep(file, spec, tmp_path / "sweep", workers=1, report=False)
+    rows, _ = read_results(tmp_path / "sweep")
+    singly = []
+    for value in ("5", "12"):
+        done = compile_target(file, {"d": value}, Diagnostics(), overrides=spec.overrides)
+        assert done is not None
+        recording = run(done.plan, open_world("kinematic", done.plan, done.network), 1)
+        singly.append(judge(done.plan, recording).measures["minimum_distance"].value)
+    assert rows["minimum_distance"] == pytest.approx(singly)

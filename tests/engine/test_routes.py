@@ -12,9 +12,9 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.columns.opcodes import FAULT_NONE, STOP_NONE
 from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.program.guides import cost_of_road
 from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.routes import cost_of_road
 from scenario_compiler.roads import Network, load_network
 from scenario_compiler.roads.ways import path_between, travel_time
 from tests.engine.both import run_both

@@ -159,3 +159,35 @@ def test_a_name_that_nothing_has_comes_with_what_to_write(tmp_path: Path, condit
     sink = Diagnostics()
     assert compile_target(path, {}, sink) is None
     assert [one.hint for one in sink if one.severity is Severity.ERROR] == [hint]
+
+
+@pytest.mark.parametrize(
+    ("weather", "inside", "blamed"),
+    [
+        ("HardRainNoon", "", "HardRainNoon"),
+        ("ClearNoon", '<camera><failure kind="dropout"/></camera>', "the camera's failure 'dropout'"),
+        ("ClearNoon", '<camera sensor_noise="60"/>', "the camera's noise"),
+        ("ClearNight", '<camera><failure kind="blackout"/></camera>', "ClearNight and the camera's failure 'blackout'"),
+        ("HardRainNoon", '<forward_sensor kind="radar" noise="18"/>', "the sensor's noise"),
+        (
+            "HardRainNoon",
+            '<camera><failure kind="blur" onset="3"/></camera>',
+            "HardRainNoon",
+        ),
+    ],
+)
+def test_a_short_sight_is_blamed_on_its_cause(tmp_path: Path, weather: str, inside: str, blamed: str) -> None:
+    """Causes that do not shorten the sensor's range, such as a failure that begins later, are not named."""
+    body = '<takeover budget="9"><cause kind="path_blocked"/></takeover>'
+    file = _file(tmp_path, body, inside)
+    file.write_text(file.read_text().replace('duration="5"', f'duration="5" weather="{weather}"'))
+    sink = Diagnostics()
+    compile_target(file, {}, sink)
+    (short,) = [one for one in sink if one.code.id == "SC513"]
+    assert f"but because of {blamed} the" in short.message
+
+
+def test_a_dropout_of_some_images_does_not_shorten_the_sight(tmp_path: Path) -> None:
+    sink = Diagnostics()
+    compile_target(_file(tmp_path, "", '<camera><failure kind="dropout" amount="0.9"/></camera>'), {}, sink)
+    assert "SC513" not in [one.code.id for one in sink]

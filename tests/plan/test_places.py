@@ -248,3 +248,25 @@ def test_a_route_begins_at_its_first_waypoint_that_is_a_place_on_the_map(tmp_pat
     done = compiled(tmp_path, f'<static id="box"><at>{ROUTE.format(first)}</at></static>')
     state, numbers = at_start(done)
     assert state.x[numbers["box"]] == pytest.approx(192.0 + 240.0)
+
+
+@pytest.mark.parametrize(
+    ("place", "x", "y", "heading"),
+    [
+        ('<route_road s="20" t="1.5"/>', 272.0, 171.5, math.pi),
+        ('<route_road s="20" t="-1.5"/>', 272.0, 168.5, 0.0),
+        ('<route_lane s="20" lane="1"/>', 272.0, 171.75, math.pi),
+        ('<route_lane s="20" lane="-1"/>', 272.0, 168.25, 0.0),
+        ('<route_entity entity="ego"/>', 212.0, 168.25, 0.0),
+    ],
+)
+def test_a_place_on_a_route_against_the_road_faces_as_its_lane(
+    tmp_path: Path, place: str, x: float, y: float, heading: float
+) -> None:
+    """On a route against s, s counts along the route, but t to the left along the road's s."""
+    corners = "".join(f'<waypoint><lane road="1" lane="1" s="{s}"/></waypoint>' for s in (100, 10))
+    static = f'<static id="box"><at><on_route><route>{corners}</route>{place}</on_route></at></static>'
+    state, numbers = at_start(compiled(tmp_path, static))
+    at = numbers["box"]
+    assert (state.x[at], state.y[at]) == pytest.approx((x, y))
+    assert state.h[at] == pytest.approx(heading)

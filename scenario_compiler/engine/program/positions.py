@@ -8,9 +8,10 @@ from typing import Any
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.rows import PositionRow, Slot
 from scenario_compiler.engine.program.builder import ProgramBuilder
-from scenario_compiler.engine.program.guides import add_route, place_on_route
+from scenario_compiler.engine.program.guides import add_route
 from scenario_compiler.engine.program.tracks import add_track
 from scenario_compiler.plan.places import spans_of
+from scenario_compiler.plan.routes import place_on_route
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
     BesidePosition,
@@ -26,6 +27,7 @@ from scenario_compiler.vocabulary.positions import (
     RoutePosition,
     TrajectoryPosition,
 )
+from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import Word
 
 TRAFFIC_MARGINS = (5.0, 25.0)
@@ -135,7 +137,8 @@ def _on_route(draft: ProgramBuilder, word: RoutePosition, kind: str) -> Position
     if isinstance(word.place, InRouteEntity):
         entity = draft.entities[word.place.entity]
         return PositionRow(op.POSITION_LANES_AWAY, (0.0, 0.0, heading), entity=entity, flags=flags, guide=guide)
-    road, lane, s, offset = place_on_route(draft, word)
+    values = parameter_values(draft.plan.parameters)
+    road, lane, s, offset = place_on_route(draft.network, values, word)
     return PositionRow(op.POSITION_LANE, (s, offset, heading), road=road, lane=lane, flags=flags, guide=guide)
 
 

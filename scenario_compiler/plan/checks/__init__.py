@@ -9,6 +9,7 @@ from scenario_compiler.plan.checks.classifications import check_classifications
 from scenario_compiler.plan.checks.controllers import check_controllers
 from scenario_compiler.plan.checks.curves import check_curves
 from scenario_compiler.plan.checks.driver import check_driver
+from scenario_compiler.plan.checks.effects import check_effects
 from scenario_compiler.plan.checks.endless import check_endless
 from scenario_compiler.plan.checks.failures import check_failures
 from scenario_compiler.plan.checks.initial import check_initial
@@ -52,5 +53,6 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_endless,
     check_world,
     check_controllers,
+    check_effects,
     check_classifications,
 )

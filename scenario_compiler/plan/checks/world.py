@@ -32,7 +32,7 @@ from scenario_compiler.vocabulary.conditions import (
     VariableCondition,
 )
 from scenario_compiler.vocabulary.traversal import walk
-from scenario_compiler.vocabulary.variables import NUMBERS, number_of, seconds_of
+from scenario_compiler.vocabulary.variables import NUMBERS, WHOLE, VariableType, number_of, seconds_of
 from scenario_compiler.vocabulary.word import Word
 
 UNKNOWN_VARIABLE = Code(
@@ -45,7 +45,8 @@ UNKNOWN_VARIABLE = Code(
 WRONG_VALUE = Code(
     "SC276",
     "variable-value",
-    "A value does not have the variable's type: a text instead of a number, or the sum of a number and a text.\n\n"
+    "A value does not have the variable's type: a text instead of a number, a fraction instead of an integer, or the "
+    "sum of a number and a text.\n\n"
     '    <variable name="open" type="boolean" value="false"/>\n'
     '    <do><set_variable variable="open" value="yes"/></do>     booleans are true or false',
 )
@@ -122,7 +123,7 @@ def check_world(plan: Plan, network: Network, sink: Diagnostics) -> None:
             hint = _meant_element(word.element, paths[word.kind])
             sink.add(UNKNOWN_ELEMENT, message, word.place_of("element"), hint=hint)
     for variable in plan.variables:
-        if variable.type != "string" and variable.value and number_of(variable.type, variable.value) is None:
+        if variable.value and not _is_value(variable.type, variable.value):
             message = f"'{variable.value}' is not a value of the type {variable.type}"
             sink.add(WRONG_VALUE, message, variable.place_of("value"))
 
@@ -145,9 +146,19 @@ def _check_variable(plan: Plan, word: Any, sink: Diagnostics) -> None:
         if variable.type not in NUMBERS:
             message = f"'{variable.name}' is not a number: its type is {variable.type}"
             sink.add(WRONG_VALUE, message, word.place_of("variable"))
-    elif variable.type != "string" and number_of(variable.type, word.value) is None:
+    elif not _is_value(variable.type, word.value, compared=isinstance(word, VariableCondition)):
         message = f"'{word.value}' is not a value of '{variable.name}', which is of the type {variable.type}"
         sink.add(WRONG_VALUE, message, word.place_of("value"))
+
+
+def _is_value(kind: VariableType, text: str, *, compared: bool = False) -> bool:
+    """Return whether a text is a value of a type; an integer may also be compared with a number between two."""
+    if kind == "string":
+        return True
+    number = number_of(kind, text)
+    if number is None or compared or kind not in WHOLE:
+        return number is not None
+    return number % 1.0 == 0.0 and (kind == "integer" or number >= 0.0)
 
 
 def _check_phase(plan: Plan, word: Any, sink: Diagnostics) -> None:

@@ -76,16 +76,22 @@ class InRouteLane(Word):
 
 
 class InRouteRoad(Word):
-    """A place on a route, by the distance from the route's start and from the road's reference line."""
+    """A place on a route, by the distance from the route's start and from the road's reference line.
+
+    An entity there faces in the direction of travel of the lane at this place, as at any place on a route.
+    """
 
     word: Literal["route_road"] = "route_road"
 
     s: Number = attribute("Distance along the route, m; beyond its end, the end.", quantity="length", minimum=0)
-    t: Number = attribute("Distance from the reference line, m.", quantity="length")
+    t: Number = attribute(
+        "Distance from the reference line, m, positive to the left along the road's s, also on a route against it.",
+        quantity="length",
+    )
 
 
 class InRouteEntity(Word):
-    """An entity's present place on its route."""
+    """An entity's present place on its route, facing along the road's s."""
 
     word: Literal["route_entity"] = "route_entity"
 
@@ -97,7 +103,11 @@ class RoutePosition(Word):
 
     word: Literal["on_route"] = "on_route"
 
-    turn: Number = attribute("Heading relative to the lane's or road's, degrees.", default=0.0, quantity="angle")
+    turn: Number = attribute(
+        "Heading relative to the lane's direction of travel, degrees; with <route_entity> relative to the road's s.",
+        default=0.0,
+        quantity="angle",
+    )
     heading: Number | None = attribute(
         "Heading in the world, degrees, instead of `turn`.", default=None, quantity="angle"
     )

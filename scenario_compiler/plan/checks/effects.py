@@ -1,0 +1,101 @@
+"""Checks that actions and attributes have an effect."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.expressions import Value
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import (
+    ActivateControllerAction,
+    EnvironmentAction,
+    OverrideControllerAction,
+    TrafficSwarmAction,
+)
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.takeover import Automation
+from scenario_compiler.vocabulary.traversal import walk
+from scenario_compiler.vocabulary.word import number_value
+
+WITHOUT_EFFECT = Code(
+    "SC295",
+    "without-effect",
+    "An action or an attribute has no effect: an <activate_controller> or an <environment> that changes nothing, the "
+    "`deceleration` of an automation that does not slow down, a pedal beyond its limit, which acts as the limit, or a "
+    "swarm whose `inner_radius` contains its whole ellipse, so that no vehicle appears.\n\n"
+    '    <automation after="follow" deceleration="2"/>     only after="slow_down" uses it\n'
+    '    <override_controller input="throttle" active="true" value="5"/>     acts as 1, full throttle',
+    Severity.WARNING,
+)
+
+SHARES = ("throttle", "brake", "clutch", "parking_brake")
+"""Inputs with values from 0 to 1."""
+
+SWITCHES = ("longitudinal", "lateral", "lighting", "animation")
+
+
+def check_effects(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Warn of actions and attributes without effect."""
+    del network
+    values = parameter_values(plan.parameters)
+    _check_automation(plan.takeover.automation, sink)
+    for word in walk(plan.storyboard):
+        if isinstance(word, ActivateControllerAction):
+            if all(getattr(word, name) is None for name in SWITCHES):
+                message = "<activate_controller> switches nothing"
+                sink.add(WITHOUT_EFFECT, message, word.origin, hint=f"give it one of {', '.join(SWITCHES)}")
+        elif isinstance(word, EnvironmentAction):
+            if not word.date_time and word.friction is None:
+                message = "<environment> sets neither the time of day nor the friction"
+                sink.add(WITHOUT_EFFECT, message, word.origin, hint="give it a `date_time` or a `friction`")
+        elif isinstance(word, OverrideControllerAction):
+            _check_input(word, values, sink)
+        elif isinstance(word, TrafficSwarmAction):
+            _check_swarm(word, values, sink)
+
+
+def _check_automation(automation: Automation, sink: Diagnostics) -> None:
+    varies = "$" in (automation.written("after") or "")
+    if automation.after != "slow_down" and not varies and automation.written("deceleration") is not None:
+        message = f"the automation does not slow down after a request: its behaviour is {automation.after}"
+        sink.add(WITHOUT_EFFECT, message, automation.place_of("deceleration"), hint='only after="slow_down" uses it')
+
+
+def _check_input(word: OverrideControllerAction, values: Mapping[str, Value], sink: Diagnostics) -> None:
+    value = number_value(word.value, values)
+    if word.active and word.input in SHARES and not 0.0 <= value <= 1.0:
+        name = word.input.replace("_", " ")
+        message = f"the {name} lies between 0 and 1: {value:g} acts as {0 if value < 0.0 else 1}"
+        sink.add(WITHOUT_EFFECT, message, word.place_of("value"))
+
+
+def _check_swarm(word: TrafficSwarmAction, values: Mapping[str, Value], sink: Diagnostics) -> None:
+    inner, along, across, ahead = (
+        number_value(one, values) for one in (word.inner_radius, word.semi_major, word.semi_minor, word.offset)
+    )
+    farthest = farthest_in_ellipse(along, across, abs(ahead))
+    if word.vehicles > 0 and inner > farthest:
+        message = (
+            f"no vehicle of the swarm appears: its ellipse reaches {farthest:.4g} m from '{word.entity}', and the "
+            f"`inner_radius` is {inner:g} m"
+        )
+        sink.add(WITHOUT_EFFECT, message, word.place_of("inner_radius"))
+
+
+def farthest_in_ellipse(along: float, across: float, ahead: float) -> float:
+    """Return the greatest distance of a point of an ellipse from a point on its first axis, m.
+
+    With the ellipse's points (ahead + along cos u, across sin u), the distance is greatest at cos u = along ahead /
+    (across^2 - along^2), or at the end of the first axis if that is not below 1.
+
+    Args:
+        along: First semi-axis, m.
+        across: Second semi-axis, m.
+        ahead: Distance of its centre from the point, m, at least 0.
+    """
+    wider = across * across - along * along
+    cosine = along * ahead / wider if wider > along * ahead else 1.0
+    return math.hypot(ahead + along * cosine, across * math.sqrt(1.0 - cosine * cosine))
