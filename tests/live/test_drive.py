@@ -121,13 +121,18 @@ def moved(page: Page, axis: int, *values: float) -> None:
         page.evaluate(SEEN)
 
 
+def open_profile(page: Page) -> None:
+    """Open the profile of the devices, once the page has connected: before, its button does nothing yet."""
+    page.wait_for_function("globalThis.page?.role === 'driver'")
+    page.get_by_role("button", name="Gamepad or wheel").click()
+
+
 def places_found(page: Page, moves: tuple[tuple[int, int, int, tuple[int, ...]], ...]) -> list[str]:
     """Return where the profile has its first inputs after axes have been moved for them.
 
     A move has the input's row, the device and its axis in `pads`, and the values that the axis takes in turn.
     """
-    page.wait_for_function("globalThis.page?.role === 'driver'")
-    page.get_by_role("button", name="Gamepad or wheel").click()
+    open_profile(page)
     rows = page.locator("#profile tbody tr")
     for row, device, axis, values in moves:
         rows.nth(row).click()
@@ -326,7 +331,7 @@ def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path,
 def test_a_profile_of_a_wheel_is_found_by_moving_it(waiting: Served, browser: Browser) -> None:
     with page_with_gamepad(browser, waiting) as page:
         page.evaluate("pad.axes[2] = 1")
-        page.get_by_role("button", name="Gamepad or wheel").click()
+        open_profile(page)
         row = page.locator("#profile tbody tr", has_text="brake")
         row.click()
         expect(row).to_have_class("chosen")
@@ -341,7 +346,7 @@ def test_a_pedal_that_the_browser_first_sees_when_it_moves_is_at_rest_where_it_i
     waiting: Served, browser: Browser
 ) -> None:
     with page_with_gamepad(browser, waiting) as page:  # all axes are 0 at first, although this pedal is at 1
-        page.get_by_role("button", name="Gamepad or wheel").click()
+        open_profile(page)
         row = page.locator("#profile tbody tr", has_text="brake")
         row.click()
         moved(page, 2, 0, 0.98, 1, -1, 1)
