@@ -521,7 +521,7 @@ def confidence_of(seen: list[tuple[str, Looks, NDArray[np.float64]]]) -> Confide
     of_maps = Looks.joined([looks for which, looks, _ in seen if is_unseen(Path(which).stem)])
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
     drawn = Looks.joined([looks for which, looks, _ in seen if which == "drawn"])
-    return fitted_to(chosen, drawn, LearnedLaneDetector.penalty)
+    return fitted_to(chosen, drawn, LearnedLaneDetector.fitting)
 
 
 def figures_of(seen: list[tuple[str, Looks, NDArray[np.float64]]], confidence: Confidence) -> dict[str, object]:

@@ -1,11 +1,17 @@
 """Roads for the training of a lane detector besides those of real maps: maps with repainted marks, and made-up roads.
 
+    python tools/training_roads.py OUT [--files 10] [--first 9000]
+
+writes files of made-up roads, `made_up_00.xodr` and so on, to the folder OUT. The confidence of the classical detector
+is fitted to them too (docs/perception.md). `tools/train_lane_network.py` makes the files that it needs itself.
+
 The marks of a map follow its author's habits: some maps have no double line, some no line at the edge. Here all kinds
 of lines of OpenDRIVE are used, white and yellow, with common widths, dashes and gaps.
 """
 
 from __future__ import annotations
 
+import argparse
 import math
 from pathlib import Path
 
@@ -245,3 +251,19 @@ def _elevation(draw: np.random.Generator, length: float) -> etree._Element:
         )
         s, z, grade = s + span, z + rise, end
     return profile
+
+
+def main() -> None:
+    """Write the files of made-up roads."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--files", type=int, default=10, help="number of files")
+    parser.add_argument("--first", type=int, default=9000, help="seed of the first file")
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    for number in range(options.files):
+        made_up(options.out / f"made_up_{number:02d}.xodr", options.first + number)
+
+
+if __name__ == "__main__":
+    main()

@@ -78,8 +78,8 @@ def calibrate_command(options: argparse.Namespace) -> int:
         complain(f"there is no driving lane in {', '.join(missing) or 'any map'}")
         return AT_FAULT
     detector = create_detector(options.detector)
-    confidence = fitted(gathered, detector.penalty) if options.fit else None
-    figures = figures_of(gathered, options.leave_out, confidence, detector.penalty)
+    confidence = fitted(gathered, detector.fitting) if options.fit else None
+    figures = figures_of(gathered, options.leave_out, confidence, detector.fitting)
     minutes = (time.monotonic() - began) / 60.0
     given = [
         *(["--fit"] if options.fit else []),

@@ -19,6 +19,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from importlib import resources
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -77,6 +78,18 @@ _SECOND = np.array([1, -2, 1], np.float32)
 _LARGEST, _STRIP = 8 * 255, 64
 """Greatest response to it, and the number of rows that are processed together, which keeps the memory small and fast.
 """
+
+
+class Fitting(NamedTuple):
+    """How a confidence is fitted.
+
+    Attributes:
+        penalty: Factor of the squared weights in the loss, which keeps them small.
+        fits: Number of fits whose logits are averaged.
+    """
+
+    penalty: float
+    fits: int
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,6 +27,7 @@ from scenario_compiler.perception.confidence import (
     Before,
     Circumstances,
     Confidence,
+    Fitting,
     evidence,
     features,
     load_confidence,
@@ -182,12 +183,12 @@ class CalibratedDetector(LaneDetector, Protocol):
     Attributes:
         features: Names of the confidence's features.
         confidence_file: The file with the confidence, beside the package's modules.
-        penalty: Factor of the squared weights in a fit of the confidence.
+        fitting: How its confidence is fitted.
     """
 
     features: ClassVar[tuple[str, ...]]
     confidence_file: ClassVar[str]
-    penalty: ClassVar[float]
+    fitting: ClassVar[Fitting]
 
     def look(
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
@@ -201,7 +202,7 @@ class ClassicalLaneDetector:
 
     features: ClassVar[tuple[str, ...]] = FEATURES
     confidence_file: ClassVar[str] = "lane_confidence.json"
-    penalty: ClassVar[float] = 2e-4
+    fitting: ClassVar[Fitting] = Fitting(penalty=2e-4, fits=4)
 
     def __init__(self, camera: Camera | None = None, confidence: Confidence | None = None) -> None:
         """Prepare for one camera.

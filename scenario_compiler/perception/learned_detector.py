@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.confidence import PLACES, Confidence, in_order, load_confidence, noise_of
+from scenario_compiler.perception.confidence import PLACES, Confidence, Fitting, in_order, load_confidence, noise_of
 from scenario_compiler.perception.lane_detector import Boundary, LaneResult, LaneState
 from scenario_compiler.perception.road_plane import Tilt, tilt_of_widening
 
@@ -82,7 +82,7 @@ class LearnedLaneDetector:
 
     features: ClassVar[tuple[str, ...]] = LEARNED_FEATURES
     confidence_file: ClassVar[str] = "learned_confidence.json"
-    penalty: ClassVar[float] = 1e-3
+    fitting: ClassVar[Fitting] = Fitting(penalty=1e-3, fits=2)
 
     def __init__(
         self, camera: Camera | None = None, network: bytes | None = None, confidence: Confidence | None = None

@@ -6,7 +6,7 @@ from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import look_at_bank
 from scenario_compiler.perception.calibration.fit import fit_confidence, reliability
 from scenario_compiler.perception.calibration.scenes import Fading
-from scenario_compiler.perception.confidence import FEATURES, NEWEST, in_order, load_confidence, noise_of
+from scenario_compiler.perception.confidence import FEATURES, NEWEST, Fitting, in_order, load_confidence, noise_of
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
@@ -99,7 +99,7 @@ def test_the_fit_finds_probabilities_that_come_true() -> None:
     rows = draw.normal(size=(3600, 3))
     truth = 1 / (1 + np.exp(-(1.5 * rows[:, 0] - 2.0 * rows[:, 1] * rows[:, 2])))
     labels = np.stack([draw.random(3600) < truth, rows[:, 0] > 0.0, rows[:, 1] > 0.0], axis=1).astype(float)
-    fitted = fit_confidence(rows[:2400], labels[:2400], 2e-4).all(rows[2400:])
+    fitted = fit_confidence(rows[:2400], labels[:2400], Fitting(penalty=2e-4, fits=2)).all(rows[2400:])
     assert np.abs(fitted[:, 0] - truth[2400:]).mean() < 0.06
     found = reliability(fitted[:, 0], labels[2400:, 0])
     assert found.expected_error < 0.04

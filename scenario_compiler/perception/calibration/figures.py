@@ -13,7 +13,7 @@ from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import RIGHT, Looks
 from scenario_compiler.perception.calibration.fit import Reliability, fit_confidence, reliability
 from scenario_compiler.perception.calibration.gather import Gathered
-from scenario_compiler.perception.confidence import Confidence
+from scenario_compiler.perception.confidence import Confidence, Fitting
 
 Mask = NDArray[np.bool_]
 
@@ -27,6 +27,9 @@ REMEMBERING = 3
 
 FITTED = (0, 2, 4, 5)
 """Images of a clip that are used for the fit; neighbouring ones are redundant."""
+
+FIRST_WEIGHT = 3.0
+"""Weight of a clip's first image in the fit: it is seen without memory, and counts like the three seen with memory."""
 
 DRAWN_WEIGHT = 5.0
 """Weight of a look at a drawn situation: there are few, and they have bends and grades that maps lack."""
@@ -87,19 +90,20 @@ class Figures:
     left_out: tuple[str, ...]
 
 
-def fitted(gathered: Gathered, penalty: float, without: str = "") -> Confidence:
-    """Return the confidence fitted with a penalty to all observations except those on one map."""
+def fitted(gathered: Gathered, fitting: Fitting, without: str = "") -> Confidence:
+    """Return the confidence fitted to all observations except those on one map."""
     parts = [looks for name, looks in gathered.maps.items() if name != without]
     of_maps = Looks.joined(parts)
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
-    return fitted_to(chosen, gathered.drawn, penalty)
+    return fitted_to(chosen, gathered.drawn, fitting, FIRST_WEIGHT)
 
 
-def fitted_to(of_maps: Looks, drawn: Looks, penalty: float) -> Confidence:
-    """Return the confidence fitted with a penalty to looks at maps and at drawn situations."""
+def fitted_to(of_maps: Looks, drawn: Looks, fitting: Fitting, first_weight: float = 1.0) -> Confidence:
+    """Return the confidence fitted to looks at maps and at drawn situations; `first_weight` is that of first images."""
     looks = Looks.joined([of_maps, drawn])
-    weight = np.concatenate([np.ones(len(of_maps.error)), np.full(len(drawn.error), DRAWN_WEIGHT)])
-    return fit_confidence(looks.rows, looks.labels, penalty, weight)
+    of_images = np.where(of_maps.condition("number") == 0, first_weight, 1.0)
+    weight = np.concatenate([of_images, np.full(len(drawn.error), DRAWN_WEIGHT)])
+    return fit_confidence(looks.rows, looks.labels, fitting, weight)
 
 
 def judged(looks: Looks, confidence: Confidence) -> Looks:
@@ -107,18 +111,18 @@ def judged(looks: Looks, confidence: Confidence) -> Looks:
     return replace(looks, p=confidence.all(looks.rows))
 
 
-def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confidence | None, penalty: float) -> Figures:
+def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confidence | None, fitting: Fitting) -> Figures:
     """Return the figures.
 
     Args:
         gathered: The observations.
         left_out: Maps to which a fit to all others is applied, and which the tables contain; empty for all maps.
         confidence: The confidence for everything else; None for the detector's own.
-        penalty: The detector's penalty in fits.
+        fitting: How the detector's confidence is fitted.
     """
     chosen = {name: looks for name, looks in gathered.maps.items() if not left_out or name in left_out}
     if left_out:
-        chosen = {name: judged(looks, fitted(gathered, penalty, name)) for name, looks in chosen.items()}
+        chosen = {name: judged(looks, fitted(gathered, fitting, name)) for name, looks in chosen.items()}
     elif confidence is not None:
         chosen = {name: judged(looks, confidence) for name, looks in chosen.items()}
     together = Looks.joined(list(chosen.values()))

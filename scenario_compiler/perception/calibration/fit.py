@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from scenario_compiler.perception.confidence import FARTHEST, Confidence
+from scenario_compiler.perception.confidence import FARTHEST, Confidence, Fitting
 
 Floats = NDArray[np.float64]
 
@@ -25,20 +25,19 @@ HIDDEN, OUTPUTS = 32, 3
 STEPS = 400
 """Greatest number of steps of the fit."""
 
-SEEDS = (1, 2)
-"""Of the first weights: the logits of several fits are averaged, which is less wrong than one fit on other roads."""
 
+def fit_confidence(rows: Floats, labels: Floats, fitting: Fitting, weight: Floats | None = None) -> Confidence:
+    """Return the mean of several confidences with the least cross-entropy over observations.
 
-def fit_confidence(rows: Floats, labels: Floats, penalty: float, weight: Floats | None = None) -> Confidence:
-    """Return the mean of the confidences with the least cross-entropy over observations, one for each of `SEEDS`.
+    They start from other weights, and their logits are averaged: the mean is less wrong than one fit on other roads.
 
     Args:
         rows: (N, F) features.
         labels: (N, 3) whether the geometry was right, paint was there, and both, as 0 or 1.
-        penalty: Factor of the squared weights in the loss, which keeps them small.
+        fitting: The penalty, and the number of fits.
         weight: (N,) weight of each observation; equal if None.
     """
-    fits = [_fit(rows, labels, penalty, weight, seed) for seed in SEEDS]
+    fits = [_fit(rows, labels, fitting.penalty, weight, 1 + number) for number in range(fitting.fits)]
     hidden = np.concatenate([one.hidden for one in fits])
     of_hidden = np.concatenate([one.out[:, :HIDDEN] for one in fits], axis=1) / len(fits)
     of_features = sum((one.out[:, HIDDEN:] for one in fits), np.zeros_like(fits[0].out[:, HIDDEN:])) / len(fits)
