@@ -42,6 +42,12 @@ the penalty on squared weights.
 ABSOLUTE = 3.0
 """Weight of the absolute error of a confidence, relative to its cross-entropy."""
 
+QUANTILE = 0.5
+"""The quantile at which the absolute error is least; 0.5 is the median."""
+
+BETTER = 0.0
+"""Weight of the loss of the better side's confidence, which a request depends on, relative to that of a side."""
+
 WORN, WORN_WEIGHT, ASKING_WEIGHT = 0.5, 4.0, 0.5
 """Looks at paint of a quality below the first have the second as weight, and those from a takeover request on the
 third; both kinds are rare.
@@ -165,9 +171,12 @@ def _slopes(
     units = inner[:, :HIDDEN] / below
     out = inner[:, HIDDEN:] + units @ second
     said = 1.0 / (1.0 + np.exp(-np.clip(out[:, 0], -30.0, 30.0)))
-    off = said - p.reshape(-1)
     towards = np.empty_like(out)
-    towards[:, 0] = (off + ABSOLUTE * np.sign(off) * said * (1.0 - said)) / (2.0 * count)
+    towards[:, 0] = _uphill(said, p.reshape(-1)) / (2.0 * count)
+    if BETTER > 0.0:
+        sides = said.reshape(count, 2)
+        better = 2 * np.arange(count) + sides.argmax(axis=1)
+        towards[better, 0] += BETTER * _uphill(said[better], p.max(axis=1)) / count
     drawn = out[:, 1].reshape(count, 2)
     error = np.clip(drawn[:, 0] - drawn[:, 1] - path, -PATH_BEND, PATH_BEND)
     towards[:, 1] = np.outer(PATH_WEIGHT * path_weight * error / count, (1.0, -1.0)).reshape(-1)
@@ -177,6 +186,13 @@ def _slopes(
         back.sum(axis=0),
         units.T @ towards + 2.0 * DECAY * second,
     )
+
+
+def _uphill(said: Singles, p: Singles) -> Singles:
+    """Return the derivative of the loss of confidences with respect to their logits."""
+    off = said - p
+    side = np.where(off > 0.0, 2.0 * (1.0 - QUANTILE), np.where(off < 0.0, -2.0 * QUANTILE, 0.0))
+    return np.asarray(off + ABSOLUTE * side * said * (1.0 - said), np.float32)
 
 
 def answers(view: Floats, low: Floats, high: Floats, first: Floats, second: Floats) -> tuple[Floats, Floats]:

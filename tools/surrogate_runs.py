@@ -65,16 +65,20 @@ JUDGED: dict[Kind, tuple[int, int]] = {"conflict": (-6001, 100), "road": (-7001,
 The numbers -1 to -5040 are not used: those runs evaluated earlier features.
 """
 
+SECOND: dict[Kind, tuple[int, int]] = {"conflict": (-16001, 100), "road": (-17001, 60), "map": (-18001, 40)}
+"""The same for a second set of runs for evaluation, which nobody looks at before the last fit."""
+
 FASTER = 0.01
 """Share by which the runs for evaluation are faster the second time."""
 
-RUNS_IN_FILE = 40
+RUNS_IN_FILE = 600
 """Number of runs that are written to one file."""
 
 MAPS_SHARE = 0.45
 """Share of maps in the runs of the fit."""
 
 BY_HAND = (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK)
+WITHOUT_LOOKS = (*BY_HAND, op.TAKEOVER_STANDSTILL)
 AUTOMATED = (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
 
 KEPT = ("takeover_time", "minimum_time_to_collision", "maximum_lateral_offset", "request_time", "lane_departures")
@@ -143,45 +147,61 @@ out its features (`views_of`): they are not stored, so that a change of the feat
 
 
 def cases(maps: Sequence[Path], first: int, fitted: int) -> list[Case]:
-    """Return the runs that are judged, the same a little faster, and those that are fitted to, from a number on."""
+    """Return both sets of judged runs, each run also a little faster, and the runs of the fit, from a number on."""
     unseen = sorted(str(one) for one in maps if one.stem in UNSEEN_MAPS)
     seen = sorted(str(one) for one in maps if one.stem not in UNSEEN_MAPS)
     judged = []
-    for kind, (number, many) in JUDGED.items():
-        for k in range(many if kind != "map" or unseen else 0):
-            judged.append(Case(kind, number - k, unseen[k % len(unseen)] if kind == "map" else ""))
-    again = [one._replace(faster=FASTER) for one in judged]
+    for of_set in (JUDGED, SECOND):
+        mine = [
+            Case(kind, number - k, unseen[k % len(unseen)] if kind == "map" else "")
+            for kind, (number, many) in of_set.items()
+            for k in range(many if kind != "map" or unseen else 0)
+        ]
+        judged += [*mine, *(one._replace(faster=FASTER) for one in mine)]
     on_maps = round(MAPS_SHARE * fitted) if seen else 0
     kinds = np.random.default_rng(first).permutation(fitted) < on_maps
     learned = [
         Case("map", first + k, seen[k % len(seen)]) if on_map else Case("road", first + k, "")
         for k, on_map in enumerate(kinds)
     ]
-    return judged + again + learned
+    return judged + learned
 
 
 def run_case(case: Case, perception: Perception, *, looks: bool) -> Made | None:
-    """Make a run; None if its scenario does not compile. Without `looks` only the measures are kept."""
+    """Make a run; None if its scenario does not compile.
+
+    With `looks` a run of the fit ends as soon as the driver drives or the ego has stopped, because there are no looks
+    from then on, and one that is a little faster ends with its request, whose time is all that is compared. Measures of
+    what comes later have no meaning in such runs. Without `looks` only the measures are kept.
+    """
     cv2.setNumThreads(1)
     with _opened(case, perception) as opened:
         if opened is None:
             return None
         plan, world = opened
-        execution = Execution(plan, world, seed=_seed(case))
+        execution = Unpictured(plan, world, seed=_seed(case))
         rows: list[Sequence[float]] = []
         commands: list[Sequence[float]] = []
-        while execution.going:
+        while execution.going and not (looks and _has_enough(execution, case)):
             before = _Before.of(execution) if looks else None
             execution.advance()
             if before is not None and execution.control is not None:
                 rows += before.looks(execution.control)
                 commands += before.commands(execution.control, execution.state)
-        recording = execution.finish()
+        recording = execution.finish("user")
     row = row_of_recording(plan, recording)
     outcome: dict[str, Any] = {name: _number(row[name][0]) for name in KEPT}
     outcome |= {"cause": row["cause"][0], "resolution": row["resolution"][0], "result": row["result"][0]}
     outcome |= {"name": plan.name, "map": Path(plan.map.file).stem}
     return Made(case, _table(rows, LOOK_COLUMNS), _table(commands, COMMANDS), outcome)
+
+
+def _has_enough(execution: Execution, case: Case) -> bool:
+    """Return whether nothing that comes later in a camera run is used."""
+    state = execution.state.takeover_state[0]
+    if case.faster:
+        return state not in AUTOMATED
+    return case.number >= 0 and state in WITHOUT_LOOKS
 
 
 def _table(rows: Sequence[Sequence[float]], columns: Sequence[str]) -> NDArray[np.float32]:
@@ -272,7 +292,7 @@ def views_of(made: Made) -> NDArray[np.float32]:
         if opened is None:
             raise RuntimeError(f"{made.case} cannot be driven any more")
         execution = Repeated(*opened, seed=_seed(made.case), commands=made.commands.tolist())
-        while execution.going:
+        while execution.going and not _has_enough(execution, made.case):
             if looks_now(execution):
                 view = execution.simulation.look_at_view()
                 views[round(execution.state.clock[0], 3)] = np.full(VIEW_SIZE, math.nan) if view is None else view[0]
@@ -289,7 +309,14 @@ def all_views(runs: Sequence[Made], jobs: int) -> list[NDArray[np.float32]]:
         return pool.map(views_of, runs, chunksize=8)
 
 
-class Repeated(Execution):
+class Unpictured(Execution):
+    """A run whose events have no pictures: drawing and encoding them takes a tenth of a camera run's time."""
+
+    def _picture(self, t: float, kind: str, cause: str) -> None:
+        pass
+
+
+class Repeated(Unpictured):
     """A run in which stored commands take the place of the controller."""
 
     def __init__(self, plan: Plan, world: World, seed: int, commands: Sequence[Sequence[float]]) -> None:
@@ -381,9 +408,9 @@ def keep(runs: Iterable[Made], folder: Path) -> None:
 
 
 def kept(folder: Path, maps: Path) -> list[Made]:
-    """Return the runs in the files of a folder, ordered by number, with the road files of another folder."""
+    """Return the runs in the files of a folder and its subfolders, by number, with road files of another folder."""
     found = []
-    for file in sorted(folder.glob("*.npz")):
+    for file in sorted(folder.rglob("*.npz")):
         with np.load(file) as stored:
             looks, commands = stored["looks"], stored["commands"]
             look = told = 0

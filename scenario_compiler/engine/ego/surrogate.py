@@ -78,6 +78,10 @@ BYTES_MEAN = 510.0
 BYTES_DEVIATION = 147.8
 """Mean and standard deviation of the sum of four uniformly distributed bytes."""
 
+BY_HAND_EVERY = 5
+BEFORE_HAND_BACK = 4.0
+"""While the driver drives, only every fifth image is looked at, until so long before the driver may hand back, s."""
+
 NO_BOUND = 1000.0
 """Lateral acceleration that no vehicle reaches, m/s2: `lane_detection` steers without a bound."""
 
@@ -270,10 +274,26 @@ def judge_view(n: RoadTables, p: Program, st: State) -> None:
 
 
 @compiled
+def skips_image(p: Program, st: State) -> int:
+    """Return 1 if this image is not looked at, because the driver drives and will not soon hand back.
+
+    The confidence is only recorded then, and stays as it was at the last look.
+    """
+    if st.takeover_state[0] != op.TAKEOVER_MANUAL:
+        return 0
+    wait = p.const[slot.K_HAND_BACK_AFTER]
+    if wait > 0.0 and st.clock[0] - st.manual_since[0] > wait - BEFORE_HAND_BACK:
+        return 0
+    return 1 if (st.frame[0] - 1) % (BY_HAND_EVERY * max(p.image_every[0], 1)) != 0 else 0
+
+
+@compiled
 def surrogate_confidence(n: RoadTables, p: Program, st: State) -> None:
     """Write the confidence of both sides, the sensor's health and the error of the followed path."""
     health = health_of_camera(p, st)
     st.health[0] = health
+    if skips_image(p, st) == 1:
+        return
     if view_stays(n, p, st) == 0:
         st.view_row[0] = op.NONE
         if look_at_view(n, p, st) == 0:
