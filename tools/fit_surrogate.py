@@ -58,6 +58,9 @@ PATH_WEIGHT, PATH_BEND, PATH_MOST = 10.0, 0.3, 1.5
 m.
 """
 
+SECOND_FROM = -10000
+"""Runs for evaluation with numbers below this are those of the second set (`surrogate_runs.SECOND`)."""
+
 MARGIN = 0.05
 """Share of the width of the observed range by which the domain extends beyond it at each end."""
 
@@ -273,6 +276,11 @@ def write_sample(judged: list[Made], file: Path) -> None:
     file.write_text(json.dumps(rows) + "\n", encoding="utf-8")
 
 
+def _apart(runs: Sequence[Made]) -> tuple[list[Made], list[Made]]:
+    """Return the runs of usual speed and the faster ones."""
+    return [one for one in runs if not one.case.faster], [one for one in runs if one.case.faster]
+
+
 def main() -> None:
     """Run the command of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -292,6 +300,7 @@ def main() -> None:
     judging.add_argument("runs", type=Path)
     judging.add_argument("maps", type=Path)
     judging.add_argument("--pages", type=Path, default=Path("docs"))
+    judging.add_argument("--second-only", action="store_true", help="only print the table of the second set")
     judging.add_argument("--sample", type=Path, default=Path("tests/engine/surrogate_runs.json"))
     options = parser.parse_args()
     if options.command == "gather":
@@ -303,12 +312,18 @@ def main() -> None:
         file.write_text(surrogate_text(found), encoding="utf-8")
         print(f"{found.runs} runs, noise {found.noise}: {file}")
     else:
-        from surrogate_page import write_page
+        from surrogate_page import agreement, write_page
 
         of_no_fit = [one for one in kept(options.runs, options.maps) if one.case.number < 0]
-        judged = [one for one in of_no_fit if not one.case.faster]
-        write_page(judged, [one for one in of_no_fit if one.case.faster], options.pages)
-        write_sample(judged, options.sample)
+        first, second = (
+            [one for one in of_no_fit if (one.case.number < SECOND_FROM) == late] for late in (False, True)
+        )
+        if second:
+            print(agreement(*_apart(second)))
+        if first and not options.second_only:
+            judged, again = _apart(first)
+            write_page(judged, again, options.pages)
+            write_sample(judged, options.sample)
 
 
 if __name__ == "__main__":

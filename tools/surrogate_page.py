@@ -80,21 +80,44 @@ def write_page(judged: Sequence[Made], again: Sequence[Made], folder: Path) -> N
     Raises:
         RuntimeError: A run can no longer be compiled.
     """
-    pairs: dict[Perception, Pairs] = {}
-    for perception in PERCEPTIONS[1:]:
-        made = []
-        for one in judged:
-            run_again = run_case(one.case, perception, looks=False)
-            if run_again is None:
-                raise RuntimeError(f"{one.case} cannot be driven any more")
-            made.append(run_again.outcome)
-        pairs[perception] = Pairs([one.outcome for one in judged], made)
-    faster = {one.case.number: one.outcome for one in again}
-    itself = Pairs([one.outcome for one in judged], [faster[one.case.number] for one in judged])
+    pairs = {perception: _repeated(judged, perception) for perception in PERCEPTIONS[1:]}
+    itself = _driven_again(judged, again)
     kinds = np.array([one.case.kind for one in judged])
     rates = [rate(name) for name in CONFLICTS]
     _figure(pairs, folder / "images" / "perception_surrogate.png")
     (folder / "perception-surrogate.md").write_text(_page(pairs, itself, kinds, rates, whole_sweep()), encoding="utf-8")
+
+
+def agreement(judged: Sequence[Made], again: Sequence[Made]) -> str:
+    """Return the table of the same answers for other runs with camera perception; `again` are some of them, faster."""
+    kinds = np.array([one.case.kind for one in judged])
+    twins = {one.case.number for one in again}
+    driven = [one for one in judged if one.case.number in twins]
+    itself, kinds_again = _driven_again(driven, again).same(), np.array([one.case.kind for one in driven])
+    same = {name: _repeated(judged, name).same() for name in PERCEPTIONS[1:]}
+    rows = []
+    for name in ("all", "conflict", "road", "map"):
+        of, of_again = (one == name if name != "all" else one != "" for one in (kinds, kinds_again))
+        shares = (
+            percent(found.mean()) if len(found) else "" for found in (*(s[of] for s in same.values()), itself[of_again])
+        )
+        rows.append((name, str(of.sum()), *shares))
+    return _table(("runs", "number", "surrogate", "ideal", "camera again"), rows)
+
+
+def _repeated(judged: Sequence[Made], perception: Perception) -> Pairs:
+    made = []
+    for one in judged:
+        run_again = run_case(one.case, perception, looks=False)
+        if run_again is None:
+            raise RuntimeError(f"{one.case} cannot be driven any more")
+        made.append(run_again.outcome)
+    return Pairs([one.outcome for one in judged], made)
+
+
+def _driven_again(judged: Sequence[Made], again: Sequence[Made]) -> Pairs:
+    faster = {one.case.number: one.outcome for one in again}
+    return Pairs([one.outcome for one in judged], [faster[one.case.number] for one in judged])
 
 
 def _planned(name: str, perception: Perception) -> Any:
