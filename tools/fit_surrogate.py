@@ -42,12 +42,6 @@ the penalty on squared weights.
 ABSOLUTE = 3.0
 """Weight of the absolute error of a confidence, relative to its cross-entropy."""
 
-QUANTILE = 0.5
-"""The quantile at which the absolute error is least; 0.5 is the median."""
-
-BETTER = 0.0
-"""Weight of the loss of the better side's confidence, which a request depends on, relative to that of a side."""
-
 WORN, WORN_WEIGHT, ASKING_WEIGHT = 0.5, 4.0, 0.5
 """Looks at paint of a quality below the first have the second as weight, and those from a takeover request on the
 third; both kinds are rare.
@@ -57,9 +51,6 @@ PATH_WEIGHT, PATH_BEND, PATH_MOST = 10.0, 0.3, 1.5
 """Weight of the path's error in the loss; the error above which the loss is linear, m; the greatest error that counts,
 m.
 """
-
-SECOND_FROM = -10000
-"""Runs for evaluation with numbers below this are those of the second set (`surrogate_runs.SECOND`)."""
 
 MARGIN = 0.05
 """Share of the width of the observed range by which the domain extends beyond it at each end."""
@@ -174,12 +165,9 @@ def _slopes(
     units = inner[:, :HIDDEN] / below
     out = inner[:, HIDDEN:] + units @ second
     said = 1.0 / (1.0 + np.exp(-np.clip(out[:, 0], -30.0, 30.0)))
+    off = said - p.reshape(-1)
     towards = np.empty_like(out)
-    towards[:, 0] = _uphill(said, p.reshape(-1)) / (2.0 * count)
-    if BETTER > 0.0:
-        sides = said.reshape(count, 2)
-        better = 2 * np.arange(count) + sides.argmax(axis=1)
-        towards[better, 0] += BETTER * _uphill(said[better], p.max(axis=1)) / count
+    towards[:, 0] = (off + ABSOLUTE * np.sign(off) * said * (1.0 - said)) / (2.0 * count)
     drawn = out[:, 1].reshape(count, 2)
     error = np.clip(drawn[:, 0] - drawn[:, 1] - path, -PATH_BEND, PATH_BEND)
     towards[:, 1] = np.outer(PATH_WEIGHT * path_weight * error / count, (1.0, -1.0)).reshape(-1)
@@ -189,13 +177,6 @@ def _slopes(
         back.sum(axis=0),
         units.T @ towards + 2.0 * DECAY * second,
     )
-
-
-def _uphill(said: Singles, p: Singles) -> Singles:
-    """Return the derivative of the loss of confidences with respect to their logits."""
-    off = said - p
-    side = np.where(off > 0.0, 2.0 * (1.0 - QUANTILE), np.where(off < 0.0, -2.0 * QUANTILE, 0.0))
-    return np.asarray(off + ABSOLUTE * side * said * (1.0 - said), np.float32)
 
 
 def answers(view: Floats, low: Floats, high: Floats, first: Floats, second: Floats) -> tuple[Floats, Floats]:
@@ -276,11 +257,6 @@ def write_sample(judged: list[Made], file: Path) -> None:
     file.write_text(json.dumps(rows) + "\n", encoding="utf-8")
 
 
-def _apart(runs: Sequence[Made]) -> tuple[list[Made], list[Made]]:
-    """Return the runs of usual speed and the faster ones."""
-    return [one for one in runs if not one.case.faster], [one for one in runs if one.case.faster]
-
-
 def main() -> None:
     """Run the command of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -300,7 +276,6 @@ def main() -> None:
     judging.add_argument("runs", type=Path)
     judging.add_argument("maps", type=Path)
     judging.add_argument("--pages", type=Path, default=Path("docs"))
-    judging.add_argument("--second-only", action="store_true", help="only print the table of the second set")
     judging.add_argument("--sample", type=Path, default=Path("tests/engine/surrogate_runs.json"))
     options = parser.parse_args()
     if options.command == "gather":
@@ -312,18 +287,11 @@ def main() -> None:
         file.write_text(surrogate_text(found), encoding="utf-8")
         print(f"{found.runs} runs, noise {found.noise}: {file}")
     else:
-        from surrogate_page import agreement, write_page
+        from surrogate_page import write_page
 
-        of_no_fit = [one for one in kept(options.runs, options.maps) if one.case.number < 0]
-        first, second = (
-            [one for one in of_no_fit if (one.case.number < SECOND_FROM) == late] for late in (False, True)
-        )
-        if second:
-            print(agreement(*_apart(second)))
-        if first and not options.second_only:
-            judged, again = _apart(first)
-            write_page(judged, again, options.pages)
-            write_sample(judged, options.sample)
+        runs = kept(options.runs, options.maps)
+        write_page(runs, options.pages)
+        write_sample([one for one in runs if one.case.set == "first" and not one.case.faster], options.sample)
 
 
 if __name__ == "__main__":

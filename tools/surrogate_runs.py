@@ -7,8 +7,9 @@ The number of a run determines everything that is random in it. There are three 
     conflict   a variant of one of the library's five conflicts, on the maps that come with the program
 
 Runs of the fit are on random roads and on maps. The runs for evaluation are variants of the conflicts, random roads of
-other numbers, and maps that no run of the fit is on. They are made twice with camera perception, the second time a
-little faster: no function of the place can agree with the camera much better than the camera agrees with itself.
+other numbers, and maps that no run of the fit is on. Of their two sets the first is also made a little faster: no
+function of the place can agree with the camera much better than the camera agrees with itself. The second is only
+looked at after the last fit.
 """
 
 from __future__ import annotations
@@ -68,6 +69,9 @@ The numbers -1 to -5040 are not used: those runs evaluated earlier features.
 SECOND: dict[Kind, tuple[int, int]] = {"conflict": (-16001, 100), "road": (-17001, 60), "map": (-18001, 40)}
 """The same for a second set of runs for evaluation, which nobody looks at before the last fit."""
 
+SECOND_FROM = -10000
+"""Runs for evaluation with numbers below this belong to the second set."""
+
 FASTER = 0.01
 """Share by which the runs for evaluation are faster the second time."""
 
@@ -110,6 +114,11 @@ class Case(NamedTuple):
     map: str
     faster: float = 0.0
 
+    @property
+    def set(self) -> Literal["fit", "first", "second"]:
+        """The runs of the fit, or the set of runs for evaluation, that the run belongs to."""
+        return "fit" if self.number >= 0 else "first" if self.number > SECOND_FROM else "second"
+
     def on(self, maps: Path) -> Case:
         """Return the same run with its road file in another folder."""
         return self._replace(map=str(maps / Path(self.map).name)) if self.map else self
@@ -147,17 +156,18 @@ out its features (`views_of`): they are not stored, so that a change of the feat
 
 
 def cases(maps: Sequence[Path], first: int, fitted: int) -> list[Case]:
-    """Return both sets of judged runs, each run also a little faster, and the runs of the fit, from a number on."""
+    """Return both sets of judged runs, the first also a little faster, and the runs of the fit, from a number on."""
     unseen = sorted(str(one) for one in maps if one.stem in UNSEEN_MAPS)
     seen = sorted(str(one) for one in maps if one.stem not in UNSEEN_MAPS)
-    judged = []
-    for of_set in (JUDGED, SECOND):
-        mine = [
+    known, fresh = (
+        [
             Case(kind, number - k, unseen[k % len(unseen)] if kind == "map" else "")
             for kind, (number, many) in of_set.items()
             for k in range(many if kind != "map" or unseen else 0)
         ]
-        judged += [*mine, *(one._replace(faster=FASTER) for one in mine)]
+        for of_set in (JUDGED, SECOND)
+    )
+    judged = [*known, *(one._replace(faster=FASTER) for one in known), *fresh]
     on_maps = round(MAPS_SHARE * fitted) if seen else 0
     kinds = np.random.default_rng(first).permutation(fitted) < on_maps
     learned = [

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from scenario_compiler import compile_scenario, load_network
+from scenario_compiler import compile_scenario, load_network, open_world, run
 from scenario_compiler.compiler import Overrides
 from scenario_compiler.controllers.lane_detection import LaneDetectionParams
 from scenario_compiler.engine.columns import opcodes as op
@@ -189,3 +190,27 @@ def changed_probes(before: Sequence[Sequence[float]], now: Sequence[Sequence[flo
 def test_the_coefficients_are_of_this_detector_and_this_renderer() -> None:
     """Where this fails the pictures or the detector say something else: fit again, as tools/fit_surrogate.py says."""
     assert changed_probes(load_surrogate().probes, probes("classical")) == []
+
+
+BY_HAND = """<scenarios version="1"><scenario name="by_hand" map="highway_loop" weather="ClearNoon" duration="40">
+  <ego speed="20"><start><spawn_point name="straight"/></start></ego>
+  <when><time after="2"/><do><request/></do></when>
+  <takeover budget="7" hand_back_after="{after}"><driver takeover_time="1.5"/></takeover>
+</scenario></scenarios>"""
+
+
+@pytest.mark.parametrize("after", [0.0, 12.0])
+def test_every_fifth_image_is_looked_at_by_hand_until_a_hand_back_is_near(tmp_path: Path, after: float) -> None:
+    file = tmp_path / "by_hand.xml"
+    file.write_text(BY_HAND.format(after=after), encoding="utf-8")
+    plan = compile_scenario(file, overrides=Overrides(perception="surrogate"))
+    network = load_network(plan.map.file)
+    recording = run(plan, open_world("kinematic", plan, network), seed=1)
+    response = next(event.t for event in recording.events if event.kind == "response")
+    changes = recording.t[1:][np.diff(recording.confidence_left) != 0.0]
+    soon, later = (
+        np.diff(changes[(changes > response + since) & (changes < response + until)]) / plan.step
+        for since, until in ((0.5, 7.0), (8.5, 11.5))
+    )
+    assert soon == pytest.approx(5.0)
+    assert later == pytest.approx(1.0 if after else 5.0)
