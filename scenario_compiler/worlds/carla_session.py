@@ -42,14 +42,15 @@ TAKEN: set[tuple[str, int]] = set()
 class CarlaOptions(WorldOptions):
     """Options of the world `carla`."""
 
-    host: str = Field(default="127.0.0.1", description="Where the server is.")
-    port: int = Field(default=2000, ge=1, le=65535, description="Its port.")
-    timeout: float = Field(default=10.0, gt=0.0, description="How long an answer may take, s.")
+    host: str = Field(default="127.0.0.1", description="Address of the server.")
+    port: int = Field(default=2000, ge=1, le=65535, description="Port of the server.")
+    timeout: float = Field(default=10.0, gt=0.0, description="Longest time to wait for an answer, s.")
     ego: Literal["physics", "kinematic"] = Field(
-        default="physics", description="Whether CARLA's physics moves the ego, or the engine."
+        default="physics", description="`physics` if CARLA's physics moves the ego, `kinematic` if the engine does."
     )
     camera: Literal["carla", "built-in"] | None = Field(
-        default=None, description="Whose pictures the automation sees; CARLA's unless the paint is changed."
+        default=None,
+        description="Camera of the automation; by default CARLA's, if it can show the paint and the mounting.",
     )
     recording: str = Field(default="", description="Name of a recording that the server makes; none if empty.")
 
