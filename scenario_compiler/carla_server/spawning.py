@@ -23,7 +23,7 @@ def check_attributes(version: str, description: list[Any]) -> None:
     for name, number, text in description[2]:
         place = number - first_kind(version)
         if not 0 <= place < len(KINDS):
-            raise CallError(f"unable to spawn actor: its attribute '{name}' has a type that there is not, {number}")
+            raise CallError(f"unable to spawn actor: its attribute '{name}' has the unknown type {number}")
         if not _is_readable(KINDS[place], text):
             raise CallError(f"unable to spawn actor: its attribute '{name}' is '{text}', not a {KINDS[place]}")
 

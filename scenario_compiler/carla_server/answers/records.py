@@ -90,7 +90,7 @@ def stop_replay(host: Host, keep: bool) -> None:
 def set_pace(host: Host, factor: float) -> None:
     """Set how fast recordings are played."""
     if not 0.0 <= factor <= FASTEST_PACE:
-        raise CallError(f"a recording is played 0 to {FASTEST_PACE:g} times as fast as it was")
+        raise CallError(f"the time factor of a recording is from 0 to {FASTEST_PACE:g}")
     host.played = replace(host.played, pace=factor)
 
 
