@@ -23,7 +23,7 @@ from scenario_compiler.roads import Network, Pose
 from scenario_compiler.vocabulary.entities import Category
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers
 from scenario_compiler.worlds.carla_lines import Lines
-from scenario_compiler.worlds.carla_session import CarlaOptions, CarlaSession
+from scenario_compiler.worlds.carla_session import CANNOT_OPEN, CarlaOptions, CarlaSession
 from scenario_compiler.worlds.kinematic import KinematicWorld, degradation_of
 from scenario_compiler.worlds.model import (
     EgoCommand,
@@ -119,7 +119,7 @@ class CarlaWorld:
         self.plan, self.network = plan, network
         self.options = options if isinstance(options, CarlaOptions) else CarlaOptions()
         if not plan.entities:
-            raise WorldError("the scenario has no entity, so that CARLA has nothing to show")
+            raise WorldError("the scenario has no entity, so that CARLA has nothing to show", CANNOT_OPEN)
         self.moves_ego = self.options.ego == "physics" and plan.controller is not None
         self.findings: list[WorldFinding] = []
         self._built_in = KinematicWorld(plan, network)

@@ -22,8 +22,8 @@ CANNOT_OPEN = Code(
     "SC524",
     "carla-cannot-be-used",
     "CARLA cannot be used for this run: its client is not installed, no server answers at the address, the versions "
-    "of server and client differ, or the server's map is not the plan's. The versions must be equal because their "
-    "layouts differ.\n\n"
+    "of server and client differ, the server's map is not the plan's, or the scenario has no entity. The versions "
+    "must be equal because their layouts differ.\n\n"
     "    pip install 'scenario-compiler[carla]'\n"
     "    scenario-compiler serve-carla &            or CarlaUE4.sh\n"
     "    scenario-compiler run obstacle_ahead --world carla --carla-port 2000",

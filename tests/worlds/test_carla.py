@@ -109,8 +109,9 @@ def test_a_scenario_without_an_automated_vehicle_is_shown(server: Served) -> Non
 
 def test_a_scenario_without_entities_is_refused(server: Served) -> None:
     plan = ideal("obstacle_ahead").model_copy(update={"entities": ()})
-    with pytest.raises(WorldError, match="has no entity"):
+    with pytest.raises(WorldError, match="has no entity") as refused:
         open_world("carla", plan, load_network(plan.map.file), port=server.port)
+    assert refused.value.code.id == "SC524"
 
 
 def test_carlas_camera_sees_and_asks(server: Served) -> None:
