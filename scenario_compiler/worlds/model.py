@@ -266,7 +266,7 @@ class World(Protocol):
         ...
 
     def close(self) -> None:
-        """Release everything that the world uses; it may be called twice."""
+        """Release everything that the world uses; it may be called twice, and raises nothing if the world is lost."""
         ...
 
     def __enter__(self) -> Self:
