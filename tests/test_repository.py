@@ -100,6 +100,17 @@ def test_hooks_before_a_commit_are_the_tools_of_make_check() -> None:
         assert f"$(BIN)/{name}" in MAKEFILE
 
 
+@pytest.mark.parametrize(
+    ("message", "refused"),
+    [("a" * 72, False), ("a" * 73, True), (f"Short.\n\n{'a' * 90}\n", False)],
+)
+def test_the_hook_for_messages_refuses_a_long_first_line(message: str, refused: bool) -> None:
+    configuration = read(".pre-commit-config.yaml")
+    (hook,) = (one for one in configuration["repos"][0]["hooks"] if one.get("stages") == ["commit-msg"])
+    assert "commit-msg" in configuration["default_install_hook_types"]
+    assert (re.search(hook["entry"], message) is not None) == refused
+
+
 def test_the_citation_is_of_this_version() -> None:
     citation = read("CITATION.cff")
     assert {"cff-version", "title", "message", "authors"} <= set(citation)

@@ -67,6 +67,17 @@ class Silent(Mine):
     def control(self, sensor_data, speed, vehicle):
         return None
 
+class Unfinished(ControllerModel):
+    pass
+
+class Hasty(Mine):
+    def __init__(self, params):
+        pass
+
+class Simple(Mine):
+    def control(self, sensor_data):
+        return Control(throttle=0.0, steer=0.0, brake=0.0)
+
 class Lost(Mine):
     # It loses the lane at once, so that the automation requests a takeover, which is pictured.
     answer = {}
@@ -484,6 +495,34 @@ def test_a_controller_that_fails_in_a_run_ends_it_and_keeps_the_recording(
         assert outcome["duration"] == pytest.approx(0.15)
 
 
+@pytest.mark.parametrize(
+    ("name", "line", "said"),
+    [
+        ("Unfinished", "class Unfinished(ControllerModel):", "TypeError: Can't instantiate abstract class"),
+        ("Hasty", "class Hasty(Mine):", "AttributeError: 'Hasty' object has no attribute 'params'"),
+        ("Simple", "    def control(self, sensor_data):", "TypeError: Simple.control() takes 2 positional arguments"),
+    ],
+)
+def test_a_failure_in_no_line_of_the_controller_is_reported_at_its_class_or_method(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, line: str, said: str
+) -> None:
+    file = written(tmp_path, f"stranger.py:{name}")
+    assert call("run", file, "--trust", file, "--format", "json") == 1
+    (found,) = json.loads(capsys.readouterr().out)
+    number = STEERING.splitlines().index(line) + 1
+    assert found["message"].startswith(f"controller 'stranger.py:{name}', stranger.py:{number}: {said}")
+
+
+@pytest.mark.parametrize("name", ["stranger.py:Gone", "missing.py:Mine", "no.such:Class"])
+def test_the_built_in_controllers_are_no_hint_for_code(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    file = written(tmp_path, name)
+    assert call("run", file, "--trust", file, "--format", "json") == 1
+    (found,) = json.loads(capsys.readouterr().out)
+    assert (found["code"], found["hint"]) == ("SC503", "")
+
+
 def test_an_answer_of_an_object_without_lines_is_reported_without_a_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -612,7 +651,7 @@ def test_a_detector_in_a_file_runs_only_if_it_is_trusted(tmp_path: Path, capsys:
         ("Far", "SC521", "curvature of the left boundary is 1e+300"),
         ("Level", "SC521", "tilt is NoneType, which is not a Tilt"),
         ("Deaf", "SC527", "is not a class with a method `detect`"),
-        ("Gone", "SC527", "there is no 'Gone' in it"),
+        ("Gone", "SC527", "stranger.py has no 'Gone'"),
     ],
 )
 def test_a_detector_that_fails_is_a_finding_with_its_name(

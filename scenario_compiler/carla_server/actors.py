@@ -29,7 +29,7 @@ NOT_ZERO = re.compile(r"\s*[+-]?0*[1-9]")
 
 BRIGHTEST = 255
 CHANNEL = re.compile(r"\s*([+-]?\d{1,9})")
-"""What clients read of a text as a channel of a colour (`ActorAttributeValueAccess::As<sensor::data::Color>`)."""
+"""A channel of a colour, as clients read it from a text (`ActorAttributeValueAccess::As<sensor::data::Color>`)."""
 
 TAGS = {
     "car": Tag.CAR,
@@ -48,7 +48,7 @@ class Actor:
 
     Attributes:
         id: Its number.
-        blueprint: What it is.
+        blueprint: Its blueprint.
         attributes: Its attributes, as texts.
         description: Its description as it came, for the wire.
         transform: Where it is, CARLA's axes; of a body, where it was when it was last asked for.
@@ -312,11 +312,11 @@ def channels_of(text: str) -> tuple[int, int, int] | None:
 
 
 def transform_of(wire: Sequence[Sequence[float]]) -> CarlaTransform:
-    """Return a transform as it lies on the wire: [[x, y, z], [pitch, yaw, roll]]."""
+    """Return a transform in the layout of the wire: [[x, y, z], [pitch, yaw, roll]]."""
     (x, y, z), (pitch, yaw, roll) = wire
     return CarlaTransform(float(x), float(y), float(z), float(pitch), float(yaw), float(roll))
 
 
 def on_wire(transform: CarlaTransform) -> list[list[float]]:
-    """Return a transform as it lies on the wire."""
+    """Return a transform in the layout of the wire."""
     return [list(transform[:3]), list(transform[3:])]

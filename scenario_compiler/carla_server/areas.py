@@ -1,4 +1,4 @@
-"""Areas on lanes in which lights and signs are for a vehicle, and which vehicles touch them."""
+"""Areas on lanes in which a light or a sign applies to vehicles, and the vehicles that touch them."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from scenario_compiler.carla_server.rectangles import half_along, least_overlap
 from scenario_compiler.roads import LanePosition, Network, Pose
 
 LENGTH, HEIGHT, BACK = 3.0, 2.0, 3.0
-"""Length and height of the area before a stop line, and how far before the line its middle is, m: CARLA's
+"""Length and height of the area before a stop line, and the distance of its middle before the line, m: CARLA's
 (`UTrafficLightComponent`, `UStopSignComponent`, `UYieldSignComponent` of 0.9.16).
 """
 
 WIDTH_SHARE = 0.5
 LEAST_WIDTH = 0.02
-"""Width of that area as a share of the lane's width, and at least, m."""
+"""Width of that area as a share of the lane's width, and its least width, m."""
 
 CELL = 8.0
 LONGEST = 6.0
@@ -43,25 +43,25 @@ class Box(NamedTuple):
         return least_overlap(self, other)[2] >= 0.0
 
     def sides(self) -> tuple[tuple[float, float], ...]:
-        """Return from where to where it lies along each of the world's axes, m."""
+        """Return its least and greatest coordinate along each of the world's axes, m."""
         x, y = half_along(self, 1.0, 0.0), half_along(self, 0.0, 1.0)
         return (self.x - x, self.x + x), (self.y - y, self.y + y), (self.z, self.z + self.height)
 
 
 def box_at(pose: Pose, length: float, width: float, height: float) -> Box:
-    """Return a box whose middle is at a pose, at its height too."""
+    """Return a box whose middle is at a pose, also in height."""
     return Box(pose.x, pose.y, pose.z - 0.5 * height, pose.heading, length, width, height)
 
 
 def area_before(network: Network, line: LanePosition) -> Box:
-    """Return the area before a stop line, at the line where no lane leads to it."""
+    """Return the area before a stop line; if no lane leads to the line, the area at the line."""
     at = network.previous(line, BACK) or line
     width = max(WIDTH_SHARE * network.lane_width(at.road, at.lane, at.s), LEAST_WIDTH)
     return box_at(network.lane_pose(at.road, at.lane, at.s), LENGTH, width, HEIGHT)
 
 
 class AreaIndex(Generic[What]):
-    """Areas, each with what it is of, by the squares of the plane in which a vehicle touches them."""
+    """Areas with their owners, indexed by the squares of the plane in which a vehicle touches them."""
 
     def __init__(self, areas: Iterable[tuple[Box, What]]) -> None:
         """Sort the areas into squares."""
@@ -80,7 +80,7 @@ class AreaIndex(Generic[What]):
         return (math.floor(x / CELL), math.floor(y / CELL)) in self._cells
 
     def touched(self, box: Box) -> Iterator[What]:
-        """Yield what the areas are of that a vehicle's box touches."""
+        """Yield the owners of the areas that a vehicle's box touches."""
         for area, what in self._cells.get((math.floor(box.x / CELL), math.floor(box.y / CELL)), ()):
             if area.touches(box):
                 yield what

@@ -18,7 +18,7 @@ from scenario_compiler.source.catalogs import load_catalogs
 from scenario_compiler.vocabulary.entities import Vehicle
 
 KINDS = ("bool", "int", "float", "str", "colour")
-"""Types of attributes; on the wire their place here, one more from 0.9.16 on."""
+"""Types of attributes; their numbers on the wire are their indices, plus one from 0.9.16 on."""
 
 COLOURS = ("180,44,44", "38,38,38", "205,205,205", "40,60,150", "60,60,60", "40,120,60", "190,140,30")
 
@@ -65,7 +65,7 @@ class Attribute:
 
 @dataclass(frozen=True)
 class Blueprint:
-    """What a client can spawn.
+    """A blueprint: a kind of actor that clients can spawn.
 
     Attributes:
         name: Its id.
@@ -94,7 +94,7 @@ class Blueprint:
 
 @dataclass(frozen=True)
 class Looks:
-    """What CARLA's vehicle catalogue says of a vehicle beside its box."""
+    """The data of a vehicle in CARLA's vehicle catalogue, without its box."""
 
     generation: int = 1
     base: str = "car"
@@ -324,7 +324,7 @@ def first_kind(version: str) -> int:
 
 
 def definitions(version: str) -> list[list[object]]:
-    """Return the blueprints as they lie on the wire; a definition's number is its place, from 1 on."""
+    """Return the blueprints in the layout of the wire; a definition's number is its index, counted from 1."""
     first = first_kind(version)
     return [
         [

@@ -19,20 +19,20 @@ from scenario_compiler.frames import carla_axes, vector_from_carla
 from scenario_compiler.perception.strokes import MOST, Stroke
 
 POINT, LINE, ARROW, BOX = range(4)
-"""Kinds of shapes in the world, as they are numbered on the wire; those that follow are on the display."""
+"""Kinds of shapes in the world in the order of their numbers on the wire; all further kinds are on the display."""
 
 FARTHEST = 1.0e6
-"""Bound of places, sizes and angles, m and degrees."""
+"""Greatest absolute value of coordinates, sizes and angles, m and degrees."""
 
 LATE = 1e-6
-"""How much later than its life time a shape is still seen, s: one of a step's length is in the next picture."""
+"""Time for which a shape stays visible after its life time, s: one that lives for a step is in the next picture."""
 
 
 class DebugShapes:
     """The shapes of a world."""
 
     def __init__(self) -> None:
-        """Begin without any."""
+        """Begin without shapes."""
         self._strokes: list[Stroke] = []
         self._ends: list[float] = []
         self._first = math.inf
@@ -76,7 +76,7 @@ class DebugShapes:
         self._strokes, self._ends, self._first = [], [], math.inf
 
     def _forget(self, time: float) -> None:
-        """Leave out what has ended before a time, s."""
+        """Remove the shapes that have ended before a time, s."""
         if self._first < time:
             kept = [k for k, end in enumerate(self._ends) if end >= time]
             self._strokes, self._ends = [self._strokes[k] for k in kept], [self._ends[k] for k in kept]
@@ -93,7 +93,7 @@ def _numbers(primitive: list[Any]) -> Iterator[float]:
 
 
 def _lines(kind: int, primitive: list[Any]) -> Iterator[tuple[list[float], list[float], float]]:
-    """Yield begin and end, CARLA's axes, and width of the lines of a shape, m; a point begins where it ends."""
+    """Yield start and end, CARLA's axes, and width of the lines of a shape, m; a point is a line of length 0."""
     if kind == POINT:
         place, size = primitive
         yield place, place, size
@@ -115,7 +115,7 @@ def _lines(kind: int, primitive: list[Any]) -> Iterator[tuple[list[float], list[
 
 
 def _barbs(begin: Any, end: Any, size: float) -> list[list[float]]:
-    """Return where the four barbs of an arrow's head begin: `size` before its end and to the sides."""
+    """Return the starts of the four barbs of an arrow's head: `size` before its end and to the sides."""
     along = end - begin
     length = float(np.linalg.norm(along))
     if length < 1e-9:

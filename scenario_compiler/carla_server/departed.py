@@ -1,4 +1,4 @@
-"""Actors that have been destroyed a moment ago.
+"""Actors that were destroyed a moment ago.
 
 Clients ask for the boxes and the physics of the actors that they see in the last snapshot. A Traffic Manager does so in
 a thread, where an error ends the client.
@@ -12,12 +12,12 @@ from typing import Any
 from scenario_compiler.carla_server.actors import Actor
 
 REMEMBERED = 10.0
-"""For how long they are known, s."""
+"""Time for which they are remembered, s."""
 
 
 @dataclass(frozen=True)
 class Gone:
-    """An actor that has been destroyed, its box on the wire, and until when it is remembered, s."""
+    """A destroyed actor, its box on the wire, and the time until which it is remembered, s."""
 
     actor: Actor
     box: list[Any]
@@ -38,9 +38,9 @@ class Departed:
             self._gone[actor.id] = Gone(actor, box, time + REMEMBERED)
 
     def get(self, number: int) -> Gone | None:
-        """Return what is remembered of an actor, None if nothing is."""
+        """Return the remembered data of an actor; None if it is not remembered."""
         return self._gone.get(number)
 
     def forget(self, time: float) -> None:
-        """Forget those that have been remembered long enough at a time, s."""
+        """Forget the actors whose time is over at a time, s."""
         self._gone = {number: one for number, one in self._gone.items() if one.until > time}

@@ -12,15 +12,15 @@ FASTEST = 300.0
 """Greatest speed that clients may ask for, m/s."""
 
 STEER_RATE = 3.0
-"""How fast wheels are turned, rad/s: to the full angle in 0.4 s, as Unreal's wheeled vehicles do by default (not
+"""Rate at which wheels are turned, rad/s: to the full angle in 0.4 s, as Unreal's wheeled vehicles do by default (not
 verified for CARLA's).
 """
 
 WALKER_GAIN = 3.0
-"""How fast a walker gains speed again after an impact, or loses it, m/s2."""
+"""Acceleration and deceleration of a walker after an impact, m/s2."""
 
 NEUTRAL = 0
-"""The gear in which a vehicle's engine drives nothing."""
+"""The neutral gear."""
 
 
 class Driving:
@@ -65,14 +65,14 @@ class Driving:
             self.set_speed(walker, 0.0)
 
     def advance(self, body: Body, dt: float) -> None:
-        """Do before a step of the engine what a body's control, a client or resistance does to its speed."""
+        """Change a body's speed before a step of the engine by its control, its client and resistance."""
         if isinstance(body, Walker):
             self._walk_on(body, dt)
         elif isinstance(body, Car):
             self._drive_on(body, dt)
 
     def _walk_on(self, walker: Walker, dt: float) -> None:
-        """Let a walker that has been stopped or pushed by an impact walk as it did."""
+        """Let a walker that an impact has stopped or pushed walk again as before."""
         wanted, speed = max(walker.control[1], 0.0), self._simulation.state.v[walker.place]
         if speed != wanted:
             change = WALKER_GAIN * dt

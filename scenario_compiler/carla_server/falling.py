@@ -9,7 +9,7 @@ from scenario_compiler.roads import Pose
 GRAVITY = 9.81
 
 SETTLES = 0.2
-"""For how long a vehicle that has been put somewhere is on its springs before it leans as the road does, s."""
+"""Time after which a vehicle that was put somewhere has settled on its springs and leans as the road does, s."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Fall:
     since: float
 
     def height(self, time: float) -> float:
-        """Return how high the vehicle is at a time while nothing is below it, m."""
+        """Return the height of the falling vehicle at a time, m, if nothing is below it."""
         return self.begin.z - 0.5 * GRAVITY * (time - self.since) ** 2
 
     def is_over(self, ground: float, time: float) -> bool:

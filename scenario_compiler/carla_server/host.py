@@ -1,4 +1,4 @@
-"""The server's state that outlives a map: clock, settings, weather and listeners; and the work of a tick."""
+"""The server's state that outlives a map (clock, settings, weather, listeners), and the work of a tick."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ LONGEST_STEP = 10.0
 ANNOUNCED = 0.3
 DRAINED = 1.0
 PREPARED = 60.0
-"""How long a tick waits at most for a listener who is about to come, for one who is behind, and for cameras to be
-ready, s: a camera that is heard sends a picture of every tick, however busy the machine is.
+"""Longest time for which a tick waits for a listener that will connect next, for one that is behind, and for cameras
+to be ready, s: a camera that is heard sends a picture of every tick, however busy the machine is.
 """
 
 JOINING = 1.0
-"""How long a new episode waits at most for the client that has loaded it to join the stream of snapshots again, s.
+"""Longest time for which a new episode waits until the client that has loaded it joins the snapshots' stream again, s.
 
 A client leaves that stream when its call to load a map is answered, asks for the episode and joins it again. Only then
 may it see the new episode's first snapshot, as with CARLA's own worlds, which take long to load: on it, the client's
@@ -52,7 +52,7 @@ Traffic Manager starts again, and its process ends where it has no episode at th
 """
 
 SETTLING = 0.001
-"""How long after a Traffic Manager has asked for the settings the next tick may come, s.
+"""Least time from a Traffic Manager's call for the settings to the next tick, s.
 
 It asks in its own thread at the end of each step and then waits to be woken for the next one; LibCarla's
 `TrafficManagerLocal::SynchronousTick` wakes it without holding the lock under which it waits, so that a tick which
@@ -61,8 +61,8 @@ comes just then is missed, and the client waits for ever. CARLA's own ticks take
 
 HELD = 0.5
 SEEN = 2
-"""How long a vehicle that a client destroys in asynchronous mode waits at most for a Traffic Manager to be between two
-of its steps, s; and after how many snapshots it may go on.
+"""Longest time for which a vehicle that a client destroys in asynchronous mode waits until a Traffic Manager is between
+two of its steps, s; and the number of snapshots after which the Traffic Manager may go on.
 
 A client forgets a vehicle when the call is answered; its Traffic Manager, which is in the middle of a step with that
 vehicle, ends the process then. It asks for the settings at the beginning of each step (`TrafficManagerLocal::Run`), and
@@ -118,7 +118,7 @@ class Settings:
     spectator_as_ego: bool = True
 
     def on_wire(self) -> list[Any]:
-        """Return them as they lie on the wire."""
+        """Return them in the layout of the wire."""
         step = [False] if self.step is None else [True, self.step]
         return [
             *(self.synchronous, self.no_rendering, step, self.substepping, self.substep, self.substeps, self.culling),
@@ -151,13 +151,13 @@ class Host:
     """The state of the server.
 
     Attributes:
-        version: Version of CARLA that is answered for.
-        folders: Where maps are looked for first.
+        version: Version of CARLA whose protocol is spoken.
+        folders: Folders in which maps are looked for first.
         files: Folder of recordings.
         port: Port of the streams.
         log: Called with each line of the server's log.
         stage: The actors on the present map.
-        streams: Who listens.
+        streams: The streams and their listeners.
         settings: The settings of the episode.
         weather: The weather as CARLA's 14 numbers, as a client gave them: percentages, degrees and m, in the order of
             `carla.WeatherParameters`.
@@ -207,11 +207,11 @@ class Host:
         self._free.set()
 
     def knows(self, number: int) -> bool:
-        """Return whether there is a stream of a number."""
+        """Return whether there is a stream with a number."""
         return number == SNAPSHOTS or isinstance(self.stage.actors.get(number), Sensor)
 
     def once(self, text: str) -> None:
-        """Log a line the first time only."""
+        """Log a line unless it has been logged before."""
         if text not in self.told and len(self.told) < 1000:
             self.told.add(text)
             self.log(text)
@@ -221,18 +221,18 @@ class Host:
         return TOKEN.pack(number, self.port, 1, 0)
 
     def wire(self, actor: Actor) -> list[Any]:
-        """Return an actor as it lies on the wire."""
+        """Return an actor in the layout of the wire."""
         found = self.stage.wire(actor)
         if actor.stream:
             found[5] = self.token(actor.stream)
         return found
 
     def employ(self, sensor: Sensor, instrument: Instrument) -> None:
-        """Take an instrument to work; what takes long is prepared in a thread."""
+        """Start an instrument; a thread prepares what takes long."""
         self._work[sensor.id] = Work(instrument, asyncio.ensure_future(asyncio.to_thread(instrument.prepare)))
 
     def dismiss(self, number: int) -> None:
-        """End a sensor's stream and work."""
+        """End a sensor's stream and its measurements."""
         self._work.pop(number, None)
         self.streams.close(number)
 
@@ -242,7 +242,7 @@ class Host:
         return FREE_STEP if self.settings.step is None else self.settings.step
 
     def change_settings(self, settings: Settings) -> int:
-        """Take settings over; in asynchronous mode they hold for the next snapshot, which is made at once."""
+        """Apply settings; in asynchronous mode they hold from the next snapshot on, which is made at once."""
         self.settings = settings
         if settings.synchronous:
             self._let_managers_go()

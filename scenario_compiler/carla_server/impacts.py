@@ -1,4 +1,4 @@
-"""What happens where bodies touch: speeds along their headings that change by an impulse, and keep them apart.
+"""The impacts of bodies that touch: an impulse changes their speeds along their headings and keeps them apart.
 
 A vehicle's wheels do not slip here, so that an impulse changes its speed along its heading only, and its tires hold it
 against the rest; a walker gives way in every direction; what no physics moves stands fast.
@@ -15,7 +15,7 @@ RESTITUTION = 0.1
 
 PARTING = 2.0
 FASTEST_PARTING = 0.5
-"""Speed with which bodies part that overlap, m/s for each metre by which they do, and the greatest, m/s."""
+"""Speed with which overlapping bodies part, m/s for each metre of the overlap, and the greatest such speed, m/s."""
 
 
 class Footprint(NamedTuple):
@@ -43,7 +43,7 @@ class Footprint(NamedTuple):
 
 
 class Impact(NamedTuple):
-    """What two bodies do to each other.
+    """The effect of an impact on two bodies.
 
     Attributes:
         x, y: Impulse of the second on the first, OpenDRIVE axes, N s.
@@ -58,7 +58,7 @@ class Impact(NamedTuple):
 
 
 def impact(one: Footprint, other: Footprint) -> Impact:
-    """Return what happens to two bodies whose boxes overlap.
+    """Return the impact of two bodies whose boxes overlap.
 
     They meet along the direction in which they overlap least (separating axis theorem). The impulse is that of two
     bodies each of which can move as it can only: the speed at which they meet, over the sum of their mobilities.

@@ -12,7 +12,7 @@ from typing import Any
 
 GREATEST_FLOAT = 3.4028235e38
 LONGEST_TEXT = 1 << 20
-"""Characters of a text, but for a map's."""
+"""Greatest number of characters of a text other than a map."""
 
 
 @dataclass(frozen=True)
@@ -20,8 +20,8 @@ class Layout:
     """A type on the wire.
 
     Attributes:
-        name: What it is called, for people.
-        holds: Whether a decoded value is of it.
+        name: Its name for people.
+        holds: Returns whether a decoded value is of this type.
     """
 
     name: str
@@ -69,7 +69,7 @@ def array(of: Layout, most: int = 1 << 16) -> Layout:
 
 
 def optional(of: Layout) -> Layout:
-    """Return the layout of what may be absent: [false], or [true, value]."""
+    """Return the layout of an optional value: [false], or [true, value]."""
 
     def holds(value: Any) -> bool:
         if type(value) is not list or not value or type(value[0]) is not bool:

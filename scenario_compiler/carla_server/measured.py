@@ -16,10 +16,10 @@ from scenario_compiler.frames import CarlaTransform, carla_rows
 from scenario_compiler.roads import Network
 
 LEAP = 3.0
-"""An actor that has moved more than this many times as far as its speed takes it has been put somewhere else."""
+"""An actor that has moved more than this multiple of the way that its speed takes it was put somewhere else."""
 
 DEFAULT_LIMIT = 30.0
-"""Speed limit where the map gives none, km/h: CARLA's."""
+"""CARLA's speed limit of a road without one in the map, km/h."""
 
 NO_FAILURE = 0
 """No failure of a vehicle."""
@@ -38,7 +38,7 @@ class Measured:
     def __init__(
         self, simulation: Simulation, network: Network, transform_of: Callable[[Actor], CarlaTransform]
     ) -> None:
-        """Begin without an actor; `transform_of` returns where one is now."""
+        """Begin without an actor; `transform_of` returns the present transform of one."""
         self.rows = Rows(0)
         self._simulation, self._network, self._transform_of = simulation, network, transform_of
         self._limits: dict[tuple[int, int], float] = {}
@@ -47,7 +47,7 @@ class Measured:
         self.arrange({})
 
     def arrange(self, actors: Mapping[int, Actor]) -> None:
-        """Assign new rows to the actors, by their ids; those that had rows keep what is in them."""
+        """Assign new rows to the actors, by their ids; actors that had rows keep the contents."""
         before, self.rows = self.rows, Rows(len(actors))
         for row, actor in enumerate(actors.values()):
             if actor.row >= 0:
@@ -70,7 +70,7 @@ class Measured:
         self._up = np.array([body.up for body in self._bodies])
 
     def put(self, actor: Actor) -> None:
-        """Write where an actor without a body has been put."""
+        """Write the transform to which an actor without a body was put."""
         self.rows.every["transform"][actor.row] = self._transform_of(actor)
 
     def leap(self, place: int) -> None:

@@ -60,13 +60,13 @@ from scenario_compiler.carla_server.transport import OVERTAKING
 How = Literal["answered", "refused", "ignored"]
 
 NOTHING = Layout("nothing", lambda value: value is None)
-"""The result of a call that only does something."""
+"""The result of a call that has no other result."""
 
 RESPONSES = Layout("a response for each command", lambda value: type(value) is list)
 """The result of a batch, which is not wrapped in a response of its own."""
 
 MOST_COMMANDS = 1 << 14
-"""Commands of a batch at most."""
+"""Greatest number of commands of a batch."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Call:
         name: Its name on the wire.
         takes: Layouts of its arguments.
         gives: Layout of its result.
-        answer: What answers it; None for a call that is refused or ignored.
+        answer: Its handler; None for a call that is refused or ignored.
         why: Why it is refused or ignored, or what its answer leaves out.
         how: Whether it is answered, refused with an error, or accepted without effect.
         since: The version of CARLA from which on there is such a call.

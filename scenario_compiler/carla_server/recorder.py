@@ -20,10 +20,10 @@ from scenario_compiler.outputs import write_whole
 
 MAGIC = "scenario-compiler recording 1"
 MOST_STATES = 2_000_000
-"""States of bodies in a recording at most, over all frames: what comes after them is left out."""
+"""Greatest number of states of bodies in a recording, over all frames; later ones are left out."""
 
 BEHIND = CarlaTransform(-10.0, 0.0, 5.0, -25.0, 0.0, 0.0)
-"""Where a spectator follows a body, relative to it (`CarlaReplayer`)."""
+"""Transform of a spectator relative to the body that it follows (`CarlaReplayer`)."""
 
 
 def file_below(folder: Path, name: str) -> Path:
@@ -45,12 +45,12 @@ class Recorder:
     """A recording under way.
 
     Attributes:
-        path: Where it is written when it ends.
+        path: File into which it is written when it ends.
         town: Name of the map.
         actors: Bodies that have been there: id to description and kind.
         frames: Frame, time, step, states (id, transform, speed) and collisions (ids). As in CARLA's recordings, frames
             are counted from 1, and times from the first frame on.
-        kept: How many states have been taken down.
+        kept: Number of states recorded so far.
         begin: Time of the first frame in the episode, s.
     """
 
@@ -62,7 +62,7 @@ class Recorder:
     begin: float = 0.0
 
     def note(self, stage: Stage, dt: float) -> None:
-        """Take a frame down; a recording that is too long is not continued."""
+        """Record a frame; a recording that is too long is not continued."""
         if self.kept >= MOST_STATES:
             return
         if not self.frames:
@@ -93,7 +93,7 @@ class Recording:
 
     @classmethod
     def read(cls, folder: Path, name: str) -> Recording:
-        """Read a recording that is there.
+        """Read an existing recording.
 
         Raises:
             CallError: It is not one of ours.
@@ -147,7 +147,7 @@ class Recording:
         return "\n".join([*lines, "", f"Frames: {len(self.frames)}"])
 
     def blocked(self, least_time: float, least_distance: float) -> str:
-        """Return who has moved less than a distance for a time, in the columns of CARLA's."""
+        """Return the actors that have moved less than a distance for a time, in CARLA's columns."""
         lines = [f"{'Time':>8}      Id Actor                                Duration", ""]
         since: dict[int, tuple[float, list[float]]] = {}
         told: dict[int, float] = {}
@@ -178,7 +178,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class Played:
-    """How recordings are played, which clients set before they play one, or meanwhile.
+    """Settings for playing recordings, which clients make before or while they play one.
 
     Attributes:
         pace: Seconds of the recording in a second.
@@ -197,7 +197,7 @@ class Replay:
     blueprint, is used again, another one is spawned with its old id, or with a new one if somebody else has that.
 
     Attributes:
-        recording: What is played.
+        recording: The recording.
         at: Place of the next frame.
         time: Time in the recording, s.
         end: Time at which it ends, s.
@@ -215,7 +215,7 @@ class Replay:
     ids: dict[int, int] = field(default_factory=dict)
 
     def pose(self, stage: Stage, version: str, dt: float, played: Played) -> bool:
-        """Put its bodies to where they were; return False where it is over."""
+        """Put its bodies at their recorded places; return False if it is over."""
         frames = self.recording.frames
         self.time += dt * played.pace
         while self.at < len(frames) and frames[self.at][1] < self.time - 1e-6:
@@ -236,7 +236,7 @@ class Replay:
         return True
 
     def _put(self, stage: Stage, actor: Actor, at: CarlaTransform) -> None:
-        """Put an actor somewhere; it stays where it is if that is too far away."""
+        """Put an actor at a transform; it stays where it is if that is too far away."""
         with contextlib.suppress(CallError):
             stage.put(actor, at)
 

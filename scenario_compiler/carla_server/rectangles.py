@@ -1,4 +1,4 @@
-"""Rectangles seen from above, and by how much two of them overlap. OpenDRIVE axes, m and rad."""
+"""Rectangles seen from above, and the overlap of two of them. OpenDRIVE axes, m and rad."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Protocol
 
 
 class Rectangle(Protocol):
-    """What is seen from above of a box: its middle, its direction, its length along this, and its width across it."""
+    """A box seen from above: its middle, its direction, its length along this, and its width across it."""
 
     @property
     def x(self) -> float:

@@ -16,23 +16,23 @@ from scenario_compiler.carla_server.towns import Town, load_town
 from scenario_compiler.carla_server.transport import Calls
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
-"""Hosts that only this machine reaches."""
+"""Hosts that only this machine can reach."""
 
 
 class CannotServeError(Exception):
-    """The server cannot be started: no such map, or a port that is taken."""
+    """The server cannot be started: there is no such map, or a port is in use."""
 
 
 @dataclass(frozen=True)
 class Service:
-    """What is served, and where.
+    """The settings of the server.
 
     Attributes:
-        version: Version of CARLA that is answered for.
-        host: Address that is listened on.
+        version: Version of CARLA whose protocol is spoken.
+        host: Address on which it listens.
         port: Port of the calls; that of the streams is the next one. 0 for any that is free.
         town: Name of the first map.
-        folders: Where maps are looked for first.
+        folders: Folders in which maps are looked for first.
         files: Folder of recordings.
     """
 
@@ -45,7 +45,7 @@ class Service:
 
 
 def first_town(name: str, folders: Sequence[Path]) -> Town:
-    """Load the first map; CannotServeError where that fails."""
+    """Load the first map; raise CannotServeError if that fails."""
     try:
         return load_town(name, folders)
     except CallError as fault:
@@ -56,7 +56,7 @@ async def serve(service: Service, ready: Callable[[str], None], log: Callable[[s
     """Serve until SIGINT or SIGTERM.
 
     Args:
-        service: What and where.
+        service: The settings of the server.
         ready: Called with the address and port when connections are accepted and the first camera need not wait.
         log: Called with each line about a faulty client.
 

@@ -1,4 +1,4 @@
-"""A camera at a mount, which all sensors there share, so that a scene is drawn once a tick for all of them."""
+"""A camera at a mount, which all sensors there share, so that the scene is drawn only once in a tick."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SEED = 1
 
 
 class SharedCamera:
-    """A camera on a carrier, and what it saw last."""
+    """A camera on a carrier, and its last drawing."""
 
     def __init__(self, scene: Scene, camera: Camera, center: float) -> None:
         """Prepare the drawing; see `RoadCamera`."""
@@ -23,7 +23,7 @@ class SharedCamera:
         self._drawing: Drawing | None = None
 
     def see(self, instant: Hashable, draw: Callable[[RoadCamera], Drawing]) -> Drawing:
-        """Return what is seen at an instant; it is drawn for the first one who asks only."""
+        """Return the drawing of an instant; it is made at the first call."""
         if self._drawing is None or instant != self._instant:
             self._drawing, self._instant = draw(self._camera), instant
         return self._drawing

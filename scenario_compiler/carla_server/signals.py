@@ -1,4 +1,4 @@
-"""Where the signals of a map stand, and where the lanes that they are for meet their stop lines."""
+"""The places of a map's signals, and the places at which the lanes they apply to meet their stop lines."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ LIGHT, STOP, YIELD, LIMIT = "1000001", "206", "205", "274"
 
 
 LIGHTS_AHEAD = 0.25
-"""How far lights are put ahead of where the file has them, m (LibCarla's `MapBuilder`)."""
+"""Distance by which lights are put ahead of their places in the file, m (LibCarla's `MapBuilder`)."""
 
 SPEED = re.compile(r"[Ss]peed_(?:STATIC_)?([0-9]+)")
-"""Name of an object that LibCarla's `ObjectParser` takes for a speed limit: CARLA's towns have their limits so."""
+"""Name of an object that LibCarla's `ObjectParser` reads as a speed limit, as in CARLA's towns."""
 
 
 class Signals:
-    """The signals of a map, the references to them, and the objects that CARLA takes for speed limits.
+    """The signals of a map, the references to them, and the objects that CARLA reads as speed limits.
 
     Attributes:
         network: The map.
@@ -31,7 +31,7 @@ class Signals:
     """
 
     def __init__(self, network: Network) -> None:
-        """Find them all, and sort them by their ids."""
+        """Find all signals, and sort them by their ids."""
         self.network = network
         model = network.model()
         limits = ((one, SPEED.match(one.name)) for one in model.objects)
@@ -46,7 +46,7 @@ class Signals:
         return self._by_id.get(number, [])
 
     def stop_lines(self, signal: Signal) -> Iterator[LanePosition]:
-        """Yield where lanes that a signal is for meet its stop line: outside the junction."""
+        """Yield the places outside the junction at which the lanes of a signal meet its stop line."""
         seen: set[tuple[str, int]] = set()
         for place in self.places_of(signal.id):
             for lane in lanes_of(self.network, place):
@@ -83,7 +83,7 @@ def _limit(one: RoadObject, number: str) -> Signal:
 
 
 def stands(network: Network, signal: Signal) -> CarlaTransform:
-    """Return where a signal's actor stands: upright, and turned by 90 degrees (MapBuilder, TrafficLightManager)."""
+    """Return the transform of a signal's actor: upright, and turned by 90 degrees (MapBuilder, TrafficLightManager)."""
     pose = network.road_pose(signal.road, _on_road(network, signal), signal.t)
     heading = pose.heading + signal.heading_offset
     ahead = LIGHTS_AHEAD if signal.type == LIGHT else 0.0
@@ -92,7 +92,7 @@ def stands(network: Network, signal: Signal) -> CarlaTransform:
 
 
 def lanes_of(network: Network, place: Signal) -> Iterator[LanePosition]:
-    """Yield the driving lanes that a signal, or a reference to it, is for, where it stands."""
+    """Yield the driving lanes to which a signal, or a reference to it, applies at its place."""
     s = _on_road(network, place)
     for one in network.lanes_at(place.road, s):
         if one.type == "driving" and _is_meant(network, place, one.lane):
@@ -100,12 +100,12 @@ def lanes_of(network: Network, place: Signal) -> Iterator[LanePosition]:
 
 
 def _on_road(network: Network, place: Signal) -> float:
-    """Return the s of a signal, or that of the end of its road which it lies beyond."""
+    """Return the s of a signal; if it lies beyond the end of its road, that of this end."""
     return min(max(place.s, 0.0), network.road(place.road).length)
 
 
 def _is_meant(network: Network, place: Signal, lane: int) -> bool:
-    """Return whether a signal is for a lane: by its validity, which CARLA's maps have, else by its orientation."""
+    """Return whether a signal applies to a lane: by its validity, which CARLA's maps have, or by its orientation."""
     if place.lanes:
         return any(min(pair) <= lane <= max(pair) for pair in place.lanes)
     along = lane_direction(network.tables, network.road_index(place.road), lane) > 0
@@ -113,7 +113,7 @@ def _is_meant(network: Network, place: Signal, lane: int) -> bool:
 
 
 def _outside(network: Network, place: LanePosition) -> LanePosition | None:
-    """Return the last place before a junction on the way to a place, the place itself where it lies in none."""
+    """Return the last place before the junction on the way to a place; the place itself if it lies in no junction."""
     at: LanePosition | None = place
     for _ in range(200):
         if at is None or network.road(at.road).junction is None:

@@ -27,24 +27,24 @@ from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.model import Signal
 
 PAINTED = "Stencil_STOP"
-"""Name of a stop sign that is painted on the road, which CARLA makes no actor of."""
+"""Name of a stop sign that is painted on the road; CARLA makes no actor of it."""
 
 HELD = 2.0
 AGAIN = {"traffic.stop": 1.0, "traffic.yield": 0.5}
 CLEARED = 0.5
-"""How long a vehicle sees red at a stop sign at least; after how long a sign looks again for vehicles with the right of
-way; and how long after one has left, s.
+"""Least time for which a vehicle sees red at a stop sign, s; time after which a sign looks again for vehicles with the
+right of way, s; and the same time after one has left, s.
 """
 
 CHECK_SHARE, LIMIT_SHARE = 0.9, 0.7
 """Widths of the areas as shares of their lane's width: on a conflicting way, at a speed limit."""
 
 CLOSE = 2.0
-"""Ways through a junction conflict where their middles come so close, m."""
+"""Distance between the middles of two ways through a junction below which they conflict, m."""
 
 FORESEEN = 0.1
 DEFAULT_SPEED = 40.0
-"""Areas on a way before the junction reach back for so many hours at its speed limit in km/h, as CARLA computes it."""
+"""Length of the areas on a way before the junction, hours at its speed limit in km/h, as CARLA computes it."""
 
 SAMPLED = 1.0
 """Distance of points along a way, m."""
@@ -75,14 +75,14 @@ class Sign:
 
 @dataclass(eq=False)
 class RightOfWay:
-    """What a stop or yield sign lets vehicles see.
+    """The state that a stop or yield sign shows to vehicles.
 
     Attributes:
         sign: The sign, in whose areas vehicles wait.
         crossed: Areas on the ways that have the right of way.
         waiting: Ids of the vehicles in its areas.
         crossing: Ids of the vehicles in the areas crossed, each with the index of the area.
-        due: When it looks again, s.
+        due: The time at which it looks again, s.
     """
 
     sign: Sign
@@ -92,7 +92,7 @@ class RightOfWay:
     due: list[float] = field(default_factory=list)
 
     def step(self, time: float, waiting: set[int], crossing: set[tuple[int, int]]) -> dict[int, int]:
-        """Return what it lets vehicles see from a time on, RED or GREEN by their ids; others see what they saw."""
+        """Return the states that it shows from a time on, RED or GREEN by vehicle id; other vehicles see no change."""
         came, left = waiting - self.waiting, self.crossing - crossing
         entered = any(car not in waiting for car, _ in crossing - self.crossing)
         self.waiting, self.crossing = waiting, crossing
@@ -124,7 +124,7 @@ class SignRules:
     """The stop and yield signs of a map, and which vehicles they concern."""
 
     def __init__(self, signals: Signals, signs: Iterable[Sign]) -> None:
-        """Find the ways that have the right of way, and index all areas by where they lie."""
+        """Find the ways that have the right of way, and index all areas by their places."""
         ways = _ways_by_junction(signals.network)
         self._rules = [
             RightOfWay(sign, tuple(_crossed(signals, ways, sign)))
@@ -147,7 +147,7 @@ class SignRules:
         return self._index.is_near(x, y)
 
     def step(self, time: float, boxes: Iterable[tuple[int, Box]]) -> dict[int, int]:
-        """Return what signs let vehicles see from a time on, RED or GREEN by their ids.
+        """Return the states that signs show from a time on, RED or GREEN by vehicle id.
 
         Args:
             time: s.
@@ -238,13 +238,13 @@ def _driving_lanes(network: Network, road: str) -> list[int]:
 
 
 def _start(network: Network, road: str, lane: int) -> LanePosition:
-    """Return where travel enters a lane."""
+    """Return the place at which traffic enters a lane."""
     along = lane_direction(network.tables, network.road_index(road), lane) > 0
     return LanePosition(road, lane, 0.0 if along else network.road(road).length, 0.0)
 
 
 def _origin(network: Network, road: str, lane: int) -> str | None:
-    """Return the road from which travel enters a lane of a road in a junction, None if there is none."""
+    """Return the road from which traffic enters a lane of a road in a junction; None if there is none."""
     before = network.previous(_start(network, road, lane), 0.1)
     return None if before is None else before.road
 

@@ -1,7 +1,7 @@
 """The state of a world for clients: a structured array with one row of 119 bytes for each actor.
 
-Layout: LibCarla's `sensor::data::ActorDynamicState` of CARLA 0.9.15 and 0.9.16, of which the last 54 bytes hold what
-depends on the kind of actor.
+Layout: LibCarla's `sensor::data::ActorDynamicState` of CARLA 0.9.15 and 0.9.16, whose last 54 bytes depend on the
+kind of actor.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 UNION = 65
-"""Where in a row that begins which depends on the kind of actor."""
+"""Offset in a row of the part that depends on the kind of actor, bytes."""
 
 ROW = 119
 ACTIVE = 1
@@ -27,7 +27,7 @@ ACTOR = np.dtype(
         "itemsize": ROW,
     }
 )
-"""What every row begins with."""
+"""The part of a row that every kind of actor has."""
 
 VEHICLE = struct.Struct("<3f3?ifB?IB")
 """Throttle, steer, brake; hand brake, reverse, manual; gear, speed limit; state of its light, whether, id; failures."""
@@ -36,7 +36,7 @@ WALKER = struct.Struct("<4f?")
 """Direction, speed, jump."""
 
 LIGHT = struct.Struct("<32s4fI?B")
-"""OpenDRIVE id; green, yellow, red and elapsed time; number in its group; frozen, state. Signs have the id alone."""
+"""OpenDRIVE id; green, yellow, red and elapsed time; number in its group; frozen, state. Signs have only the id."""
 
 SIGN = struct.Struct("<32s")
 
@@ -70,11 +70,11 @@ class Rows:
         self.every["state"] = ACTIVE
 
     def copy_row(self, row: int, other: Rows, from_row: int) -> None:
-        """Take over another row."""
+        """Copy another row."""
         self._bytes[row * ROW : (row + 1) * ROW] = other._bytes[from_row * ROW : (from_row + 1) * ROW]
 
     def put(self, layout: struct.Struct, row: int, *values: float | bytes) -> None:
-        """Write what depends on the kind of actor."""
+        """Write the part that depends on the kind of actor."""
         layout.pack_into(self._bytes, row * ROW + UNION, *values)
 
     def message(

@@ -11,19 +11,19 @@ from scenario_compiler.carla_server.sensors.kinds import INSTRUMENTS, ON_OCCASIO
 from scenario_compiler.frames import CarlaTransform
 
 BOOLS = ("true", "false")
-"""What clients read as an attribute that is true or false."""
+"""Texts that clients read as true or false."""
 
 
 def check_attributes(version: str, description: list[Any]) -> None:
     """Refuse attributes that clients cannot read: each client that asked for the world's actors would get an error.
 
     Raises:
-        CallError: An attribute has a type that there is not, or a text that is not of its type.
+        CallError: An attribute has an unknown type, or a text that is not of its type.
     """
     for name, number, text in description[2]:
         place = number - first_kind(version)
         if not 0 <= place < len(KINDS):
-            raise CallError(f"unable to spawn actor: its attribute '{name}' has a type that there is not, {number}")
+            raise CallError(f"unable to spawn actor: its attribute '{name}' has the unknown type {number}")
         if not _is_readable(KINDS[place], text):
             raise CallError(f"unable to spawn actor: its attribute '{name}' is '{text}', not a {KINDS[place]}")
 
@@ -35,7 +35,7 @@ def _is_readable(kind: str, text: str) -> bool:
 
 
 def blueprint_of(version: str, name: str) -> Blueprint:
-    """Return a blueprint by its id; CallError where the library has none, or none that can be spawned."""
+    """Return a blueprint by its id; raise CallError if there is none, or if it cannot be spawned."""
     found = library(version).get(name)
     if found is None:
         raise CallError(f"unable to spawn actor: the blueprint library has no '{name}'")
@@ -45,7 +45,7 @@ def blueprint_of(version: str, name: str) -> Blueprint:
 
 
 def attributes_of(blueprint: Blueprint, description: list[Any]) -> dict[str, str]:
-    """Return the attributes of an actor as texts: those of the description, else the blueprint's defaults."""
+    """Return the attributes of an actor as texts: those of the description, or the blueprint's defaults."""
     given = {name: value for name, _, value in description[2]}
     return {**blueprint.defaults, **given}
 

@@ -42,14 +42,14 @@ from scenario_compiler.frames import (
 from scenario_compiler.roads import Pose
 
 PLACES = 1024
-"""Bodies that can stand in a world at once."""
+"""Greatest number of bodies in a world at the same time."""
 
 MOST_ACTORS = 4096
 FIRST_ID = 24
-"""Actors at once, and the id of the first: CARLA counts its map's first."""
+"""Greatest number of actors, and the id of the first one: CARLA numbers the actors of its map first."""
 
 FARTHEST = 1.0e6
-"""How far from the origin clients may put something, m."""
+"""Greatest distance from the origin at which clients may put something, m."""
 
 TRIGGER = "static.trigger.friction"
 """Blueprint of a friction trigger."""
@@ -65,7 +65,7 @@ class Stage:
         time: Time, s.
         version: Version of CARLA whose protocol is spoken.
         gravity: The gravity that inertial units measure, m/s2.
-        shapes: What clients have drawn for debugging.
+        shapes: The debug shapes of clients.
         simulation: The engine, in which every body has a place.
         driving: Hands the controls of bodies to the engine.
         measured: The states of the actors, as rows of snapshots.
@@ -112,7 +112,7 @@ class Stage:
         light.actor = self.add(actor).id
 
     def add(self, actor: Actor, wanted: int = 0) -> Actor:
-        """Take an actor in and give it its id: the next one, or the wanted one if nobody has it.
+        """Add an actor and give it its id: the next one, or the wanted one if no actor has it.
 
         Raises:
             CallError: There are too many.
@@ -130,7 +130,7 @@ class Stage:
         return actor
 
     def add_body(self, body: Body, wanted: int = 0) -> Body:
-        """Take a body in; it stands on the road below it, and a vehicle falls onto it.
+        """Add a body; it stands on the road below it, and a vehicle falls onto it.
 
         Args:
             body: The body.
@@ -170,7 +170,7 @@ class Stage:
         return body
 
     def get(self, number: int) -> Actor:
-        """Return an actor; CallError where there is none."""
+        """Return an actor; raise CallError if there is none."""
         actor = self.actors.get(number)
         if actor is None:
             raise CallError(f"unable to find actor: actor not found (id {number})")
@@ -202,7 +202,7 @@ class Stage:
         self._stale = True
 
     def box_of(self, number: int) -> list[Any]:
-        """Return an actor's box as it lies on the wire; also of one that has been destroyed a moment ago.
+        """Return an actor's box in the layout of the wire; also of one that was destroyed a moment ago.
 
         Raises:
             CallError: There is none.
@@ -214,7 +214,7 @@ class Stage:
         return found
 
     def gone(self, number: int) -> Actor | None:
-        """Return an actor that has been destroyed a moment ago; None for others."""
+        """Return an actor that was destroyed a moment ago; None for others."""
         found = self._remembered(number)
         return None if found is None else found.actor
 
@@ -238,7 +238,7 @@ class Stage:
         return pose if fall is None else fall.pose(pose, self.time)
 
     def transform_of(self, actor: Actor) -> CarlaTransform:
-        """Return where an actor is now, CARLA's axes."""
+        """Return the present transform of an actor, CARLA's axes."""
         if isinstance(actor, Body):
             pose = self.pose_of(actor)
             if isinstance(actor, Walker):
@@ -249,7 +249,9 @@ class Stage:
         return actor.transform
 
     def put(self, actor: Actor, transform: CarlaTransform) -> None:
-        """Put an actor somewhere; one with a parent relative to it. A vehicle that physics moves falls onto the road.
+        """Put an actor at a transform, relative to its parent if it has one.
+
+        A vehicle that physics moves falls onto the road.
 
         Raises:
             CallError: That is too far away.
@@ -279,18 +281,18 @@ class Stage:
             self._falling[actor.place] = Fall(pose, self.time)
 
     def _on_ground(self, pose: Pose) -> Pose:
-        """Return the pose of what lies on the ground below; where a road is, the engine puts it onto that."""
+        """Return the pose on the ground below; on a road, the engine puts a body onto the road's surface."""
         ground = self.town.ground_at(pose.x, pose.y)
         return Pose(pose.x, pose.y, ground.z if ground else 0.0, pose.heading, 0.0, 0.0)
 
     def _carry(self, body: Body) -> None:
-        """Put an attached body to where what carries it has taken it."""
+        """Put an attached body where its carrier has taken it."""
         if body.parent in self.actors and body.relative is not None:
             at = carla_attached(self.transform_of(self.actors[body.parent]), body.relative)
             self.simulation.pose(body.place, Pose(*pose_from_carla(at, body.shape.center, body.up)), 0.0)
 
     def let_simulate(self, body: Body, simulates: bool) -> None:
-        """Say whether physics moves a body; a vehicle falls from where it is then, or stays in the air.
+        """Set whether physics moves a body; a vehicle falls from where it is then, or stays in the air.
 
         A prop stays where it has been put.
         """
@@ -348,7 +350,7 @@ class Stage:
         self.measure(dt)
 
     def _heed_signs(self) -> None:
-        """Find the light that each vehicle is at, and let vehicles see what stop and yield signs show them."""
+        """Find the light that applies to each vehicle, and show vehicles the states of stop and yield signs."""
         if self._lit.empty and self._rules.empty:
             return
         boxes: list[tuple[int, Box]] = []
@@ -367,7 +369,7 @@ class Stage:
             shown_to.shown = state
 
     def _box_near_areas(self, car: Car) -> Box | None:
-        """Return the box of a vehicle on the road, None far from all areas of lights and signs."""
+        """Return the box of a vehicle on the road; None if it is far from all areas of lights and signs."""
         st, at, shape = self.simulation.state, car.place, car.shape
         x, y = st.middle_x[at], st.middle_y[at]
         if not self._lit.is_near(x, y) and not self._rules.is_near(x, y):
@@ -375,7 +377,7 @@ class Stage:
         return Box(x, y, st.z[at], st.h[at], shape.length, shape.width, shape.height)
 
     def _enter_triggers(self, car: Car) -> None:
-        """Give the tires of a vehicle the friction of the trigger that it is in."""
+        """Give a vehicle's tires the friction of the trigger in which the vehicle is."""
         friction = self.friction_at(self.transform_of(car))
         if friction != car.friction:
             car.friction = friction
@@ -401,11 +403,11 @@ class Stage:
         return Footprint(*at, body.shape.length, body.shape.width, st.v[place], inertia, rolls=not walks)
 
     def _are_joined(self, one: Body, other: Body) -> bool:
-        """Return whether two bodies hang together: one is attached to the other, or both to a third."""
+        """Return whether two bodies are connected: one is attached to the other, or both to a third."""
         return self._carrier_of(one) is self._carrier_of(other)
 
     def _carrier_of(self, actor: Actor) -> Actor:
-        """Return what carries an actor in the end, itself if nothing does."""
+        """Return the outermost carrier of an actor; the actor itself if it is not attached."""
         while actor.parent in self.actors:
             actor = self.actors[actor.parent]
         return actor
@@ -419,7 +421,7 @@ class Stage:
         self.measured.measure(dt, self.time, self._falling)
 
     def wire(self, actor: Actor) -> list[Any]:
-        """Return an actor as it lies on the wire, its token left out."""
+        """Return an actor in the layout of the wire, without its token."""
         half = list(actor.box)
         middle, turn = [0.0, 0.0, 0.0 if isinstance(actor, Walker) else half[2]], [0.0, 0.0, 0.0]
         if isinstance(actor, LightActor):

@@ -37,34 +37,34 @@ GENERATED = "OpenDriveMap"
 """Name of a world that is generated from a client's own OpenDRIVE file, as CARLA calls it."""
 
 OPTIONAL = "_Opt"
-"""What CARLA appends to the name of a town whose layers can be switched: here the same town."""
+"""Suffix in CARLA of a town whose layers can be switched; here it is the same town."""
 
 APART = 11.5
-"""Distance between spawn points at least, m: the half diagonals of two of CARLA's longest vehicle, 10.3 m by 3.9 m."""
+"""Least distance between spawn points, m: the half diagonals of two of CARLA's longest vehicle, 10.3 m by 3.9 m."""
 
 SPACING = 12.0
 LIFTED = 0.5
-"""Distance along a lane at which spawn points are tried, and their height over the road, m."""
+"""Distance along a lane from one possible spawn point to the next, and their height over the road, m."""
 
 AHEAD = 30.0
-"""How far a lane goes on from a spawn point, m, unless there is no such place: a Traffic Manager removes a vehicle at
+"""Least length of the lane ahead of a spawn point, m, if there is such a place: a Traffic Manager removes a vehicle at
 the end of a lane at once.
 """
 
 MOST_POINTS = 400
 NARROWEST = 2.5
-"""Spawn points of a map at most, and the width of a lane with one at least, m."""
+"""Greatest number of spawn points of a map, and the least width of a lane with one, m."""
 
 
 @dataclass(frozen=True, eq=False)
 class Town:
-    """A map that is loaded.
+    """A loaded map.
 
     Attributes:
         name: Its name, as clients know it, without folders.
         network: Its roads.
-        text: Its OpenDRIVE, such that CARLA's clients load it.
-        spawn_points: Where vehicles can start, CARLA's axes; two of the longest vehicles fit on any two of them.
+        text: Its OpenDRIVE in the form that CARLA's clients load.
+        spawn_points: Places at which vehicles can start, CARLA's axes; the longest vehicles fit on any two of them.
     """
 
     name: str

@@ -21,7 +21,7 @@ from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.model import Signal
 
 RED, YELLOW, GREEN = 0, 1, 2
-"""States as CARLA counts them; 3 is off and 4 unknown."""
+"""Numbers of the states in CARLA; 3 is off and 4 unknown."""
 
 GREEN_TIME, YELLOW_TIME, RED_TIME = 10.0, 3.0, 2.0
 """CARLA's default times, s."""
@@ -36,9 +36,9 @@ class Light:
 
     Attributes:
         signal: Id of its signal.
-        transform: Where it stands, CARLA's axes.
-        stops: Where vehicles wait for it: points before stop lines, CARLA's axes.
-        areas: Areas before its stop lines in which it is for a vehicle.
+        transform: Its transform, CARLA's axes.
+        stops: Points before stop lines at which vehicles wait for it, CARLA's axes.
+        areas: Areas before its stop lines in which it applies to a vehicle.
         group: The lights of its junction, it among them.
         actor: Id of its actor.
         pole: Its number in the group.
@@ -80,7 +80,7 @@ class Group:
         phases: The lights of each phase.
         phase: Index of the present phase.
         stage: State of its lights: GREEN, YELLOW or RED. The lights of the other phases are red.
-        since: How long they have been in this state, s.
+        since: Time for which they have been in this state, s.
     """
 
     phases: list[list[Light]] = field(default_factory=list)
@@ -162,7 +162,7 @@ def groups_of(signals: Signals) -> list[Group]:
 
 
 def _junction_of(signals: Signals, light: Signal) -> int:
-    """Return the index of the junction that a light's lane leads to, -1 for none."""
+    """Return the index of the junction to which a light's lane leads; -1 if there is none."""
     stop = next(signals.stop_lines(light), None)
     if stop is None:
         return -1

@@ -1,6 +1,6 @@
 """The two ports of the protocol: calls as msgpack on the first, streams of sensors on the second.
 
-Whatever does not follow the protocol ends its connection with one line in the log, and nothing else.
+A message that breaks the protocol ends its connection, with one line in the log; it has no other effect.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ REQUEST, RESPONSE, NOTIFICATION = 0, 1, 2
 """Kinds of messages in msgpack-rpc."""
 
 MOST_BYTES = 64 << 20
-"""Bytes of a request at most."""
+"""Greatest size of a request, bytes."""
 
 LONGEST_ARRAY = 1 << 20
-"""Elements of an array at most; maps and extensions are no part of the protocol."""
+"""Greatest number of elements of an array; maps and extensions are not part of the protocol."""
 
 MOST_CONNECTIONS = 256
-"""Connections to a port at once."""
+"""Greatest number of connections to a port at the same time."""
 
 WAITING = 4096
-"""Requests of one connection that wait for an answer before it is read no further."""
+"""Greatest number of unanswered requests of a connection; at this number it is not read further."""
 
 SLOW = 128 << 20
-"""Bytes that a consumer of a stream may be behind before messages are left out."""
+"""Backlog of a listener from which messages to it are left out, bytes."""
 
 LINGERING = 1.0
-"""How long a connection to a stream that is no more is kept, s: a client that has not stopped its sensor comes again as
+"""Time for which a connection to an ended stream is kept, s: a client that has not stopped its sensor comes again as
 soon as it ends.
 """
 
 PATIENCE = 4 << 20
-"""Bytes that it may be behind before a tick waits for it."""
+"""Backlog of a listener from which a tick waits for it, bytes."""
 
 MOST_MISSED = 1000
 """Greatest number of missing streams that are logged."""
@@ -45,7 +45,7 @@ MOST_MISSED = 1000
 SIZE = struct.Struct("<I")
 
 OVERTAKING = frozenset(("version", "get_episode_info", "get_sensor_token"))
-"""Calls with which a client takes up the stream of snapshots. They are answered at once, also while their connection
+"""Calls with which a client joins the stream of snapshots. They are answered at once, also while their connection
 waits for the answer to another call: one of its Traffic Manager, which runs in a thread of its own.
 """
 
@@ -55,14 +55,14 @@ second waits for that.
 """
 
 Answer = Callable[[str, list[Any]], Any]
-"""Answers a call: its name and arguments in, what is sent back out, or something to wait for that."""
+"""Answers a call: takes its name and arguments, returns the response, or an awaitable of it."""
 
 
 class Calls(asyncio.Protocol):
     """A client's connection for calls: they are answered in order, one after the other."""
 
     def __init__(self, answer: Answer, open_ones: set[asyncio.BaseTransport], log: Callable[[str], None]) -> None:
-        """Take who answers, the set of all connections, and where a fault is logged."""
+        """Store the handler of calls, the set of all connections, and the function that logs faults."""
         self._answer, self._open, self._log = answer, open_ones, log
         self._transport: asyncio.Transport | None = None
         self._unpacker = msgpack.Unpacker(
@@ -79,7 +79,7 @@ class Calls(asyncio.Protocol):
         self._aside: set[asyncio.Task[None]] = set()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take a connection up, unless there are too many."""
+        """Accept a connection, unless there are too many."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
         if len(self._open) >= MOST_CONNECTIONS:
@@ -88,7 +88,7 @@ class Calls(asyncio.Protocol):
         self._open.add(transport)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Drop the calls that still wait for an answer."""
+        """Drop the unanswered calls."""
         del exc
         if self._transport is not None:
             self._open.discard(self._transport)
@@ -175,10 +175,10 @@ def _overtakes(message: Any) -> bool:
 
 
 class Streams:
-    """Who listens to which stream."""
+    """The listeners of each stream."""
 
     def __init__(self, knows: Callable[[int], bool], log: Callable[[str], None]) -> None:
-        """Take what says whether there is a stream of a number, and where a fault is logged."""
+        """Store a function that returns whether a stream exists, and the function that logs faults."""
         self._knows, self._log = knows, log
         self._listeners: dict[int, set[asyncio.Transport]] = {}
         self._arrivals: dict[int, asyncio.Event] = {}
@@ -187,7 +187,7 @@ class Streams:
         self.open: set[asyncio.BaseTransport] = set()
 
     def connection(self) -> Stream:
-        """Return what takes a connection up."""
+        """Return a new protocol for a connection."""
         return Stream(self, self._log)
 
     def heard(self, number: int) -> bool:
@@ -195,12 +195,12 @@ class Streams:
         return number in self._listeners
 
     def announce(self, number: int) -> None:
-        """Note that a client is about to listen to a stream."""
+        """Note that a client will connect to a stream next."""
         if number not in self._listeners:
             self._arrivals.setdefault(number, asyncio.Event())
 
     async def wait_for_announced(self, seconds: float) -> None:
-        """Wait until those who are about to listen do so, no longer than some seconds."""
+        """Wait for at most some seconds until all expected listeners have connected."""
         waiting = [asyncio.ensure_future(event.wait()) for event in self._arrivals.values()]
         if waiting:
             _, late = await asyncio.wait(waiting, timeout=seconds)
@@ -209,7 +209,7 @@ class Streams:
             self._arrivals.clear()
 
     async def wait_for_another(self, number: int, seconds: float) -> None:
-        """Wait until somebody more listens to a stream, no longer than some seconds."""
+        """Wait for at most some seconds until one more listener has connected to a stream."""
         event = self._joins.setdefault(number, asyncio.Event())
         await asyncio.wait([asyncio.ensure_future(event.wait())], timeout=seconds)
         event.set()  # lets the task end
@@ -217,11 +217,11 @@ class Streams:
 
     @property
     def announced(self) -> bool:
-        """Whether somebody is about to listen."""
+        """Whether a listener is expected."""
         return bool(self._arrivals)
 
     def join(self, number: int, transport: asyncio.Transport) -> bool:
-        """Let a connection listen to a stream; return whether there is one of that number."""
+        """Let a connection listen to a stream; return whether the stream exists."""
         if not self._knows(number):
             return False
         self._listeners.setdefault(number, set()).add(transport)
@@ -232,7 +232,7 @@ class Streams:
         return True
 
     def note_missing(self, number: int) -> None:
-        """Log, the first time only, that a stream was asked for that there is not."""
+        """Log that a client asked for a missing stream, once for each stream."""
         if number not in self._missed and len(self._missed) < MOST_MISSED:
             self._missed.add(number)
             self._log(f"stream {number} does not exist")
@@ -250,7 +250,7 @@ class Streams:
             transport.close()
 
     def send(self, number: int, message: bytes) -> None:
-        """Send a message to all listeners; a listener that is far behind does not get it."""
+        """Send a message to all listeners except those that are too far behind."""
         size = SIZE.pack(len(message))
         for transport in self._listeners.get(number, ()):
             if transport.get_write_buffer_size() < SLOW:
@@ -258,7 +258,7 @@ class Streams:
 
     @property
     def behind(self) -> bool:
-        """Whether somebody is so far behind that a tick should wait."""
+        """Whether a listener is so far behind that a tick should wait."""
         return any(
             transport.get_write_buffer_size() > PATIENCE
             for listening in self._listeners.values()
@@ -270,14 +270,14 @@ class Stream(asyncio.Protocol):
     """A client's connection for one stream: it sends the stream's number and then only listens."""
 
     def __init__(self, streams: Streams, log: Callable[[str], None]) -> None:
-        """Take the streams, and where a fault is logged."""
+        """Store the streams, and the function that logs faults."""
         self._streams, self._log = streams, log
         self._transport: asyncio.Transport | None = None
         self._begun = b""
         self._joined = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take a connection up, unless there are too many."""
+        """Accept a connection, unless there are too many."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
         if len(self._streams.open) >= MOST_CONNECTIONS:
@@ -286,7 +286,7 @@ class Stream(asyncio.Protocol):
         self._streams.open.add(transport)
 
     def data_received(self, data: bytes) -> None:
-        """Read the number of the stream; nothing may follow."""
+        """Read the number of the stream; no more data may follow."""
         if self._transport is None or self._transport.is_closing():
             return
         self._begun += data[: SIZE.size + 1]
@@ -298,7 +298,7 @@ class Stream(asyncio.Protocol):
                 self._turn_away(SIZE.unpack(self._begun)[0])
 
     def _turn_away(self, number: int) -> None:
-        """End the connection after a while: the log has one line for each stream that was asked for in vain."""
+        """End the connection after a while; the log has one line for each missing stream that was asked for."""
         self._streams.note_missing(number)
         asyncio.get_running_loop().call_later(LINGERING, self._end)
 
@@ -313,7 +313,7 @@ class Stream(asyncio.Protocol):
             self._transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Listen no more."""
+        """Stop listening."""
         del exc
         if self._transport is not None:
             self._streams.open.discard(self._transport)

@@ -28,7 +28,7 @@ from scenario_compiler.cli.options import (
     whole_number,
 )
 from scenario_compiler.cli.terminal import flush_streams, put
-from scenario_compiler.cli.worlds import add_world, note_findings, world_options
+from scenario_compiler.cli.worlds import add_world, note_failures, note_findings, world_options
 from scenario_compiler.garbage_collection import stay_small
 
 if TYPE_CHECKING:
@@ -103,8 +103,10 @@ def drive_command(options: argparse.Namespace) -> int:
         raise WrongUse("nobody can take over: the scenario has no automated vehicle")
     show(sink, options)
     sink = new_sink(options)
-    serve_plan(compilation.plan, compilation.network, options, of_world, sink)
-    show(sink, options)
+    try:
+        serve_plan(compilation.plan, compilation.network, options, of_world, sink)
+    finally:  # Ctrl-C ends the command
+        show(sink, options)
     return FINE
 
 
@@ -127,7 +129,9 @@ def serve_plan(
     sink: Diagnostics,
     watches: Callable[[Run], None] | None = None,
 ) -> str:
-    """Serve the page of a plan until it is closed or interrupted, and report where the world deviates from the plan.
+    """Serve the page of a plan until it is closed or interrupted.
+
+    It reports where the world deviates from the plan, and why runs of `drive` broke off.
 
     Args:
         plan: What is driven.
@@ -152,18 +156,23 @@ def serve_plan(
     folder = None if watched else options.output
     findings: list[WorldFinding] = []
     found = findings.extend
+
+    def keep(run: Run) -> None:
+        note_failures(run.recording, run.plan, options.target, sink)
+
     drive = Drive(plan, network, options.world, options.seed, trust_of(options), folder, options=of_world, found=found)
     stay_small()
-    ended = serve(
-        drive,
-        host=options.host,
-        port=options.port,
-        watched=watched,
-        kept=watches,
-        told=lambda address: _print_address(address, options),
-    )
-    note_findings(findings, plan, sink)
-    return ended
+    try:
+        return serve(
+            drive,
+            host=options.host,
+            port=options.port,
+            watched=watched,
+            kept=watches or keep,
+            told=lambda address: _print_address(address, options),
+        )
+    finally:
+        note_findings(findings, plan, sink)
 
 
 def _print_address(address: str, options: argparse.Namespace) -> None:

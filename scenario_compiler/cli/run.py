@@ -32,8 +32,8 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.report import add_shows, film_path, needing, write_film
 from scenario_compiler.cli.terminal import complain, put, shown_progress
-from scenario_compiler.cli.worlds import add_world, note_findings, world_options
-from scenario_compiler.diagnostics import Diagnostics, FilePlace, code_named
+from scenario_compiler.cli.worlds import add_world, note_failures, note_findings, world_options
+from scenario_compiler.diagnostics import Diagnostics, FilePlace
 from scenario_compiler.files import split_target
 from scenario_compiler.forms.machine_code import why_interpreted
 from scenario_compiler.interruption import Interruption, noted
@@ -211,7 +211,7 @@ def run_command(options: argparse.Namespace) -> int:
     if interrupted:  # what was recorded until then is written
         raise KeyboardInterrupt
     print_run(finished, options.output, text_stream(options))
-    note_failures(finished.recording, finished.plan, options, sink)
+    note_failures(finished.recording, finished.plan, options.target, sink)
     if show(sink, options):
         return AT_FAULT
     return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
@@ -295,17 +295,6 @@ def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> No
         from scenario_compiler.report.preview import draw_route
 
         draw_route(run.plan, run.network, folder / "route.png")
-
-
-def note_failures(recording: Recording, plan: Plan, options: argparse.Namespace, sink: Diagnostics) -> None:
-    """Report why a run broke off: one diagnostic for each event that ended it, at the entity that it names, if any."""
-    from scenario_compiler.plan.provenance import place_of
-
-    for event in recording.events:
-        code = code_named(event.cause) if event.kind == "broken_off" else None
-        if code is not None:
-            place = place_of(plan, f"entities/{event.entity}")
-            sink.add(code, event.message, place if place.line else FilePlace(split_target(options.target)[0]))
 
 
 def run_with_progress(

@@ -1,4 +1,7 @@
-"""Options that choose a world and, for CARLA, its address, who moves the ego, and whose pictures are used."""
+"""Options that choose a world, and the reports on its deviations from the plan and on why a run broke off.
+
+The options of CARLA are its address, what moves the ego, and whose pictures are used.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from scenario_compiler.cli.options import WrongUse, suggestion, whole_number
 if TYPE_CHECKING:
     from scenario_compiler.diagnostics import Diagnostics
     from scenario_compiler.plan.model import Plan
+    from scenario_compiler.recording.recording import Recording
     from scenario_compiler.worlds import WorldFinding
 
 CARLA_OPTIONS = {
@@ -68,3 +72,16 @@ def note_findings(findings: Iterable[WorldFinding], plan: Plan, sink: Diagnostic
 
     for finding in dict.fromkeys(findings):
         sink.add(finding.code, finding.message, place_of(plan, finding.part))
+
+
+def note_failures(recording: Recording, plan: Plan, target: str, sink: Diagnostics) -> None:
+    """Report why a run of FILE#name broke off: one diagnostic for each event that ended it, at its entity if any."""
+    from scenario_compiler.diagnostics import FilePlace, code_named
+    from scenario_compiler.files import split_target
+    from scenario_compiler.plan.provenance import place_of
+
+    for event in recording.events:
+        code = code_named(event.cause) if event.kind == "broken_off" else None
+        if code is not None:
+            place = place_of(plan, f"entities/{event.entity}")
+            sink.add(code, event.message, place if place.line else FilePlace(split_target(target)[0]))

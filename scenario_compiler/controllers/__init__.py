@@ -133,7 +133,7 @@ def create_controller(controller: Controller, trust: Trust | None = None) -> Con
             made.make_detector = maker
         return made
 
-    return make() if controller.model in CONTROLLERS else ForeignController(controller.model, make)
+    return make() if controller.model in CONTROLLERS else ForeignController(controller.model, found, make)
 
 
 def _params(
@@ -145,7 +145,7 @@ def _params(
         pydantic.ValidationError: A property is wrong.
         ControllerError: A validator of the user's failed.
     """
-    with blamed(controller.model, let_pass=(ValidationError,)):
+    with blamed(controller.model, let_pass=(ValidationError,), code=found.Params):
         return found.Params.model_validate(_values(controller, found, named_in, trust))
 
 
@@ -252,9 +252,9 @@ def report_controller(name: str, error: ControllerError, named_at: Place, sink: 
     code = code_name(name)
     if error.code is UNTRUSTED_CONTROLLER and code is not None:
         hint = _how_to_trust(code)
-    elif error.code is UNKNOWN_CONTROLLER:
+    elif error.code is UNKNOWN_CONTROLLER and code is None:
         hint = did_you_mean(name, CONTROLLERS)
-    elif error.code is UNKNOWN_DETECTOR:
+    elif error.code is UNKNOWN_DETECTOR and code is None:
         hint = did_you_mean(name, DETECTORS)
     if error.place.file:
         sink.add(error.code, str(error), error.place, related=(Related("it is named here", named_at),))

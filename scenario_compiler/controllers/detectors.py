@@ -76,7 +76,7 @@ class ForeignDetector:
         Raises:
             ControllerError: It cannot be made.
         """
-        self._code = ForeignCode(name, DETECTOR, partial(made_by, camera))
+        self._code = ForeignCode(name, DETECTOR, made_by, partial(made_by, camera))
 
     def detect(self, image: Image, prior: LaneState | None = None, pitch: float | None = None) -> LaneResult:
         """See `LaneDetector`. A result that is not a lane of finite numbers and probabilities is also an error.

@@ -104,10 +104,15 @@ class ControllerError(Exception):
         self.place = FilePlace("") if place is None else place
 
     @classmethod
-    def of(cls, name: str, fault: BaseException, kind: Kind = CONTROLLER) -> ControllerError:
-        """Return the error for an exception of user code, with the file and line that raised it."""
+    def of(cls, name: str, fault: BaseException, kind: Kind = CONTROLLER, code: object = None) -> ControllerError:
+        """Return the error for an exception of user code, with the file and line that raised it.
+
+        If no line of the user's raised it, as for a method with too few parameters, the place is the start of `code`,
+        the class or the method that was called.
+        """
         what = f"{type(fault).__name__}: {fault}" if str(fault) else type(fault).__name__
-        return cls.at(name, _place_of(fault), what, kind)
+        place = _place_of(fault)
+        return cls.at(name, place if place.file else _start_of(code), what, kind)
 
     @classmethod
     def at(cls, name: str, place: FilePlace, what: str, kind: Kind = CONTROLLER) -> ControllerError:
@@ -140,7 +145,7 @@ def load_class(name: str, code: CodeName, trust: Trust, named_in: str, kind: Kin
             module = _module(name, code.source, folders, kind)
     found = getattr(module, code.attribute, None)
     if found is None:
-        raise _not_there(name, f"there is no '{code.attribute}' in it", kind)
+        raise _not_there(name, f"{code.source} has no '{code.attribute}'", kind)
     fault = kind.fault(found)
     if fault:
         raise ControllerError(f"'{name}' {fault}", kind.unknown)
@@ -195,8 +200,13 @@ def _looked_for_in(folders: Sequence[Path]) -> Iterator[None]:
 
 
 @contextmanager
-def blamed(name: str, kind: Kind = CONTROLLER, let_pass: tuple[type[BaseException], ...] = ()) -> Iterator[None]:
-    """Turn exceptions of user code into a ControllerError; KeyboardInterrupt and those of `let_pass` pass."""
+def blamed(
+    name: str, kind: Kind = CONTROLLER, let_pass: tuple[type[BaseException], ...] = (), code: object = None
+) -> Iterator[None]:
+    """Turn exceptions of user code into a ControllerError; KeyboardInterrupt and those of `let_pass` pass.
+
+    `code` is the class or the method that is called, if it is known.
+    """
     try:
         yield
     except (ControllerError, KeyboardInterrupt):
@@ -204,7 +214,7 @@ def blamed(name: str, kind: Kind = CONTROLLER, let_pass: tuple[type[BaseExceptio
     except BaseException as fault:
         if isinstance(fault, let_pass):
             raise
-        raise ControllerError.of(name, fault, kind) from None
+        raise ControllerError.of(name, fault, kind, code) from None
 
 
 def _place_of(fault: BaseException) -> FilePlace:
@@ -221,6 +231,18 @@ def _place_of(fault: BaseException) -> FilePlace:
     return FilePlace(last.filename, line, len(text) - len(text.lstrip()) + 1, len(text.strip()), text)
 
 
+def _start_of(code: object) -> FilePlace:
+    """Return the first line of a class or a function; no place if it is not Python code of the user's."""
+    found: Any = inspect.unwrap(code) if callable(code) else None
+    try:
+        file, line = inspect.getsourcefile(found), inspect.findsource(found)[1] + 1
+    except (OSError, TypeError):
+        return FilePlace("")
+    if file is None or file.startswith((_PACKAGE, *sysconfig.get_paths().values())):
+        return FilePlace("")
+    return FilePlace(file, line)
+
+
 class ForeignCode:
     """An object of the user's; its exceptions and answers of a wrong type become a ControllerError.
 
@@ -228,15 +250,15 @@ class ForeignCode:
         name: Its name, for messages.
     """
 
-    def __init__(self, name: str, kind: Kind, make: Callable[[], Any]) -> None:
-        """Make the object.
+    def __init__(self, name: str, kind: Kind, found: Callable[..., Any], make: Callable[[], Any]) -> None:
+        """Make the object, of the class `found`.
 
         Raises:
             ControllerError: It cannot be made.
         """
         self.name = name
         self._kind = kind
-        with blamed(name, kind):
+        with blamed(name, kind, code=found):
             self.inner = make()
 
     def ask(self, method: str, check: Callable[..., _Answer], *arguments: Any) -> _Answer:
@@ -245,34 +267,27 @@ class ForeignCode:
         Raises:
             ControllerError: The method failed, or its answer has a wrong type.
         """
-        with blamed(self.name, self._kind):
+        function = getattr(type(self.inner), method, None)
+        with blamed(self.name, self._kind, code=function):
             answer = getattr(self.inner, method)(*arguments)
             try:
                 return check(answer)
             except BadAnswerError as bad:
                 what = str(bad)
-        raise ControllerError.at(self.name, self._place_of(method), f"{method}: {what}", self._kind)
-
-    def _place_of(self, method: str) -> FilePlace:
-        """Return the first line of a method; no place if the user's code does not define it as a function."""
-        function: Any = getattr(type(self.inner), method, None)
-        code = getattr(inspect.unwrap(function), "__code__", None)
-        if code is None or code.co_filename.startswith((_PACKAGE, *sysconfig.get_paths().values())):
-            return FilePlace("")
-        return FilePlace(code.co_filename, code.co_firstlineno)
+        raise ControllerError.at(self.name, _start_of(function), f"{method}: {what}", self._kind)
 
 
 class ForeignController(ControllerModel):
     """A controller of the user's; its exceptions and wrong answers become a ControllerError."""
 
-    def __init__(self, name: str, make: Callable[[], ControllerModel]) -> None:
-        """Make the controller.
+    def __init__(self, name: str, found: type[ControllerModel], make: Callable[[], ControllerModel]) -> None:
+        """Make the controller, of the class `found`.
 
         Raises:
             ControllerError: It cannot be made.
         """
-        self._code = ForeignCode(name, CONTROLLER, make)
-        with blamed(name):
+        self._code = ForeignCode(name, CONTROLLER, found, make)
+        with blamed(name, code=found):
             params = self._code.inner.params
         super().__init__(params)
 

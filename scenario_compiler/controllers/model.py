@@ -76,7 +76,7 @@ class CameraMounting:
 
 @dataclass(frozen=True, slots=True)
 class SensorData:
-    """What the sensors deliver at a control step.
+    """The data of the sensors at a control step.
 
     Attributes:
         t: Time of the image, s; it does not change until the camera takes the next image.

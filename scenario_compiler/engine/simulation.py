@@ -127,7 +127,11 @@ class Simulation:
         return bool(self.form.enter("step"))
 
     def set_step(self, step: float) -> None:
-        """Set the length of the time steps from the next one on, s."""
+        """Set the length of the time steps from the next one on, s.
+
+        The column `clock` is the number of steps times this length, so a host with steps of several lengths keeps the
+        time itself.
+        """
         self.program.const[slot.K_STEP] = step
 
     def spawn(

@@ -257,20 +257,27 @@ class Session(threading.Thread):
 
                 write_run_folder(finished, self.folder)
                 write_whole(self.folder / "live.json", json.dumps(self.figures(), indent=1) + "\n")
-            self.ended = outcome_words(finished.outcome, automated=automated)
-            text = ended_text(finished.outcome, drive.language, automated=automated)
+            self.fault = next((one.message for one in recording.events if one.kind == "broken_off"), "")
+            if self.fault:
+                self.ended, text = self._broken_off()
+            else:
+                self.ended = outcome_words(finished.outcome, automated=automated)
+                text = ended_text(finished.outcome, drive.language, automated=automated)
             if self._kept is not None:
                 self._kept(self, finished)
             kept = True
         except (WorldError, OSError) as fault:
             self.fault = str(fault)
-            self.ended = f"the run broke off: {fault}"
-            text = f"{WORDS[drive.language]['broke_off']}: {fault}"
+            self.ended, text = self._broken_off()
         finally:
             if self.wheel is not None:
                 with contextlib.suppress(OSError):  # told already: the run has broken off
                     self.wheel.close()
             self._show(Picture({"end": text, "run": self.number, "kept": kept}, b"", b""))
+
+    def _broken_off(self) -> tuple[str, str]:
+        """Return how the run ended, for the program and for the page."""
+        return f"the run broke off: {self.fault}", f"{WORDS[self.drive.language]['broke_off']}: {self.fault}"
 
     def figures(self) -> dict[str, Any]:
         """Return the timing of the page and the clock; times in milliseconds."""

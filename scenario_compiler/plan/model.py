@@ -47,8 +47,8 @@ class RouteLeg(PlanPart):
 
     road: str = Field(description="Id of the road.")
     lane: int = Field(description="Id of the lane.")
-    s_from: float = Field(description="Where the stretch begins, m.")
-    s_to: float = Field(description="Where it ends, m.")
+    s_from: float = Field(description="Start of the section, m.")
+    s_to: float = Field(description="End of the section, m.")
 
 
 class Entity(PlanPart):
@@ -56,19 +56,22 @@ class Entity(PlanPart):
 
     id: str = Field(description="Id as the author wrote it, with the prefix of the use for templates.")
     kind: Literal["ego", "static", "dynamic", "traffic", "walker"] = Field(
-        description="What moves it: the takeover's automation and driver, nothing, the storyboard, or traffic's rules."
+        description="ego: the automation and the driver drive it; static: it stands; dynamic: the storyboard moves it; "
+        "traffic: a vehicle of background traffic; walker: a pedestrian of background traffic."
     )
     vehicle: Vehicle = Field(description="Its dimensions and limits.")
     start: BoundPosition | None = Field(
-        default=None, description="Where it starts; at the world's origin, off every road, when there is none."
+        default=None, description="Start position; without one it is at the world's origin, off every road."
     )
     speed: Number = Field(description="Speed at the start, m/s.")
-    desired_speed: Number = Field(description="Speed it aims for, m/s.")
+    desired_speed: Number = Field(description="Speed that it aims for, m/s.")
     follow: Follow | None = Field(default=None, description="Car following, for dynamic actors and traffic.")
     route: tuple[RouteLeg, ...] = Field(default=(), description="A dynamic actor's way to its destination.")
     path: Path | None = Field(default=None, description="The path that a dynamic actor moves on from the start.")
     share: float = Field(default=1.0, description="Share of the speed limit that a driver of traffic aims for.")
-    seed: int | None = Field(default=None, description="Seed of traffic's turns; the run's when there is none.")
+    seed: int | None = Field(
+        default=None, description="Seed of the turns of a traffic vehicle; the run's seed by default."
+    )
 
 
 class StartPose(PlanPart):
@@ -88,7 +91,7 @@ class PlanOrigin(PlanPart):
     column: int = Field(description="Column, counted from 1; 0 when unknown.")
     length: int = Field(default=0, description="Number of characters that it covers; 0 when unknown.")
     source_line: str = Field(default="", description="Text of the line.")
-    within: PlanOrigin | None = Field(default=None, description="The use, of a template, that brought it in.")
+    within: PlanOrigin | None = Field(default=None, description="The <use> of the template that contains it.")
 
 
 class Plan(PlanPart):
@@ -98,41 +101,47 @@ class Plan(PlanPart):
         default="scenario-compiler/plan/1", description="Version of this format."
     )
     name: str = Field(description="Name of the scenario.")
-    summary: str = Field(default="", description="What happens.")
+    summary: str = Field(default="", description="Summary of the scenario.")
     map: MapReference = Field(description="The map.")
     step: float = Field(ge=0.001, le=1.0, description="Length of a time step, s.")
     control_every: int = Field(ge=1, description="Number of time steps between two control steps.")
-    duration: float = Field(gt=0.0, description="When the run ends at the latest, s.")
+    duration: float = Field(gt=0.0, description="Latest end of the run, s.")
     parameters: tuple[Parameter, ...] = Field(default=(), description="Parameters that numbers still depend on.")
     limits: tuple[NumberLimit, ...] = Field(
-        default=(), description="What numbers that depend on parameters must keep; outside the digest."
+        default=(), description="Limits of numbers that depend on parameters; outside the digest."
     )
     weather: Weather = Field(description="The weather.")
     entities: tuple[Entity, ...] = Field(description="All entities in document order, an automated ego vehicle first.")
     camera: Camera = Field(description="The ego vehicle's camera.")
     forward_sensor: ForwardSensor = Field(
-        default_factory=ForwardSensor.model_construct, description="What the ego vehicle sees objects ahead with."
+        default_factory=ForwardSensor.model_construct, description="The ego vehicle's sensor for objects ahead."
     )
     odometry: Odometry = Field(
         default_factory=Odometry.model_construct,
-        description="What the ego vehicle knows of its own motion while it does not see its lane.",
+        description="Errors of the ego vehicle's odometry, by which it drives while it does not see its lane.",
     )
     controller: Controller | None = Field(
-        default=None, description="What drives the ego vehicle; none without an automated vehicle."
+        default=None, description="The ego vehicle's controller; none without an automated vehicle."
     )
     perception: Perception = Field(description="Source of the lane confidence.")
-    destination: LanePositionWord | None = Field(default=None, description="Where the run ends.")
+    destination: LanePositionWord | None = Field(
+        default=None, description="The ego vehicle's destination, at which the run ends."
+    )
     route: tuple[RouteLeg, ...] = Field(default=(), description="The ego vehicle's way to the destination.")
-    markings: tuple[Markings, ...] = Field(default=(), description="Where the paint differs from the map's.")
+    markings: tuple[Markings, ...] = Field(
+        default=(), description="Stretches on which the paint differs from the map's."
+    )
     secondary_markings: tuple[SecondaryMarkings | LineBeside, ...] = Field(
         default=(), description="Lines beside the map's paint."
     )
-    variables: tuple[Variable, ...] = Field(default=(), description="Values that change while it runs.")
+    variables: tuple[Variable, ...] = Field(default=(), description="Variables, whose values can change during a run.")
     signal_controllers: tuple[SignalController, ...] = Field(default=(), description="Controllers of traffic signals.")
-    storyboard: Storyboard = Field(description="What happens.")
+    storyboard: Storyboard = Field(description="Actions and their triggers.")
     takeover: Takeover = Field(description="The takeover policy, with every number filled in.")
-    criteria: tuple[Criterion, ...] = Field(default=(), description="What the run is judged by.")
-    classifications: tuple[Classification, ...] = Field(default=(), description="Its places in published taxonomies.")
+    criteria: tuple[Criterion, ...] = Field(default=(), description="Criteria by which a run is judged.")
+    classifications: tuple[Classification, ...] = Field(
+        default=(), description="The scenario's situations in published taxonomies."
+    )
     derived: dict[str, StartPose] = Field(default={}, description="Start poses by entity id; outside the digest.")
     origins: dict[str, PlanOrigin] = Field(default={}, description="Provenance by part; outside the digest.")
     digest: str = Field(default="", description="SHA-256 of the canonical form.")

@@ -60,8 +60,10 @@ class CriterionResult(BaseModel):
     criterion: str = Field(description="Name of the criterion in the conflict language.")
     passed: bool = Field(description="Whether it holds.")
     when: float | None = Field(default=None, description="Time at which it was first broken, s.")
-    where: Where | None = Field(default=None, description="Where the vehicle was then; null where it was not there.")
-    why: str = Field(description="A sentence on what was found.")
+    where: Where | None = Field(
+        default=None, description="Position of the vehicle at that time; null if it was not present."
+    )
+    why: str = Field(description="The reason, as a sentence.")
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,7 +52,9 @@ class Takeover(BaseModel):
 
     number: int = Field(description="Number of the request in its run, from 1 on.")
     cause: str = Field(description="Cause of the request.")
-    resolution: Resolution = Field(description="How it ended, as `resolution` of the run says of the first request.")
+    resolution: Resolution = Field(
+        description="How the request ended; the values are those of `resolution` of the run."
+    )
     request_time: float = Field(description="Time of the request.", json_schema_extra={"unit": "s"})
     escalation_time: float | None = _seconds("Time of the escalation.")
     response_time: float | None = _seconds("Time of the driver's response.")

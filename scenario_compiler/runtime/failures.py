@@ -9,5 +9,5 @@ ENGINE_BROKE_OFF = Code(
     "engine-broke-off",
     "The engine's arithmetic had no result, such as a division by zero: this is a fault of the program, not of the "
     "scenario. The recording up to that step is kept. Please report it with the scenario and the seed.\n\n"
-    "    scenario-compiler run conflict.xml --seed 7 --interpreted     gives the same with Python's own debugger",
+    "    scenario-compiler run conflict.xml --seed 7 --interpreted     repeats it in plain Python, for a debugger",
 )

@@ -147,6 +147,7 @@ def run(
 
     Raises:
         ValueError: The world has another map than the plan, or a file of the map that has changed since.
+        TypeError: The world returns a state of the ego that it does not move, or none of one that it moves.
     """
     execution = Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust, person=person)
     while execution.going:
@@ -328,6 +329,10 @@ class Execution:
             path = () if self.control is None else self.control.trajectory
             command = EgoCommand(st.command_throttle[ego], st.command_steer[ego], st.command_brake[ego], path)
         moved = self.world.step(self.snapshot(self.plan.step), command)
+        if (moved is not None) != (self.world.moves_ego and ego >= 0):
+            returned = "no state" if moved is None else "a state"
+            reason = f"its moves_ego is {self.world.moves_ego}" if ego >= 0 else "the plan has no automated vehicle"
+            raise TypeError(f"the world {self.world.name} returned {returned} of the ego, but {reason}")
         if moved is not None:
             self._pose_ego(ego, moved)
         for event in self.world.events():

@@ -27,7 +27,7 @@ class CatalogElement(Word):
     word: Literal["catalog"] = "catalog"
 
     version: Literal["1"] = attribute("Version of the language.")
-    summary: str = attribute("What the catalog holds.", default="")
+    summary: str = attribute("Contents of the catalog.", default="")
     entries: tuple[Vehicle | DriverModel | Effect, ...] = child("Its vehicles, drivers and effects.", default=())
 
 

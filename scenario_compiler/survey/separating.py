@@ -55,7 +55,7 @@ class Driven(BaseModel):
     request: float | None = Field(description="Time of the first request, s.")
     takeover_time: float | None = Field(description="Time from it to the response, s.")
     minimum_ttc: float | None = Field(description="Least time to collision of the run, s.")
-    outcome: str = Field(description="What came of it, in a few words.")
+    outcome: str = Field(description="Outcome of the run in a few words.")
     broken: tuple[str, ...] = Field(description="Criteria that it broke.")
 
 
@@ -66,9 +66,9 @@ class Separated(BaseModel):
 
     target: str = Field(description="FILE#name as `run` takes it.")
     name: str = Field(description="Its name.")
-    summary: str = Field(default="", description="One sentence: what happens.")
-    fault: str = Field(default="", description="Why it could not be run; empty where it could.")
-    drivers: dict[str, Driven] = Field(default={}, description="What came of it, by the driver.")
+    summary: str = Field(default="", description="Summary of the scenario in one sentence.")
+    fault: str = Field(default="", description="Reason why it could not be run; empty if it could.")
+    drivers: dict[str, Driven] = Field(default={}, description="Result of the scenario with each driver.")
 
     @property
     def separates(self) -> bool:

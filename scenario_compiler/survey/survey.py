@@ -27,7 +27,9 @@ class Situation(_Part):
     """A situation of a taxonomy, and the scenarios that show it."""
 
     place: str = Field(description="Its number or name in the taxonomy.")
-    meaning: str = Field(description="What it is; empty for one that the taxonomy's public part does not have.")
+    meaning: str = Field(
+        description="Description; empty for a situation that the taxonomy's public part does not have."
+    )
     scenarios: tuple[str, ...] = Field(description="FILE#name of the scenarios that show it.")
 
 
@@ -36,7 +38,7 @@ class TaxonomyCoverage(_Part):
 
     scheme: str = Field(description="Short name of the taxonomy.")
     title: str = Field(description="Its name.")
-    source: str = Field(description="Where its situations come from.")
+    source: str = Field(description="Publication that defines its situations.")
     whole: bool = Field(description="All its situations are here; else the publication has more.")
     situations: tuple[Situation, ...] = Field(description="Its situations, those that no scenario shows among them.")
 
@@ -45,7 +47,7 @@ class ConditionCoverage(_Part):
     """A condition of the operational design domain, and where it occurs."""
 
     tag: str = Field(description="OpenLABEL's tag.")
-    words: str = Field(description="What it says.")
+    words: str = Field(description="The condition in words.")
     group: tuple[str, ...] = Field(description="Its place in the tree, outermost first.")
     scenarios: tuple[str, ...] = Field(description="FILE#name of the scenarios with it.")
     values: dict[str, tuple[float, float]] = Field(description="Least and greatest value of what belongs to it.")
@@ -74,7 +76,7 @@ class Survey(_Part):
     never_fail: tuple[str, ...] = Field(description="Scenarios all of whose runs passed.")
     broken: tuple[str, ...] = Field(description="Scenarios that cannot be compiled, or of whose runs one broke off.")
     templates: dict[str, tuple[str, ...]] = Field(description="Templates and the scenarios' files that use each.")
-    missing: tuple[str, ...] = Field(description="What is missing, in words.")
+    missing: tuple[str, ...] = Field(description="Missing parts, in words.")
 
 
 def survey(

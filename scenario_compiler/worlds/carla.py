@@ -23,7 +23,7 @@ from scenario_compiler.roads import Network, Pose
 from scenario_compiler.vocabulary.entities import Category
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers
 from scenario_compiler.worlds.carla_lines import Lines
-from scenario_compiler.worlds.carla_session import CarlaOptions, CarlaSession
+from scenario_compiler.worlds.carla_session import CANNOT_OPEN, CarlaOptions, CarlaSession
 from scenario_compiler.worlds.kinematic import KinematicWorld, degradation_of
 from scenario_compiler.worlds.model import (
     EgoCommand,
@@ -118,7 +118,9 @@ class CarlaWorld:
         """
         self.plan, self.network = plan, network
         self.options = options if isinstance(options, CarlaOptions) else CarlaOptions()
-        self.moves_ego = self.options.ego == "physics"
+        if not plan.entities:
+            raise WorldError("the scenario has no entity, so that CARLA has nothing to show", CANNOT_OPEN)
+        self.moves_ego = self.options.ego == "physics" and plan.controller is not None
         self.findings: list[WorldFinding] = []
         self._built_in = KinematicWorld(plan, network)
         self._carla_sees = self._choose_camera()
@@ -140,7 +142,7 @@ class CarlaWorld:
 
     def _choose_camera(self) -> bool:
         """Return whether the automation gets CARLA's images."""
-        if self.plan.perception != "camera":
+        if self.plan.perception != "camera" or self.plan.controller is None:
             return False
         if self.options.camera is not None:
             return self.options.camera == "carla"
@@ -211,10 +213,11 @@ class CarlaWorld:
         self._actors[0] = actor
         actor.set_simulate_physics(self.moves_ego)
         actor.set_transform(self._transform(0, state.pose))  # else it would fall while it begins to drive
-        physics, half = actor.get_physics_control(), actor.bounding_box.extent
-        self._max_steer = math.radians(max((wheel.max_steer_angle for wheel in physics.wheels), default=70.0))
-        wheels = [(wheel.damping_rate, wheel.radius / 100.0) for wheel in physics.wheels]
-        self._slowing = resistance(wheels, physics.drag_coefficient, 4.0 * half.y * half.z, physics.mass)
+        if self.moves_ego:
+            physics, half = actor.get_physics_control(), actor.bounding_box.extent
+            self._max_steer = math.radians(max((wheel.max_steer_angle for wheel in physics.wheels), default=70.0))
+            wheels = [(wheel.damping_rate, wheel.radius / 100.0) for wheel in physics.wheels]
+            self._slowing = resistance(wheels, physics.drag_coefficient, 4.0 * half.y * half.z, physics.mass)
         self._attach("sensor.other.collision", self._note_collision)
         self._attach("sensor.other.lane_invasion", self._note_lane)
         if self._carla_sees:

@@ -22,8 +22,8 @@ CANNOT_OPEN = Code(
     "SC524",
     "carla-cannot-be-used",
     "CARLA cannot be used for this run: its client is not installed, no server answers at the address, the versions "
-    "of server and client differ, or the server's map is not the plan's. The versions must be equal because their "
-    "layouts differ.\n\n"
+    "of server and client differ, the server's map is not the plan's, or the scenario has no entity. The versions "
+    "must be equal because their layouts differ.\n\n"
     "    pip install 'scenario-compiler[carla]'\n"
     "    scenario-compiler serve-carla &            or CarlaUE4.sh\n"
     "    scenario-compiler run obstacle_ahead --world carla --carla-port 2000",
@@ -42,14 +42,15 @@ TAKEN: set[tuple[str, int]] = set()
 class CarlaOptions(WorldOptions):
     """Options of the world `carla`."""
 
-    host: str = Field(default="127.0.0.1", description="Where the server is.")
-    port: int = Field(default=2000, ge=1, le=65535, description="Its port.")
-    timeout: float = Field(default=10.0, gt=0.0, description="How long an answer may take, s.")
+    host: str = Field(default="127.0.0.1", description="Address of the server.")
+    port: int = Field(default=2000, ge=1, le=65535, description="Port of the server.")
+    timeout: float = Field(default=10.0, gt=0.0, description="Longest time to wait for an answer, s.")
     ego: Literal["physics", "kinematic"] = Field(
-        default="physics", description="Whether CARLA's physics moves the ego, or the engine."
+        default="physics", description="`physics` if CARLA's physics moves the ego, `kinematic` if the engine does."
     )
     camera: Literal["carla", "built-in"] | None = Field(
-        default=None, description="Whose pictures the automation sees; CARLA's unless the paint is changed."
+        default=None,
+        description="Camera of the automation; by default CARLA's, if it can show the paint and the mounting.",
     )
     recording: str = Field(default="", description="Name of a recording that the server makes; none if empty.")
 

@@ -228,7 +228,7 @@ class World(Protocol):
     name: ClassVar[str]
     Options: ClassVar[type[WorldOptions]]
     moves_ego: bool
-    """Whether the world's own physics moves the ego vehicle."""
+    """Whether the world's own physics moves the automated vehicle; the engine moves it otherwise."""
     network: Network
 
     @property
@@ -254,7 +254,11 @@ class World(Protocol):
         ...
 
     def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
-        """Do a step, with the others at the poses in the snapshot; return the ego's new state if the world moves it."""
+        """Do a step, with the others at the poses in the snapshot.
+
+        Returns:
+            The ego's new state if the world moves it; None if it does not, or if the plan has no automated vehicle.
+        """
         ...
 
     def events(self) -> Sequence[WorldEvent]:
@@ -262,7 +266,7 @@ class World(Protocol):
         ...
 
     def close(self) -> None:
-        """Release everything that the world uses; it may be called twice."""
+        """Release everything that the world uses; it may be called twice, and raises nothing if the world is lost."""
         ...
 
     def __enter__(self) -> Self:

@@ -224,3 +224,35 @@ def test_an_interrupted_server_ends_in_one_line(conflict: Path) -> None:
         _, err = one.process.communicate(timeout=60)
         assert one.process.returncode == 130
         assert len(err.splitlines()) == 1
+
+
+FAILING = """
+from scenario_compiler import Control, ControllerModel
+
+class Mine(ControllerModel):
+    def control(self, sensor_data, speed, vehicle):
+        if sensor_data.t > 0.3:
+            raise RuntimeError("lost")
+        return Control(throttle=0.0, steer=0.0, brake=0.0)
+"""
+
+
+def test_a_controller_that_fails_while_a_person_drives_is_reported(tmp_path: Path) -> None:
+    file, controller = tmp_path / "open.xml", tmp_path / "mine.py"
+    file.write_text(OPEN, encoding="utf-8")
+    controller.write_text(FAILING, encoding="utf-8")
+    words = ("--perception", "camera", "--dt", "0.1", "--controller", f"{controller}:Mine", "-o", tmp_path / "out")
+    said = f"controller '{controller}:Mine', mine.py:7: RuntimeError: lost"
+    with served("drive", file, *words) as server:
+        with server.connected() as page:
+            seated(page)
+            page.send('{"kind": "reports"}')
+            page.send('{"kind": "start"}')
+            while "end" not in (about := picture(page, 60)):
+                page.send('{"kind": "shown"}')
+        assert about["end"] == f"the run broke off: {said}"
+        server.process.send_signal(2)
+        _, err = server.process.communicate(timeout=60)
+        assert server.process.returncode == 130
+    assert f"error[SC521]: {said}" in err
+    assert (tmp_path / "out" / "drive-001" / "recording.parquet").is_file()

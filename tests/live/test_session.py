@@ -14,6 +14,8 @@ from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.live.session import SLOWEST, Drive, Given, Picture, Session
 from scenario_compiler.report.run import Run
+from scenario_compiler.worlds import WorldError
+from scenario_compiler.worlds.kinematic import KinematicWorld
 from tests.live.test_drive import OPEN
 
 
@@ -102,6 +104,27 @@ def test_what_happens_while_the_files_are_written_does_not_belong_to_the_run(com
     (run,) = runs
     assert run.recording.stop_reason == "duration"
     assert {one.kind for one in run.recording.events}.isdisjoint({"person_left", "person_back", "message_given"})
+
+
+def test_the_page_and_the_program_learn_why_a_run_broke_off(
+    compiled: Compilation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def lost(*_: object) -> None:
+        raise WorldError("the server does not answer")
+
+    monkeypatch.setattr(KinematicWorld, "step", lost)
+    texts: list[str] = []
+    runs: list[Run] = []
+
+    def show(picture: Picture) -> bool:
+        texts.extend([picture.about["end"]] if "end" in picture.about else [])
+        return True
+
+    session = Session(drive(compiled), show, kept=lambda _, run: runs.append(run))
+    session.run()
+    assert texts == [session.ended] == ["the run broke off: the server does not answer"]
+    assert session.fault == "the server does not answer"
+    assert [run.recording.stop_reason for run in runs] == ["world_lost"]
 
 
 def test_a_run_that_is_aborted_is_kept_and_marked(compiled: Compilation, tmp_path: Path) -> None:

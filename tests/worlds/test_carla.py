@@ -99,6 +99,21 @@ def test_a_kinematic_ego_drives_as_it_does_in_the_built_in_world(server: Served)
     assert np.abs(theirs.y - ours.y).max() < 1e-6
 
 
+def test_a_scenario_without_an_automated_vehicle_is_shown(server: Served) -> None:
+    scripted = Path(__file__).parents[1] / "benchmarks" / "scripted.xosc"
+    plan = compile_scenario(scripted, overrides=Overrides(duration=2.0))
+    ours, theirs = built_in(plan), recorded(plan, server)
+    assert (plan.controller, theirs.stop_reason) == (None, "duration")
+    assert np.array_equal(theirs.x, ours.x, equal_nan=True)
+
+
+def test_a_scenario_without_entities_is_refused(server: Served) -> None:
+    plan = ideal("obstacle_ahead").model_copy(update={"entities": ()})
+    with pytest.raises(WorldError, match="has no entity") as refused:
+        open_world("carla", plan, load_network(plan.map.file), port=server.port)
+    assert refused.value.code.id == "SC524"
+
+
 def test_carlas_camera_sees_and_asks(server: Served) -> None:
     plan = compile_scenario(CONFLICTS / "obstacle_ahead.xml", distance=60).model_copy(update={"duration": 2.5})
     camera = plan.camera.model_copy(update={"width": 512, "height": 256})

@@ -169,6 +169,35 @@ def test_a_state_without_a_number_ends_the_run_with_its_name(plan: Plan, lost: E
     assert judge(plan, recording).result == "error"
 
 
+class Unmoved(OwnPhysics):
+    """A world that says that it moves the ego, and does not."""
+
+    def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
+        """Leave the ego alone."""
+        return None
+
+
+class Secret(OwnPhysics):
+    """A world that moves the ego without saying so."""
+
+    moves_ego = False
+
+
+@pytest.mark.parametrize(
+    ("world", "said"),
+    [(Unmoved, "no state of the ego, but its moves_ego is True"), (Secret, "a state of the ego, but its moves_ego is")],
+)
+def test_a_world_moves_the_ego_if_it_says_so(plan: Plan, world: type[OwnPhysics], said: str) -> None:
+    with pytest.raises(TypeError, match=said):
+        recorded(plan, world)
+
+
+def test_without_an_automated_vehicle_a_world_moves_nothing() -> None:
+    scripted = compile_scenario(Path(__file__).parents[1] / "benchmarks" / "scripted.xosc")
+    with pytest.raises(TypeError, match="a state of the ego, but the plan has no automated vehicle"):
+        recorded(scripted, OwnPhysics)
+
+
 def test_a_world_on_another_map_is_refused(plan: Plan) -> None:
     other = Path(__file__).parents[2] / "maps" / "motorway" / "motorway.xodr"
     with (

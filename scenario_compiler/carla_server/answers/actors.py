@@ -15,7 +15,7 @@ from scenario_compiler.carla_server.stage import FARTHEST
 from scenario_compiler.frames import CarlaTransform, carla_attached
 
 MOST_WORK = 256
-"""Sensors at once at most."""
+"""Greatest number of sensors at the same time."""
 
 
 def spawn_actor(host: Host, description: list[Any], transform: list[Any]) -> list[Any]:
@@ -75,7 +75,7 @@ async def _destroy_beside_managers(host: Host, number: int) -> bool:
 
 
 def remove(host: Host, number: int) -> bool:
-    """Take an actor out of the world at once; return true.
+    """Remove an actor from the world at once; return true.
 
     Raises:
         CallError: There is none, or it belongs to the map.

@@ -30,11 +30,11 @@ from scenario_compiler.carla_server.layouts import (
 )
 
 MOST_AFTER = 64
-"""Commands that follow the spawning of an actor at most."""
+"""Greatest number of commands that follow the spawning of an actor."""
 
 
 def nothing(host: Host, number: int, *values: Any) -> None:
-    """Do nothing but find the actor."""
+    """Find the actor; do nothing else."""
     del values
     host.stage.get(number)
 
@@ -53,8 +53,8 @@ class Command:
 
     Attributes:
         name: CARLA's name of it.
-        layouts: What it holds after the actor's id.
-        does: What carries it out.
+        layouts: Layouts of its fields after the actor's id.
+        does: The function that executes it.
     """
 
     name: str
@@ -94,11 +94,11 @@ SPAWN = {
         *(DESCRIPTION, TRANSFORM, optional(U32), ANYTHING, TEXT, Layout("commands", lambda v: type(v) is list)),
     ),
 }
-"""How the first command lies on the wire, by version; a type of attachment that is not used is not initialised."""
+"""Layout of the first command on the wire, by version; an unused type of attachment is not initialised."""
 
 
 def apply(host: Host, commands: list[Any], tick: bool) -> Any:
-    """Carry commands out, and do a tick where that is asked for; answer with a response for each."""
+    """Execute commands, and do a tick if the client asks for it; answer with a response for each command."""
     found = [_carry_out(host, one) for one in commands]
     if not tick:
         return found
@@ -112,7 +112,7 @@ async def _after(cued: Awaitable[int], found: list[Any]) -> list[Any]:
 
 
 def _carry_out(host: Host, wrapped: Any, spawned: int = 0) -> list[Any]:
-    """Carry one command out; return its response. One that follows a spawning is for the spawned actor, as in CARLA."""
+    """Execute one command; return its response. One that follows a spawning is for the spawned actor, as in CARLA."""
     try:
         number, values = _unwrapped(wrapped)
         if number == 0:

@@ -15,16 +15,16 @@ from scenario_compiler.frames import carla_axes
 
 MOST_HITS = 64
 BEYOND = 0.05
-"""Hits of a ray at most, and how far behind a surface it goes on, m."""
+"""Greatest number of hits of a ray, and the distance behind a surface at which it goes on, m."""
 
 ANY_TAG = 255
-"""What clients ask with for things of every tag."""
+"""The tag with which clients ask for things of every tag."""
 
 
 def project_point(
     host: Host, start: list[float], direction: list[float], reach: float
 ) -> list[Any] | Awaitable[list[Any]]:
-    """Answer whether a ray meets anything, and with the place and the semantic tag of what it meets first."""
+    """Answer whether a ray hits anything, and with the place and the semantic tag of its first hit."""
 
     def look() -> list[Any]:
         length = float(np.linalg.norm(direction))
@@ -37,7 +37,7 @@ def project_point(
 
 
 def cast_ray(host: Host, start: list[float], end: list[float]) -> list[Any] | Awaitable[list[Any]]:
-    """Answer with the place and the semantic tag of all that the line between two points meets, in order."""
+    """Answer with the place and the semantic tag of every hit of the line between two points, in order."""
 
     def look() -> list[Any]:
         begin, way = np.array(start, np.float64), np.array(end, np.float64) - np.array(start, np.float64)

@@ -14,7 +14,7 @@ from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.recorder import BEHIND, Recorder, Recording, Replay, file_below
 
 FASTEST_PACE = 100.0
-"""Times as fast as it was that a recording is played at most."""
+"""Greatest pace at which a recording is played, as a multiple of its own."""
 
 
 def start(host: Host, name: str, additional: bool) -> str:
@@ -42,7 +42,7 @@ def stop(host: Host) -> None:
 
 
 async def info(host: Host, name: str, everything: bool) -> str:
-    """Answer with what a recording holds."""
+    """Answer with the contents of a recording."""
     return await _told_of(host, name, lambda recording: recording.info(everything))
 
 
@@ -52,14 +52,14 @@ async def collisions(host: Host, name: str, first: int, second: int) -> str:
 
 
 async def blocked(host: Host, name: str, least_time: float, least_distance: float) -> str:
-    """Answer with who stood still in a recording."""
+    """Answer with the actors that stood still in a recording."""
     return await _told_of(host, name, lambda recording: recording.blocked(least_time, least_distance))
 
 
 async def replay(
     host: Host, name: str, begin: float, duration: float, follow: int, sensors: bool, offset: Any = None
 ) -> str:
-    """Play a recording: its bodies appear and are posed as they were, and the spectator follows one of them."""
+    """Play a recording: its bodies appear at their recorded poses, and the spectator follows one of them."""
     del sensors
     recording = await _read(host, name)
     if recording is None:
@@ -90,7 +90,7 @@ def stop_replay(host: Host, keep: bool) -> None:
 def set_pace(host: Host, factor: float) -> None:
     """Set how fast recordings are played."""
     if not 0.0 <= factor <= FASTEST_PACE:
-        raise CallError(f"a recording is played 0 to {FASTEST_PACE:g} times as fast as it was")
+        raise CallError(f"the time factor of a recording is from 0 to {FASTEST_PACE:g}")
     host.played = replace(host.played, pace=factor)
 
 
@@ -100,18 +100,18 @@ def ignore_hero(host: Host, ignored: bool) -> None:
 
 
 async def _read(host: Host, name: str) -> Recording | None:
-    """Return a recording, None if there is none of that name."""
+    """Return the recording of a name; None if there is none."""
     if not file_below(host.files, name).is_file():
         return None
     return await asyncio.to_thread(Recording.read, host.files, name)
 
 
 async def _told_of(host: Host, name: str, tell: Callable[[Recording], str]) -> str:
-    """Return what `tell` says of a recording, or that there is none."""
+    """Return the text that `tell` makes of a recording, or the text that there is no such file."""
     recording = await _read(host, name)
     return _missing(name) if recording is None else tell(recording)
 
 
 def _missing(name: str) -> str:
-    """Return what CARLA says of a file that it does not have: a text, no error."""
+    """Return CARLA's answer about a missing file, which is a text and not an error."""
     return f"File {name} not found on server\n"

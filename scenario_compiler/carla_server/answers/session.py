@@ -14,7 +14,7 @@ from scenario_compiler.carla_server.towns import GENERATED, drivable_towns, gene
 
 FOLDER = "/Game/Carla/Maps/"
 LONGEST_MAP = 32 << 20
-"""Where CARLA's maps lie, as it says; and bytes of a client's own map at most."""
+"""Folder of CARLA's maps, as its server names it; and the greatest size of a client's own map, bytes."""
 
 
 def version(host: Host) -> str:
@@ -28,7 +28,7 @@ def episode_info(host: Host) -> list[Any]:
 
 
 def sensor_token(host: Host, stream: int) -> list[Any]:
-    """Answer with the token of a stream; its listener is about to come."""
+    """Answer with the token of a stream; its listener will connect next."""
     if not host.knows(stream):
         raise CallError(f"unable to find the stream {stream}")
     host.streams.announce(stream)
@@ -36,7 +36,7 @@ def sensor_token(host: Host, stream: int) -> list[Any]:
 
 
 def settings(host: Host) -> list[Any] | Awaitable[list[Any]]:
-    """Answer with the settings; where Traffic Managers are held, when they may go on."""
+    """Answer with the settings; if Traffic Managers are held, as soon as they may go on."""
     host.note_question()
     return host.settings.on_wire() if host.gate is None else _settings_later(host, host.gate)
 
@@ -47,7 +47,7 @@ async def _settings_later(host: Host, gate: asyncio.Event) -> list[Any]:
 
 
 def set_settings(host: Host, wire: list[Any]) -> int:
-    """Take settings over; answer with the frame."""
+    """Apply settings; answer with the frame."""
     return host.change_settings(Settings.of(wire))
 
 
@@ -97,7 +97,7 @@ def required_files(host: Host, folder: str) -> list[str]:
 
 
 def request_file(host: Host, name: str) -> bytes:
-    """Refuse: no file is served."""
+    """Refuse the call: the server serves no files."""
     del host
     raise CallError(f"the file '{name}' is not served")
 
@@ -139,7 +139,7 @@ def manager_runs(host: Host, port: int) -> bool:
 
 
 def manager(host: Host, port: int) -> list[Any]:
-    """Answer with the address of a Traffic Manager, port 0 where there is none."""
+    """Answer with the address of a Traffic Manager; with port 0 if there is none."""
     return host.managers.get(port, ["", 0])
 
 

@@ -11,11 +11,11 @@ from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.host import Host
 
 STEEPEST = 80.0
-"""Greatest angle of a wheel that can be asked for, degrees."""
+"""Greatest angle of a wheel that clients may set, degrees."""
 
 DOORS = 6
 ALL_DOORS = 6
-"""Number of doors, and what stands for all of them."""
+"""Number of doors, and the number that means all of them."""
 
 EVERY_LIGHT = 0x7FF
 """The bits of CARLA's eleven lights."""

@@ -24,7 +24,7 @@ from scenario_compiler.vocabulary.weather import Weather
 Vector = NDArray[np.float64]
 
 EARTH_RADIUS = 6378137.0
-"""m, as LibCarla has it."""
+"""Radius of the earth, m: LibCarla's."""
 
 REFERENCE = (42.0, 2.0)
 """Latitude and longitude, degrees, of a map without a reference: LibCarla's."""

@@ -33,13 +33,13 @@ IMAGE = struct.Struct("<IIf")
 
 MOST_PIXELS = 4096 * 4096
 WIDEST = 170.0
-"""Pixels of an image at most, and the widest field of view, degrees."""
+"""Greatest number of pixels of an image, and the widest field of view, degrees."""
 
 CLOSE = 0.3
-"""How far outside its carrier's box a camera still does not see it, m."""
+"""Distance outside its carrier's box up to which a camera does not see its carrier, m."""
 
 MIRRORED = np.array([1.0, -1.0, 1.0], np.float32)
-"""What turns OpenDRIVE's axes to CARLA's."""
+"""Factors that turn a vector in OpenDRIVE's axes into one in CARLA's."""
 
 DEPTH_STEPS = (1 << 24) - 1
 """Steps of the depth that three bytes hold, from 0 to 1000 m."""
@@ -51,7 +51,7 @@ SHOWN = {RED: "red", YELLOW: "yellow", GREEN: "green"}
 
 
 class CameraInstrument:
-    """What all cameras share: where one is mounted decides what is prepared for it."""
+    """Base class of cameras; the drawing is prepared for each mounting."""
 
     def __init__(self, stage: Stage, sensor: Sensor) -> None:
         """Read its attributes.
@@ -85,7 +85,7 @@ class CameraInstrument:
         return self._camera
 
     def _mounting(self, stage: Stage, sensor: Sensor) -> tuple[Pose, tuple[float, ...], float]:
-        """Return what carries the camera, how it is mounted there, and how far ahead of it the mount's origin is."""
+        """Return the carrier's pose, the camera's mounting there, and the distance from it to the mount's origin."""
         parent = stage.actors.get(sensor.parent)
         if isinstance(parent, Body) and sensor.relative is not None:
             x, y, z, pitch, yaw, roll = sensor.relative
@@ -100,7 +100,7 @@ class CameraInstrument:
         return pose, (0.0, 0.0, height, 0.0, -placed.pitch, placed.roll), 0.0
 
     def draw(self, stage: Stage, sensor: Sensor, frame: int, weather: Weather) -> Drawing:
-        """Return what the camera sees in a frame; sensors at the same mount share the drawing."""
+        """Return the drawing of a frame; sensors at the same mount share it."""
         pose, mounting, center = self._mounting(stage, sensor)
         without = sensor.parent if self._is_inside(stage, sensor) else 0
 
@@ -110,12 +110,12 @@ class CameraInstrument:
         return self._mount(mounting, center).see((frame, pose, without), draw)
 
     def message(self, pixels: NDArray[np.generic]) -> bytes:
-        """Return the body of a message: width, height and field of view, then what is measured."""
+        """Return the body of a message: width, height and field of view, then the pixels."""
         return b"".join((IMAGE.pack(self.width, self.height, self.fov), np.ascontiguousarray(pixels).data))
 
     @staticmethod
     def _is_inside(stage: Stage, sensor: Sensor) -> bool:
-        """Return whether the camera is in or close to the box of what carries it, which it then does not see."""
+        """Return whether the camera is in or close to its carrier's box; it then does not see the carrier."""
         parent = stage.actors.get(sensor.parent)
         if not isinstance(parent, Body) or sensor.relative is None:
             return False
@@ -128,7 +128,7 @@ class ImageCamera(CameraInstrument):
     """A camera whose image shows one instant."""
 
     def __init__(self, stage: Stage, sensor: Sensor) -> None:
-        """Look up what its pixels say; see `CameraInstrument`."""
+        """Choose the encoding of its pixels; see `CameraInstrument`."""
         super().__init__(stage, sensor)
         self._encode = ENCODINGS[sensor.blueprint.name]
 
@@ -139,7 +139,7 @@ class ImageCamera(CameraInstrument):
 
 
 def boxes_of(stage: Stage, without: int) -> list[Box]:
-    """Return every body but one as the renderer draws it."""
+    """Return every body except one as the renderer draws it."""
     boxes = []
     for body in stage.bodies():
         if body.id == without:
@@ -174,14 +174,14 @@ def boxes_of(stage: Stage, without: int) -> list[Box]:
 
 
 def signals_of(stage: Stage) -> Mapping[str, str]:
-    """Return what each traffic light shows."""
+    """Return the state of each traffic light."""
     return {
         light.signal: SHOWN[light.state] for group in stage.groups for light in group.lights if light.state in SHOWN
     }
 
 
 def _colour_of(body: Body) -> tuple[int, int, int]:
-    """Return a body's colour (blue, green, red): that of its attribute, else one that its id decides."""
+    """Return a body's colour (blue, green, red): that of its attribute, otherwise one that depends on its id."""
     given = channels_of(body.attributes.get("color", ""))
     if given is not None:
         red, green, blue = given

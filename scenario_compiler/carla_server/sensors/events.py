@@ -21,7 +21,7 @@ from scenario_compiler.vocabulary.weather import Weather
 Floats = NDArray[np.float32]
 
 EVENT = np.dtype([("x", "<u2"), ("y", "<u2"), ("t", "<i8"), ("pol", "?")])
-"""An event as it lies on the wire: column, row, time of the simulation in ns, and whether it became brighter."""
+"""An event in the layout of the wire: column, row, time of the simulation in ns, and whether it became brighter."""
 
 GREY = np.array([0.114, 0.587, 0.2989], np.float32)
 """Shares of blue, green and red in the brightness, as CARLA weighs them."""
@@ -30,7 +30,7 @@ SLIGHTEST = 1e-6
 """Change of brightness below which nothing happens."""
 
 LEAST_THRESHOLD = 0.01
-"""Thresholds are not less than this, whatever a client or the noise says."""
+"""Least threshold, also with noise and for any value of a client."""
 
 MOST_EVENTS = 4_000_000
 """Events of one message after which its pixels report no further crossings."""

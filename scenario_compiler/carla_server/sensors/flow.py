@@ -1,4 +1,4 @@
-"""Optical flow: how far what each pixel shows has moved in the image since the picture before.
+"""Optical flow: the motion in the image, since the picture before, of the point that each pixel shows.
 
 The scene is known, so the flow is computed from depth and poses: each pixel's point is moved back with the body that
 it lies on, and is looked at with the camera of the picture before. CARLA's documentation of
@@ -66,10 +66,10 @@ def placed(pose: Pose) -> Floats:
 
 
 def flow(drawing: Drawing, before: View, moved: Mapping[int, Floats]) -> NDArray[np.float32]:
-    """Return how far what each pixel shows has moved, (height, width, 2): right and up, half an image is 1.
+    """Return the motion of the point that each pixel shows, (height, width, 2): right and up, half an image is 1.
 
     Args:
-        drawing: What is seen now.
+        drawing: The present drawing.
         before: The camera of the picture before.
         moved: By the number of a thing in the picture of instances, the (4, 4) matrix that takes its points, in the
             world's axes, from where they are now to where they were then; what is not listed stood still.
@@ -87,7 +87,7 @@ def flow(drawing: Drawing, before: View, moved: Mapping[int, Floats]) -> NDArray
 
 
 def _shift(row: Table, column: Table, nearness: Table, now: View, before: View, moved: Floats) -> Table:
-    """Return by how many pixels, right and down, points have moved that a matrix takes to where they were.
+    """Return the motion of points in pixels, right and down; a matrix takes the points to where they were.
 
     A point of depth Z in the direction (x, y, 1) was seen in the direction A (x, y, 1) + b / Z, with the rotation A and
     the way b from this camera's axes to the ones before. What was not before the lens has not moved.

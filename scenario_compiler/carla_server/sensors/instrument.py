@@ -15,7 +15,7 @@ class Instrument(Protocol):
     """A sensor at work."""
 
     def prepare(self) -> None:
-        """Do what takes long, in a thread of its own, before the first measurement."""
+        """Do the work that takes long, in a thread of its own, before the first measurement."""
         ...
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes | None:
@@ -31,7 +31,7 @@ class Simple:
         del stage, sensor
 
     def prepare(self) -> None:
-        """Nothing takes long."""
+        """Do nothing."""
 
 
 def generator(sensor: Sensor) -> np.random.Generator:

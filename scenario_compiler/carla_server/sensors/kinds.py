@@ -24,7 +24,7 @@ INSTRUMENTS: dict[str, Callable[[Stage, Sensor], Instrument]] = {
     "sensor.other.gnss": Gnss,
     "sensor.other.imu": Imu,
 }
-"""What measures in every tick, by the blueprint."""
+"""Class of the instrument that measures in every tick, by blueprint."""
 
 ON_OCCASION = ("sensor.other.collision", "sensor.other.lane_invasion")
 """Sensors without an instrument: a collision is reported when it happens, lanes are watched by the client itself."""

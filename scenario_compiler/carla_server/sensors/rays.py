@@ -26,25 +26,25 @@ from scenario_compiler.vocabulary.weather import Weather
 Floats = NDArray[np.float64]
 
 MOST_RAYS = 2_000_000
-"""Rays in a tick at most."""
+"""Greatest number of rays in a tick."""
 
 MIRRORED = np.array([1.0, -1.0, 1.0])
-"""What turns CARLA's axes to OpenDRIVE's, and back."""
+"""Factors that turn a vector in CARLA's axes into one in OpenDRIVE's, and back."""
 
 MOST_MOVES = 256
 TOUCHES = 1e-4
-"""Steps of an obstacle sensor's sphere at most, and the distance from which on it touches, m."""
+"""Greatest number of steps of an obstacle sensor's sphere, and the distance below which it touches, m."""
 
 GROUND = -1
 NOTHING = -2
-"""What a ray meets in place of a body's number."""
+"""Numbers in place of a body's for a ray that hits the ground or nothing."""
 
 
 class Rays:
-    """What rays from a point meet.
+    """The hits of rays from a point.
 
     Attributes:
-        distance: (rays,) to what they meet, m; infinite for nothing.
+        distance: (rays,) to their hits, m; infinite without a hit.
         target: (rays,) place in `bodies`, GROUND or NOTHING.
         bodies: The bodies.
         normal: (rays, 3) of the surface that is met, CARLA's axes.
@@ -130,7 +130,7 @@ class Rays:
         self.bodies.append(body)
 
     def tags(self) -> NDArray[np.uint32]:
-        """Return the semantic tag of what each ray meets."""
+        """Return the semantic tag of each ray's hit."""
         tags = np.array([*(body.tag for body in self.bodies), Tag.UNLABELED, Tag.TERRAIN], np.uint32)[self.target]
         ground = np.flatnonzero(self.target == GROUND)
         if len(ground):
@@ -141,7 +141,7 @@ class Rays:
         return np.asarray(tags, np.uint32)
 
     def numbers(self) -> NDArray[np.uint32]:
-        """Return the id of the actor that each ray meets, 0 for none."""
+        """Return the id of the actor that each ray hits; 0 for none."""
         return np.asarray(np.array([*(body.id for body in self.bodies), 0, 0], np.uint32)[self.target], np.uint32)
 
 
@@ -175,7 +175,7 @@ class Lidar(RayCaster):
         self._angle = 0.0
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
-        """Turn on and return the points of this tick, channel by channel."""
+        """Turn further and return the points of this tick, channel by channel."""
         del frame, weather
         field = sensor.number("horizontal_fov")
         turn = min(sensor.number("rotation_frequency") * field * dt, field)
@@ -261,7 +261,7 @@ class Obstacle(Simple):
     """An obstacle sensor: it reports the nearest body that a sphere moved forward touches, as Unreal's sweeps do."""
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes | None:
-        """Return the carrier, the obstacle and how far the sphere comes; None if the way is free."""
+        """Return the carrier, the obstacle and the way of the sphere, m; None if the way is free."""
         del frame, dt, weather
         carrier = stage.actors.get(sensor.parent)
         if carrier is None:
@@ -284,7 +284,7 @@ class Obstacle(Simple):
 
 
 def _sweep(stage: Stage, body: Body, begin: Floats, ahead: Floats, radius: float, reach: float) -> float | None:
-    """Return how far a sphere comes until it touches a body's box, m; None if it does not within its reach.
+    """Return the way of a sphere until it touches a body's box, m; None if it does not within its reach.
 
     Sphere tracing: it moves by its distance from the box until that is nothing.
     """
