@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from pyarrow import compute
 
 from scenario_compiler.batch.codebook import (
     Column,
@@ -240,8 +239,9 @@ def table_of(columns: Columns, schema: pa.Schema) -> pa.Table:
 def _takeovers_in(rows: pa.Table, schema: pa.Schema) -> pa.Table:
     """Return the takeovers of runs, one row each, in the order of the runs."""
     takeovers = rows[TAKEOVERS].combine_chunks()
-    variants = rows["variant"].combine_chunks().take(compute.list_parent_indices(takeovers))
-    return pa.table([variants, *takeovers.flatten().flatten()], schema=schema)
+    counts = np.diff(np.from_dlpack(takeovers.offsets))
+    variants = np.repeat(np.from_dlpack(rows["variant"].combine_chunks()), counts)
+    return pa.table([arrow_numbers(variants), *takeovers.values.flatten()], schema=schema)
 
 
 def arrow_array(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
