@@ -18,7 +18,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 from scenario_compiler.forms.note import LIBRARY, NOTE, PACKAGE, Note, digest_of, source_files
@@ -154,7 +153,7 @@ def make(*, noting_sources: bool = True, sweeps: str = "") -> Note:
     }
     note = Note(version(), kinds, sources)
     if sweeps and _can_be_guided(sweeps) and _build_guided(text, LIBRARY, note, sweeps):
-        note = replace(note, guided=True)
+        note = note._replace(guided=True)
     else:
         build(text, LIBRARY)
     note.write()

@@ -8,9 +8,8 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 FORMS = Path(__file__).resolve().parent
 PACKAGE = FORMS.parent
@@ -32,8 +31,7 @@ SOURCE_MODULES = (
 """Folders and modules with the marked functions, the modules of which they use numbers, and the translator."""
 
 
-@dataclass(frozen=True)
-class Note:
+class Note(NamedTuple):
     """The note on a built library.
 
     Attributes:
@@ -60,7 +58,7 @@ class Note:
 
     def write(self, path: Path = NOTE) -> None:
         """Write the note."""
-        path.write_text(json.dumps(vars(self), indent=1) + "\n", encoding="utf-8")
+        path.write_text(json.dumps(self._asdict(), indent=1) + "\n", encoding="utf-8")
 
     @property
     def is_fresh(self) -> bool:

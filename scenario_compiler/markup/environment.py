@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from types import MappingProxyType
+from typing import NamedTuple, TypeAlias
 
 from lxml import etree
 
@@ -97,8 +98,7 @@ class Environment:
         return expression.evaluate(self.values)
 
 
-@dataclass(frozen=True)
-class ReadingContext:
+class ReadingContext(NamedTuple):
     """The context in which a word is read.
 
     Attributes:
@@ -114,7 +114,7 @@ class ReadingContext:
     sink: Diagnostics
     environment: Environment
     within: Place | None = None
-    unread: Mapping[type[Word], Mapping[str, object]] = field(default_factory=dict)
+    unread: Mapping[type[Word], Mapping[str, object]] = MappingProxyType({})
 
     def origin(self, element: etree._Element, attribute: str | None = None) -> Origin:
         """Return the place of an element or attribute."""

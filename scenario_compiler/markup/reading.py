@@ -6,7 +6,6 @@ All faults of an element and everything below it are reported in one pass, each 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 from lxml import etree
@@ -195,7 +194,7 @@ def _unwrapped(
     inner: list[etree._Element] = []
     for child in wrapper.iterchildren(etree.Element):
         if str(child.tag) not in rule.words:
-            _report_unknown_child(wrapper, child, (replace(rule, wrapper=""),), reading)
+            _report_unknown_child(wrapper, child, (rule._replace(wrapper=""),), reading)
         elif inner and not rule.many:
             reading.sink.add(codes.REPEATED_ELEMENT, _repeated(wrapper, inner[0], child), reading.origin(child))
         else:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import get_args
+from typing import NamedTuple, get_args
 
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
@@ -19,8 +18,7 @@ SAME_TIME = 1e-6
 """Times that differ by less than this are equal, s."""
 
 
-@dataclass(frozen=True)
-class Texts:
+class Texts(NamedTuple):
     """The texts of one language.
 
     Attributes:
@@ -171,8 +169,7 @@ def message_text(event: str, cause: str, content: tuple[Content, ...], language:
     return text[:1].upper() + text[1:]
 
 
-@dataclass(frozen=True, slots=True)
-class Shown:
+class Shown(NamedTuple):
     """A message to the driver.
 
     Attributes:
