@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -65,7 +66,7 @@ class Note(NamedTuple):
         """Whether the sources are still those of which the library was made; always true in a wheel."""
         if not self.sources:
             return True
-        now = {path.relative_to(PACKAGE).as_posix(): path for path in source_files()}
+        now = {name: PACKAGE / name for name in source_names()}
         return now.keys() == self.sources.keys() and all(
             _is_the_same(now[name], *known) for name, known in self.sources.items()
         )
@@ -83,9 +84,19 @@ def digest_of(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def source_files() -> Iterator[Path]:
-    """Yield the files of which the library is made."""
-    yield from (PACKAGE / name for name in SOURCE_MODULES)
+def source_names() -> Iterator[str]:
+    """Yield the names, in the package, of the files of which the library is made."""
+    yield from SOURCE_MODULES
     for folder in SOURCE_FOLDERS:
-        yield from sorted((PACKAGE / folder).rglob("*.py"))
-    yield FORMS / "engine.h"
+        yield from sorted(_modules_in(PACKAGE / folder, folder))
+    yield "forms/engine.h"
+
+
+def _modules_in(folder: Path, name: str) -> Iterator[str]:
+    """Yield the names of the modules in a folder and those below it; every run does this, and `rglob` takes longer."""
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name.endswith(".py"):
+                yield f"{name}/{entry.name}"
+            elif entry.is_dir() and entry.name != "__pycache__":
+                yield from _modules_in(folder / entry.name, f"{name}/{entry.name}")

@@ -123,6 +123,8 @@ class ReadingContext(NamedTuple):
 
 def _inner(text: str) -> tuple[str | None, int]:
     """Return the expression inside an attribute's text and the offset at which it starts."""
+    if "$" not in text:
+        return None, 0
     stripped = text.strip(" \t\r\n")
     lead = text.find(stripped)
     for pattern in (_PARAMETER, _EXPRESSION):

@@ -83,17 +83,16 @@ def _read_attributes(element: etree._Element, word: type[Word], reading: Reading
     grammar = grammar_of(word)
     fields: dict[str, Any] = {}
     complete = True
-    for name in map(str, element.attrib):
+    written: dict[str, str] = dict(element.items())  # type: ignore[arg-type]  # str, as Python 3's lxml gives
+    for name, text in written.items():
         if name in grammar.attributes:
             rule = grammar.attributes[name]
             try:
-                fields[rule.field] = read_attribute(
-                    str(element.attrib[name]), rule, reading, reading.origin(element, name)
-                )
+                fields[rule.field] = read_attribute(text, rule, reading, reading.origin(element, name))
             except UnreadError:
                 complete = complete and not rule.required
         elif grammar.others and not name.startswith("{"):
-            fields.setdefault(grammar.others, {})[name] = str(element.attrib[name])
+            fields.setdefault(grammar.others, {})[name] = text
         elif name not in _SCHEMA_HINTS:
             reading.sink.add(
                 codes.UNKNOWN_ATTRIBUTE,
@@ -102,7 +101,7 @@ def _read_attributes(element: etree._Element, word: type[Word], reading: Reading
                 hint=_hint_for_attribute(element, name, word),
             )
     for name, rule in grammar.attributes.items():
-        if rule.required and name not in element.attrib:
+        if rule.required and name not in written:
             complete = False
             reading.sink.add(
                 codes.MISSING_ATTRIBUTE,
@@ -159,10 +158,12 @@ def place_children(
 
 def misspelt(parent: etree._Element, tags: Iterable[str]) -> bool:
     """Return whether a child's tag is similar but not equal to one of `tags`, so that only its spelling is wrong."""
-    import difflib  # only needed for mistakes
-
     meant = tuple(tags)
     found = {str(child.tag) for child in parent.iterchildren(etree.Element)}.difference(meant)
+    if not found:
+        return False
+    import difflib  # only needed for mistakes
+
     return any(difflib.get_close_matches(tag, meant, n=1, cutoff=0.8) for tag in found)
 
 
