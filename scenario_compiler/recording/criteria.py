@@ -230,7 +230,9 @@ def judge_criterion(criterion: Criterion, recording: Recording, traces: Traces) 
     when = None if math.isnan(broken) else broken
     why = RULES[type(criterion)].found(recording, traces, when, limit)
     where = None if when is None else where_at(recording, when)
-    return CriterionResult(criterion=criterion.word, passed=when is None, when=when, where=where, why=why)
+    return CriterionResult.model_construct(
+        criterion=criterion.word, passed=when is None, when=when, where=where, why=why
+    )
 
 
 def where_at(recording: Recording, when: float) -> Where | None:
@@ -245,9 +247,9 @@ def where_at(recording: Recording, when: float) -> Where | None:
     if not math.isfinite(x) or not math.isfinite(y):
         return None
     if road < 0:
-        return Where(road=None, lane=None, s=None, x=x, y=y)
+        return Where.model_construct(road=None, lane=None, s=None, x=x, y=y)
     lane, s = int(recording.lane[row, 0]), float(recording.s[row, 0])
-    return Where(road=recording.roads[road], lane=lane, s=s, x=x, y=y)
+    return Where.model_construct(road=recording.roads[road], lane=lane, s=s, x=x, y=y)
 
 
 def _collision_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:

@@ -351,7 +351,9 @@ class RecordingBuilder:
         value: float | None = None,
     ) -> None:
         """Record an event."""
-        self._events.append(EventRow(t=t, kind=kind, entity=entity, cause=cause, message=message, value=value))
+        self._events.append(
+            EventRow.model_construct(t=t, kind=kind, entity=entity, cause=cause, message=message, value=value)
+        )
 
     def add(self, row: EventRow) -> None:
         """Record an existing event."""

@@ -211,11 +211,15 @@ class Messenger:
         if due:
             self._waiting = [one for one in self._waiting if one[0] > t + SAME_TIME]
             self.shown += tuple(due)
-            yield from (EventRow(t=t, kind="message", cause=one.modality, message=one.text) for one in due)
+            yield from (
+                EventRow.model_construct(t=t, kind="message", cause=one.modality, message=one.text) for one in due
+            )
 
     def _end(self, t: float) -> Iterator[EventRow]:
         ended, self.shown, self._waiting = self.shown, (), []
-        yield from (EventRow(t=t, kind="message_over", cause=one.modality, message=one.text) for one in ended)
+        yield from (
+            EventRow.model_construct(t=t, kind="message_over", cause=one.modality, message=one.text) for one in ended
+        )
 
     def _begun(self, row: EventRow) -> Iterator[tuple[float, Shown]]:
         """Yield (time, message) of every message of an event; the modality `none` gives none."""
