@@ -10,7 +10,7 @@ import enum
 import importlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias
 
 from scenario_compiler.legible import legible, legible_line
 
@@ -131,8 +131,7 @@ def code_named(text: str) -> Code | None:
     return CODES.get(name) or all_codes().get(name)
 
 
-@dataclass(frozen=True, slots=True)
-class Related:
+class Related(NamedTuple):
     """Another place that a finding refers to, with a message about it."""
 
     message: str

@@ -7,9 +7,8 @@ the decision between them is made here.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, Severity, did_you_mean
 from scenario_compiler.document import Document, read_document
@@ -151,8 +150,7 @@ def drop_allowed(sink: Diagnostics, source: Source) -> None:
     sink.retain(kept)
 
 
-@dataclass(frozen=True)
-class Expanded:
+class Expanded(NamedTuple):
     """A scenario of a file, and whether all of it could be read (see `is_whole`)."""
 
     scenario: Scenario

@@ -7,9 +7,9 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path, PureWindowsPath
+from typing import NamedTuple
 
 from scenario_compiler.diagnostics import did_you_mean
 
@@ -150,8 +150,7 @@ def configuration_file() -> Path:
     return folder / "scenario-compiler" / "config.toml"
 
 
-@dataclass(frozen=True)
-class MapSearch:
+class MapSearch(NamedTuple):
     """The search path for maps.
 
     Attributes:

@@ -11,7 +11,7 @@ import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from scenario_compiler.files import read_file
 from scenario_compiler.resources import configuration_file
@@ -28,8 +28,7 @@ class ConfigurationError(ValueError):
     """The user's configuration file cannot be read; the message has the file and the reason."""
 
 
-@dataclass(frozen=True)
-class CodeName:
+class CodeName(NamedTuple):
     """The name of a class in a scenario or on the command line: `package.module:Class` or `file.py:Class`.
 
     Attributes:

@@ -15,9 +15,8 @@ import sysconfig
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from scenario_compiler.controllers.answers import (
     BadAnswerError,
@@ -62,8 +61,7 @@ _PACKAGE = str(Path(__file__).resolve().parent.parent)
 _Answer = TypeVar("_Answer")
 
 
-@dataclass(frozen=True)
-class Kind:
+class Kind(NamedTuple):
     """A kind of user code that a scenario can name.
 
     Attributes:

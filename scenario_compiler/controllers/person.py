@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 
 if TYPE_CHECKING:
     from scenario_compiler.recording.recording import Recording
@@ -12,8 +11,7 @@ Wish = Literal["", "take_over", "hand_back", "leave", "request"]
 """A person's wish to the automation: a person who leaves lets it stop the vehicle, an observer lets it request."""
 
 
-@dataclass(frozen=True, slots=True)
-class PersonInput:
+class PersonInput(NamedTuple):
     """A person's inputs in a time step.
 
     Attributes:

@@ -16,14 +16,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 Container = TypeVar("Container")
 """A class or an object whose slots are columns: lists of float or of int, or arrays of them."""
 
 
-@dataclass(frozen=True)
-class ContainerDeclaration:
+class ContainerDeclaration(NamedTuple):
     """The declaration of a container.
 
     Attributes:
@@ -97,8 +96,7 @@ def fixed(name: str, count: int) -> Of:
     return Of(name, lambda _: count, count)
 
 
-@dataclass(frozen=True)
-class Allowed:
+class Allowed(NamedTuple):
     """The allowed values of a column of whole numbers.
 
     Attributes:
@@ -143,8 +141,7 @@ def index_or_none(of: Of) -> Allowed:
     return Allowed(of, least=-1)
 
 
-@dataclass(frozen=True)
-class ColumnDeclaration:
+class ColumnDeclaration(NamedTuple):
     """The declaration of a column.
 
     Attributes:

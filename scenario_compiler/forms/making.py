@@ -18,10 +18,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
-from scenario_compiler.forms.note import LIBRARY, NOTE, PACKAGE, Note, digest_of, source_files
+from scenario_compiler.forms.note import LIBRARY, NOTE, PACKAGE, Note, digest_of, source_names
 
 FLAGS = (
     *("-std=gnu11", "-O3", "-fwrapv", "-ffp-contract=off", "-fno-math-errno", "-fno-plt"),
@@ -149,12 +148,12 @@ def make(*, noting_sources: bool = True, sweeps: str = "") -> Note:
         signature = FunctionSource.of(function).signature
         kinds[function.__name__] = [str(kind) for kind in (*signature.arguments.values(), signature.result)]
     sources = {
-        path.relative_to(PACKAGE).as_posix(): (path.stat().st_size, path.stat().st_mtime_ns, digest_of(path))
-        for path in (source_files() if noting_sources else ())
+        name: (path.stat().st_size, path.stat().st_mtime_ns, digest_of(path))
+        for name, path in ((name, PACKAGE / name) for name in (source_names() if noting_sources else ()))
     }
     note = Note(version(), kinds, sources)
     if sweeps and _can_be_guided(sweeps) and _build_guided(text, LIBRARY, note, sweeps):
-        note = replace(note, guided=True)
+        note = note._replace(guided=True)
     else:
         build(text, LIBRARY)
     note.write()

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 FORMS = Path(__file__).resolve().parent
 PACKAGE = FORMS.parent
@@ -32,8 +32,7 @@ SOURCE_MODULES = (
 """Folders and modules with the marked functions, the modules of which they use numbers, and the translator."""
 
 
-@dataclass(frozen=True)
-class Note:
+class Note(NamedTuple):
     """The note on a built library.
 
     Attributes:
@@ -60,14 +59,14 @@ class Note:
 
     def write(self, path: Path = NOTE) -> None:
         """Write the note."""
-        path.write_text(json.dumps(vars(self), indent=1) + "\n", encoding="utf-8")
+        path.write_text(json.dumps(self._asdict(), indent=1) + "\n", encoding="utf-8")
 
     @property
     def is_fresh(self) -> bool:
         """Whether the sources are still those of which the library was made; always true in a wheel."""
         if not self.sources:
             return True
-        now = {path.relative_to(PACKAGE).as_posix(): path for path in source_files()}
+        now = {name: PACKAGE / name for name in source_names()}
         return now.keys() == self.sources.keys() and all(
             _is_the_same(now[name], *known) for name, known in self.sources.items()
         )
@@ -85,9 +84,19 @@ def digest_of(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def source_files() -> Iterator[Path]:
-    """Yield the files of which the library is made."""
-    yield from (PACKAGE / name for name in SOURCE_MODULES)
+def source_names() -> Iterator[str]:
+    """Yield the names, in the package, of the files of which the library is made."""
+    yield from SOURCE_MODULES
     for folder in SOURCE_FOLDERS:
-        yield from sorted((PACKAGE / folder).rglob("*.py"))
-    yield FORMS / "engine.h"
+        yield from sorted(_modules_in(PACKAGE / folder, folder))
+    yield "forms/engine.h"
+
+
+def _modules_in(folder: Path, name: str) -> Iterator[str]:
+    """Yield the names of the modules in a folder and those below it; every run does this, and `rglob` takes longer."""
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name.endswith(".py"):
+                yield f"{name}/{entry.name}"
+            elif entry.is_dir() and entry.name != "__pycache__":
+                yield from _modules_in(folder / entry.name, f"{name}/{entry.name}")

@@ -6,7 +6,6 @@ import json
 import math
 import os
 import threading
-from dataclasses import asdict
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -177,7 +176,7 @@ class Wheel:
     def _keep(self, t: float, done: PersonInput) -> None:
         if self._file is None:
             return
-        self._file.write(json.dumps({"t": round(t, 9), **asdict(done)}).encode())
+        self._file.write(json.dumps({"t": round(t, 9), **done._asdict()}).encode())
         if t - self._kept_until >= KEPT_EVERY:
             self._kept_until = t
             self._file.keep()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from types import MappingProxyType
+from typing import NamedTuple, TypeAlias
 
 from lxml import etree
 
@@ -97,8 +98,7 @@ class Environment:
         return expression.evaluate(self.values)
 
 
-@dataclass(frozen=True)
-class ReadingContext:
+class ReadingContext(NamedTuple):
     """The context in which a word is read.
 
     Attributes:
@@ -114,7 +114,7 @@ class ReadingContext:
     sink: Diagnostics
     environment: Environment
     within: Place | None = None
-    unread: Mapping[type[Word], Mapping[str, object]] = field(default_factory=dict)
+    unread: Mapping[type[Word], Mapping[str, object]] = MappingProxyType({})
 
     def origin(self, element: etree._Element, attribute: str | None = None) -> Origin:
         """Return the place of an element or attribute."""
@@ -123,6 +123,8 @@ class ReadingContext:
 
 def _inner(text: str) -> tuple[str | None, int]:
     """Return the expression inside an attribute's text and the offset at which it starts."""
+    if "$" not in text:
+        return None, 0
     stripped = text.strip(" \t\r\n")
     lead = text.find(stripped)
     for pattern in (_PARAMETER, _EXPRESSION):

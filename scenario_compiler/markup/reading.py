@@ -6,7 +6,6 @@ All faults of an element and everything below it are reported in one pass, each 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 from lxml import etree
@@ -84,17 +83,16 @@ def _read_attributes(element: etree._Element, word: type[Word], reading: Reading
     grammar = grammar_of(word)
     fields: dict[str, Any] = {}
     complete = True
-    for name in map(str, element.attrib):
+    written: dict[str, str] = dict(element.items())  # type: ignore[arg-type]  # str, as Python 3's lxml gives
+    for name, text in written.items():
         if name in grammar.attributes:
             rule = grammar.attributes[name]
             try:
-                fields[rule.field] = read_attribute(
-                    str(element.attrib[name]), rule, reading, reading.origin(element, name)
-                )
+                fields[rule.field] = read_attribute(text, rule, reading, reading.origin(element, name))
             except UnreadError:
                 complete = complete and not rule.required
         elif grammar.others and not name.startswith("{"):
-            fields.setdefault(grammar.others, {})[name] = str(element.attrib[name])
+            fields.setdefault(grammar.others, {})[name] = text
         elif name not in _SCHEMA_HINTS:
             reading.sink.add(
                 codes.UNKNOWN_ATTRIBUTE,
@@ -103,7 +101,7 @@ def _read_attributes(element: etree._Element, word: type[Word], reading: Reading
                 hint=_hint_for_attribute(element, name, word),
             )
     for name, rule in grammar.attributes.items():
-        if rule.required and name not in element.attrib:
+        if rule.required and name not in written:
             complete = False
             reading.sink.add(
                 codes.MISSING_ATTRIBUTE,
@@ -160,10 +158,12 @@ def place_children(
 
 def misspelt(parent: etree._Element, tags: Iterable[str]) -> bool:
     """Return whether a child's tag is similar but not equal to one of `tags`, so that only its spelling is wrong."""
-    import difflib  # only needed for mistakes
-
     meant = tuple(tags)
     found = {str(child.tag) for child in parent.iterchildren(etree.Element)}.difference(meant)
+    if not found:
+        return False
+    import difflib  # only needed for mistakes
+
     return any(difflib.get_close_matches(tag, meant, n=1, cutoff=0.8) for tag in found)
 
 
@@ -195,7 +195,7 @@ def _unwrapped(
     inner: list[etree._Element] = []
     for child in wrapper.iterchildren(etree.Element):
         if str(child.tag) not in rule.words:
-            _report_unknown_child(wrapper, child, (replace(rule, wrapper=""),), reading)
+            _report_unknown_child(wrapper, child, (rule._replace(wrapper=""),), reading)
         elif inner and not rule.many:
             reading.sink.add(codes.REPEATED_ELEMENT, _repeated(wrapper, inner[0], child), reading.origin(child))
         else:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import NamedTuple
 
 from lxml import etree
 
@@ -22,8 +23,7 @@ KINDS: dict[str, ParameterKind] = {
 """Kinds of parameters by OpenSCENARIO's types; all others are texts, also a boolean, which may be written as 0 or 1."""
 
 
-@dataclass(frozen=True)
-class Variation:
+class Variation(NamedTuple):
     """A <ParameterValueDistribution>: the values that the parameters of another file take.
 
     Attributes:
@@ -34,13 +34,12 @@ class Variation:
     """
 
     vary: Vary
-    first: Mapping[str, str] = field(default_factory=dict)
-    sets: Mapping[str, Sequence[Mapping[str, str]]] = field(default_factory=dict)
-    places: Mapping[str, Place] = field(default_factory=dict)
+    first: Mapping[str, str] = MappingProxyType({})
+    sets: Mapping[str, Sequence[Mapping[str, str]]] = MappingProxyType({})
+    places: Mapping[str, Place] = MappingProxyType({})
 
 
-@dataclass(frozen=True)
-class OpenScenario:
+class OpenScenario(NamedTuple):
     """An OpenSCENARIO file: a scenario, values for the parameters of one, or a catalog, which has no scenario.
 
     Attributes:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from scenario_compiler.plan.binding import OFF_ROAD, Binder
 from scenario_compiler.plan.model import StartPose
@@ -33,8 +33,7 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.storyboard import Storyboard
 
 
-@dataclass(frozen=True, slots=True)
-class Standing:
+class Standing(NamedTuple):
     """An entity's pose, and the lane on which it stands; None if it is not on a road."""
 
     pose: StartPose

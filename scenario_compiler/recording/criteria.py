@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -66,8 +66,7 @@ class CriterionResult(BaseModel):
     why: str = Field(description="The reason, as a sentence.")
 
 
-@dataclass(frozen=True, slots=True)
-class Rule:
+class Rule(NamedTuple):
     """The functions that judge a criterion.
 
     Attributes:
@@ -233,7 +232,9 @@ def judge_criterion(criterion: Criterion, recording: Recording, traces: Traces) 
     when = None if math.isnan(broken) else broken
     why = RULES[type(criterion)].found(recording, traces, when, limit)
     where = None if when is None else where_at(recording, when)
-    return CriterionResult(criterion=criterion.word, passed=when is None, when=when, where=where, why=why)
+    return CriterionResult.model_construct(
+        criterion=criterion.word, passed=when is None, when=when, where=where, why=why
+    )
 
 
 def where_at(recording: Recording, when: float) -> Where | None:
@@ -248,9 +249,9 @@ def where_at(recording: Recording, when: float) -> Where | None:
     if not math.isfinite(x) or not math.isfinite(y):
         return None
     if road < 0:
-        return Where(road=None, lane=None, s=None, x=x, y=y)
+        return Where.model_construct(road=None, lane=None, s=None, x=x, y=y)
     lane, s = int(recording.lane[row, 0]), float(recording.s[row, 0])
-    return Where(road=recording.roads[road], lane=lane, s=s, x=x, y=y)
+    return Where.model_construct(road=recording.roads[road], lane=lane, s=s, x=x, y=y)
 
 
 def _collision_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,8 +20,7 @@ from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 
-@dataclass(frozen=True, slots=True)
-class Sides:
+class Sides(NamedTuple):
     """The ego's sides in its lane, each array (..., n); offsets are to the left in its driving direction.
 
     Attributes:

@@ -9,7 +9,7 @@ contains the number also contains its definition.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -68,8 +68,7 @@ from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 
-@dataclass(frozen=True, slots=True)
-class Measure:
+class Measure(NamedTuple):
     """A measure.
 
     Attributes:

@@ -119,7 +119,7 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
     broken = recording.stop_reason in BROKEN_OFF or recording.error != 0
     request = next((event for event in recording.events if event.kind == "request"), None)
     crash = next((event for event in recording.events if event.kind == "collision"), None)
-    return Outcome(
+    return Outcome.model_construct(
         name=header.plan_name,
         plan_digest=header.plan_digest,
         seed=header.seed,
@@ -157,7 +157,7 @@ def measure_run(traces: Traces, measures: Sequence[Measure] = MEASURES) -> dict[
         return {}
     values = {measure.name: float(measure.compute(traces)) for measure in measures}
     return {
-        m.name: MeasureValue(
+        m.name: MeasureValue.model_construct(
             value=values[m.name] if np.isfinite(values[m.name]) else None,
             unit=m.unit,
             definition=m.definition,
@@ -183,7 +183,7 @@ def timeline(recording: Recording) -> tuple[Interval, ...]:
         states.append((min(event.t, end), state))
     ends = [at for at, _ in states[1:]] + [end]
     return tuple(
-        Interval(state=state, begin=to_the_nanosecond(at), end=to_the_nanosecond(until))
+        Interval.model_construct(state=state, begin=to_the_nanosecond(at), end=to_the_nanosecond(until))
         for (at, state), until in zip(states, ends, strict=True)
     )
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 from array import array
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeAlias, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,8 +60,7 @@ class Header(BaseModel):
     )
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
+class Frame(NamedTuple):
     """A first-person picture.
 
     Attributes:
@@ -75,8 +74,7 @@ class Frame:
     png: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class Column:
+class Column(NamedTuple):
     """A column of a recording.
 
     Attributes:
@@ -294,7 +292,7 @@ class Recording:
 def _named_columns() -> tuple[Column, ...]:
     hints = get_type_hints(Recording, include_extras=True)
     marked = ((name, getattr(hint, "__metadata__", ())) for name, hint in hints.items())
-    return tuple(replace(marks[0], name=name) for name, marks in marked if marks)
+    return tuple(marks[0]._replace(name=name) for name, marks in marked if marks)
 
 
 COLUMNS: tuple[Column, ...] = _named_columns()
@@ -353,7 +351,9 @@ class RecordingBuilder:
         value: float | None = None,
     ) -> None:
         """Record an event."""
-        self._events.append(EventRow(t=t, kind=kind, entity=entity, cause=cause, message=message, value=value))
+        self._events.append(
+            EventRow.model_construct(t=t, kind=kind, entity=entity, cause=cause, message=message, value=value)
+        )
 
     def add(self, row: EventRow) -> None:
         """Record an existing event."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,8 +47,7 @@ ROUNDING = 1e-4
 """Additional slack of bounds of distances, m."""
 
 
-@dataclass(frozen=True, slots=True)
-class InputLimits:
+class InputLimits(NamedTuple):
     """The limits above which the driver's inputs count.
 
     Attributes:
@@ -68,8 +67,7 @@ def input_limits(plan: Plan, parameters: Mapping[str, Value]) -> InputLimits:
     return InputLimits(*(number_value(one, parameters) for one in (said.steering, said.brake, said.steering_ratio)))
 
 
-@dataclass(frozen=True)
-class Seen:
+class Seen(NamedTuple):
     """Boxes in the ego's frame, each array (m - 1, ..., n); NaN if one of the two entities is absent.
 
     They are only used for bounds and are in single precision, in which sines and all else are several times faster.

@@ -8,6 +8,8 @@ import math
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
+
 from scenario_compiler.files import read_file
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.cells import cell_text, text_cell
@@ -31,16 +33,16 @@ def write_trajectory(recording: Recording, path: Path) -> None:
     """
     names = [text_cell(name) for name in recording.header.entities]
     roads = [text_cell(road) for road in (*recording.roads, "-1")]
-    columns = {name: getattr(recording, name).tolist() for name in (*_NUMBERS, "road", "lane", "present")}
+    present = recording.present
+    row, entity = np.nonzero(present)
+    t = map(shortest, recording.t[row].tolist())
+    x, y, h, v, s, off = (map(shortest, getattr(recording, name)[present].tolist()) for name in _NUMBERS)
+    named = (names[i] for i in entity.tolist())
+    road = (roads[number] for number in recording.road[present].tolist())
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(TRAJECTORY_COLUMNS)
-    for k, t in enumerate(recording.t.tolist()):
-        for i, name in enumerate(names):
-            if columns["present"][k][i]:
-                x, y, h, v, s, off = (shortest(columns[number][k][i]) for number in _NUMBERS)
-                road, lane = roads[columns["road"][k][i]], columns["lane"][k][i]
-                rows.writerow((shortest(t), name, x, y, h, v, road, lane, s, off))
+    rows.writerows(zip(t, named, x, y, h, v, road, recording.lane[present].tolist(), s, off, strict=True))
     write_whole(path, text.getvalue())
 
 

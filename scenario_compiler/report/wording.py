@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from scenario_compiler.recording.criteria import Where
 from scenario_compiler.recording.names import StandingPlace
@@ -54,8 +54,7 @@ OUTCOMES: dict[str, str] = {
 """Words for the resolution of takeovers and the end of runs."""
 
 
-@dataclass(frozen=True, slots=True)
-class Summary:
+class Summary(NamedTuple):
     """A run in one row of a table, as texts, with a dash for what does not apply.
 
     Attributes:

@@ -80,10 +80,10 @@ class EventLog:
             for modality in word.modality:
                 if modality == "none":
                     continue
-                yield EventRow(t=t, kind="message", cause=modality, message=word.text)
+                yield EventRow.model_construct(t=t, kind="message", cause=modality, message=word.text)
         elif told is not None:
             about, what = told.words(word)
-            yield EventRow(t=t, kind=told.event, entity=entity, cause=about, message=what)
+            yield EventRow.model_construct(t=t, kind=told.event, entity=entity, cause=about, message=what)
 
     def _row(self, t: float, code: int, value: float, cause: str) -> EventRow:
         kind = EVENTS[code][0]
@@ -91,19 +91,23 @@ class EventLog:
         reported = entities[0].id if entities else ""
         if kind in NAMED:
             name, entity = self._named[int(value)]
-            return EventRow(t=t, kind=kind, entity=entity, message=name)
+            return EventRow.model_construct(t=t, kind=kind, entity=entity, message=name)
         if code == op.EVENT_CONTACT:
             one, other = divmod(int(value), len(entities))
-            return EventRow(t=t, kind=kind, entity=entities[one].id, message=entities[other].id)
+            return EventRow.model_construct(t=t, kind=kind, entity=entities[one].id, message=entities[other].id)
         if code == op.EVENT_COLLISION:
-            return EventRow(t=t, kind=kind, entity=entities[int(value)].id)
+            return EventRow.model_construct(t=t, kind=kind, entity=entities[int(value)].id)
         if code == op.EVENT_STANDSTILL:
             place, by_hand = divmod(int(value), 2)
             cause = BY_HAND if by_hand else ""
-            return EventRow(t=t, kind=kind, entity=reported, cause=cause, message=STANDING_PLACES[place])
+            return EventRow.model_construct(
+                t=t, kind=kind, entity=reported, cause=cause, message=STANDING_PLACES[place]
+            )
         if code in (op.EVENT_FAILURE, op.EVENT_FAILURE_END):
-            return EventRow(t=t, kind=kind, entity=reported, cause=FAILURES[int(value)])
+            return EventRow.model_construct(t=t, kind=kind, entity=reported, cause=FAILURES[int(value)])
         if code == op.EVENT_SHORT_START:
-            return EventRow(t=t, kind=kind, entity=reported, cause=CAUSES[int(value)])
+            return EventRow.model_construct(t=t, kind=kind, entity=reported, cause=CAUSES[int(value)])
         number = value if code == op.EVENT_HAZARD_LIGHTS else None
-        return EventRow(t=t, kind=kind, entity=reported, cause=cause if code in CAUSED else "", value=number)
+        return EventRow.model_construct(
+            t=t, kind=kind, entity=reported, cause=cause if code in CAUSED else "", value=number
+        )

@@ -111,7 +111,8 @@ def open_world(name: str, plan: Plan, network: Network, **options: object) -> Wo
     """
     module, _, attribute = WORLDS[name].partition(":")
     found = getattr(importlib.import_module(module), attribute)
-    given: WorldOptions = found.Options.model_validate(options)
+    options_of: type[WorldOptions] = found.Options
+    given = options_of.model_validate(options) if options else options_of.model_construct()
     world: World = found(plan, network, given)
     return world
 
@@ -458,7 +459,7 @@ class Execution:
             self._picture(row.t, row.kind, row.cause)
 
     def _header(self, seed: int, variant: int) -> Header:
-        return Header(
+        return Header.model_construct(
             plan_digest=self.plan.digest,
             plan_name=self.plan.name,
             seed=seed,

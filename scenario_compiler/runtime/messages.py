@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import get_args
+from typing import NamedTuple, get_args
 
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
@@ -19,8 +18,7 @@ SAME_TIME = 1e-6
 """Times that differ by less than this are equal, s."""
 
 
-@dataclass(frozen=True)
-class Texts:
+class Texts(NamedTuple):
     """The texts of one language.
 
     Attributes:
@@ -171,8 +169,7 @@ def message_text(event: str, cause: str, content: tuple[Content, ...], language:
     return text[:1].upper() + text[1:]
 
 
-@dataclass(frozen=True, slots=True)
-class Shown:
+class Shown(NamedTuple):
     """A message to the driver.
 
     Attributes:
@@ -214,11 +211,15 @@ class Messenger:
         if due:
             self._waiting = [one for one in self._waiting if one[0] > t + SAME_TIME]
             self.shown += tuple(due)
-            yield from (EventRow(t=t, kind="message", cause=one.modality, message=one.text) for one in due)
+            yield from (
+                EventRow.model_construct(t=t, kind="message", cause=one.modality, message=one.text) for one in due
+            )
 
     def _end(self, t: float) -> Iterator[EventRow]:
         ended, self.shown, self._waiting = self.shown, (), []
-        yield from (EventRow(t=t, kind="message_over", cause=one.modality, message=one.text) for one in ended)
+        yield from (
+            EventRow.model_construct(t=t, kind="message_over", cause=one.modality, message=one.text) for one in ended
+        )
 
     def _begun(self, row: EventRow) -> Iterator[tuple[float, Shown]]:
         """Yield (time, message) of every message of an event; the modality `none` gives none."""

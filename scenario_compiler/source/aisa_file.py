@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from lxml import etree
 
@@ -12,8 +12,7 @@ from scenario_compiler.document import Document
 from scenario_compiler.markup import names
 
 
-@dataclass(frozen=True)
-class AisaConfig:
+class AisaConfig(NamedTuple):
     """A file of the AISA toolkit: its scenario elements by name."""
 
     document: Document

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
-from typing import Literal, TypeVar
+from types import MappingProxyType
+from typing import Literal, NamedTuple, TypeVar
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics
 from scenario_compiler.document import read_document
@@ -31,8 +31,7 @@ class CatalogElement(Word):
     entries: tuple[Vehicle | DriverModel | Effect, ...] = child("Its vehicles, drivers and effects.", default=())
 
 
-@dataclass(frozen=True)
-class Catalogs:
+class Catalogs(NamedTuple):
     """Vehicles and drivers by name, effects by kind.
 
     Attributes:
@@ -42,9 +41,9 @@ class Catalogs:
         complete: Whether everything could be read; otherwise an unknown name is not reported.
     """
 
-    vehicles: Mapping[str, Vehicle] = field(default_factory=dict)
-    drivers: Mapping[str, DriverModel] = field(default_factory=dict)
-    effects: Mapping[EffectKind, Effect] = field(default_factory=dict)
+    vehicles: Mapping[str, Vehicle] = MappingProxyType({})
+    drivers: Mapping[str, DriverModel] = MappingProxyType({})
+    effects: Mapping[EffectKind, Effect] = MappingProxyType({})
     complete: bool = True
 
     def extended(self, other: Catalogs) -> Catalogs:
@@ -58,7 +57,7 @@ class Catalogs:
 
     def with_a_gap(self) -> Catalogs:
         """Return these catalogs, marked as incomplete."""
-        return replace(self, complete=False)
+        return self._replace(complete=False)
 
 
 def read_catalog(reading: ReadingContext) -> Catalogs:

@@ -9,9 +9,9 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from types import MappingProxyType
+from typing import Any, Literal, NamedTuple
 
 from lxml import etree
 
@@ -218,8 +218,7 @@ class LibraryElement(Word):
     scenarios: tuple[ScenarioElement, ...] = child("Scenarios.", default=())
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(NamedTuple):
     """A scenario or template in its file.
 
     Attributes:
@@ -242,8 +241,7 @@ class Part:
         return ReadingContext(self.document, sink, environment, within or self.within)
 
 
-@dataclass(frozen=True)
-class Library:
+class Library(NamedTuple):
     """A file of the conflict language.
 
     Attributes:
@@ -257,10 +255,10 @@ class Library:
     """
 
     document: Document
-    scenarios: Mapping[str, Part] = field(default_factory=dict)
-    templates: Mapping[str, Part] = field(default_factory=dict)
+    scenarios: Mapping[str, Part] = MappingProxyType({})
+    templates: Mapping[str, Part] = MappingProxyType({})
     own_templates: tuple[str, ...] = ()
-    catalogs: Catalogs = field(default_factory=Catalogs)
+    catalogs: Catalogs = Catalogs()
     complete: bool = True
     allowed: frozenset[str] = frozenset()
 

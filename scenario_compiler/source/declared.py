@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.markup.environment import Environment
@@ -12,8 +12,7 @@ from scenario_compiler.vocabulary.scenario import Parameter, ParameterKind
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
 
-@dataclass(frozen=True)
-class Declaration:
+class Declaration(NamedTuple):
     """The allowed values of a parameter.
 
     Attributes:

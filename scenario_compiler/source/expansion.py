@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
-from typing import Any
+from typing import Any, NamedTuple
 
 from lxml import etree
 
@@ -47,8 +47,7 @@ from scenario_compiler.vocabulary.weather import (
 from scenario_compiler.vocabulary.word import Word
 
 
-@dataclass(frozen=True)
-class Around:
+class Around(NamedTuple):
     """The surroundings of a scenario: the templates of its file, and the catalogs."""
 
     templates: Mapping[str, Part]

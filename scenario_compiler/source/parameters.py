@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from lxml import etree
 
@@ -23,8 +23,7 @@ STRUCTURAL_KINDS = ("integer", "text", "boolean")
 """Kinds of parameters that are always replaced by their values; others may stay open in a plan."""
 
 
-@dataclass(frozen=True)
-class Declared:
+class Declared(NamedTuple):
     """The parameters that a scenario or template declares.
 
     Attributes:

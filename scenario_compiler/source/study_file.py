@@ -6,8 +6,8 @@ Those are imported only when such a file is read, because other files need none 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
 
 from scenario_compiler.document import Document
 
@@ -18,8 +18,7 @@ STUDY, QUESTIONNAIRE = "study", "questionnaire"
 """Root elements of the files."""
 
 
-@dataclass(frozen=True)
-class StudyFile:
+class StudyFile(NamedTuple):
     """A file of a study or of a questionnaire, with the files that it names.
 
     Attributes:
@@ -34,6 +33,6 @@ class StudyFile:
     document: Document
     study: StudyElement | None = None
     questionnaire: QuestionnaireElement | None = None
-    questionnaires: Mapping[str, QuestionnaireElement] = field(default_factory=dict)
-    pages: Mapping[str, str] = field(default_factory=dict)
-    scenarios: Mapping[str, object] = field(default_factory=dict)
+    questionnaires: Mapping[str, QuestionnaireElement] = MappingProxyType({})
+    pages: Mapping[str, str] = MappingProxyType({})
+    scenarios: Mapping[str, object] = MappingProxyType({})

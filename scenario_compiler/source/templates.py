@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from lxml import etree
 
@@ -380,7 +380,7 @@ class Expander:
         variables = {loop.get(name) for one in elements for tag, name in LOOPS for loop in one.iter(tag)}
         open_everywhere = reading.environment.undecided(map(str, variables))
         open_everywhere.lenient |= None in variables
-        skimming = replace(reading, environment=open_everywhere)
+        skimming = reading._replace(environment=open_everywhere)
         for element in elements:
             read_word(element, rule.words[str(element.tag)], skimming)
 
@@ -401,7 +401,7 @@ class Expander:
         if not values:
             known = reading.environment.undecided([str(element.get(dict(LOOPS)[word.tag()], "index"))])
             known.lenient |= not faultless
-            self._add_if(False, rule, elements, replace(reading, environment=known), scope, chain)
+            self._add_if(False, rule, elements, reading._replace(environment=known), scope, chain)
         if fields is None or values is None:
             scope.all_read = False
             return
@@ -416,7 +416,7 @@ class Expander:
         for number, value in enumerate(values if elements else (), start=1):
             if self.has_too_many:
                 break
-            inside = replace(reading, environment=reading.environment.with_value(variable, value))
+            inside = reading._replace(environment=reading.environment.with_value(variable, value))
             inner = self._inside(f"{name}.{number}", scope, reading.origin(element))
             self.add_items(rule, elements, inside, inner, chain)
 
@@ -530,8 +530,7 @@ def templates_by_name() -> dict[str, Part]:
     return {name: part for templates in reversed(shelves) for name, part in templates.items()}
 
 
-@dataclass(frozen=True)
-class Shelf:
+class Shelf(NamedTuple):
     """The contents of a folder of templates.
 
     Attributes:

@@ -7,9 +7,8 @@ kinds of words, or any number of them, these may be mixed.
 import re
 import types
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
 from functools import cache
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
@@ -39,8 +38,7 @@ AttributeKind = Literal["number", "fixed_number", "integer", "boolean", "choice"
 """Kinds of attribute values. A `number` may stay open in a plan; the other kinds determine structure."""
 
 
-@dataclass(frozen=True, slots=True)
-class AttributeRule:
+class AttributeRule(NamedTuple):
     """An attribute that an element may have.
 
     Attributes:
@@ -64,8 +62,7 @@ class AttributeRule:
     choices: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class ChildRule:
+class ChildRule(NamedTuple):
     """The children that an element may have at one place of its order.
 
     Attributes:
@@ -90,8 +87,7 @@ class ChildRule:
         return (self.wrapper,) if self.wrapper else tuple(self.words)
 
 
-@dataclass(frozen=True, slots=True)
-class Grammar:
+class Grammar(NamedTuple):
     """The XML element of a word.
 
     Attributes:
@@ -242,6 +238,6 @@ def _in_si(limits: AttributeSpelling) -> AttributeSpelling:
     """Return the limits of a number in the unit of a word's field."""
     factor = QUANTITIES[limits.quantity].factor if limits.quantity in QUANTITIES else 1.0
     low, high = limits.minimum, limits.maximum
-    return replace(
-        limits, minimum=None if low is None else low * factor, maximum=None if high is None else high * factor
+    return limits._replace(
+        minimum=None if low is None else low * factor, maximum=None if high is None else high * factor
     )

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import NamedTuple
 
 
-@dataclass(frozen=True)
-class Taxonomy:
+class Taxonomy(NamedTuple):
     """A published list of situations.
 
     Attributes:
@@ -19,7 +19,7 @@ class Taxonomy:
 
     title: str
     source: str
-    situations: Mapping[str, str] = field(default_factory=dict)
+    situations: Mapping[str, str] = MappingProxyType({})
     whole: bool = True
 
 

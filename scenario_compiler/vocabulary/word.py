@@ -8,7 +8,7 @@ derived from these declarations.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Any, ClassVar, TypeAlias
+from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
 from pydantic.fields import FieldInfo
@@ -20,8 +20,7 @@ from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, Value, parse_expression
 
 
-@dataclass(frozen=True, slots=True)
-class Quantity:
+class Quantity(NamedTuple):
     """A quantity: its unit in XML, and the factor to the SI unit used internally."""
 
     name: str
@@ -130,8 +129,7 @@ class Word(BaseModel):
         return self
 
 
-@dataclass(frozen=True, slots=True)
-class AttributeSpelling:
+class AttributeSpelling(NamedTuple):
     """The spelling of a field as an XML attribute.
 
     Attributes:
@@ -162,8 +160,7 @@ class AttributeSpelling:
     retired: tuple[tuple[str, str], ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class ChildSpelling:
+class ChildSpelling(NamedTuple):
     """The spelling of a field as a child element.
 
     Attributes:

@@ -8,9 +8,8 @@ therefore at their positions at the end of the step already.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from types import TracebackType
-from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, overload
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Protocol, overload
 
 from pydantic import BaseModel, ConfigDict
 from typing_extensions import Self
@@ -56,8 +55,7 @@ class WorldOptions(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
-@dataclass(frozen=True, slots=True)
-class EntityState:
+class EntityState(NamedTuple):
     """An entity at one instant.
 
     Attributes:
@@ -120,8 +118,7 @@ class Entities(Sequence[EntityState]):
         return hash(tuple(self))
 
 
-@dataclass(frozen=True, slots=True)
-class Snapshot:
+class Snapshot(NamedTuple):
     """The state of a run at one instant, as the engine knows it.
 
     Attributes:
@@ -150,8 +147,7 @@ class Snapshot:
         return tuple(entity.pose for entity in self.entities)
 
 
-@dataclass(frozen=True, slots=True)
-class EgoCommand:
+class EgoCommand(NamedTuple):
     """The command to the ego in a step.
 
     Attributes:
@@ -167,8 +163,7 @@ class EgoCommand:
     path: tuple[tuple[float, float], ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class EgoState:
+class EgoState(NamedTuple):
     """The new state of the ego in a world that moves it.
 
     Attributes:
@@ -186,8 +181,7 @@ class EgoState:
     brake: float
 
 
-@dataclass(frozen=True, slots=True)
-class WorldFinding:
+class WorldFinding(NamedTuple):
     """A part of a plan from which a world deviates.
 
     Attributes:
@@ -201,8 +195,7 @@ class WorldFinding:
     part: str
 
 
-@dataclass(frozen=True, slots=True)
-class WorldEvent:
+class WorldEvent(NamedTuple):
     """An event that a world's own sensors reported.
 
     Attributes:

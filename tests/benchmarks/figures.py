@@ -158,7 +158,7 @@ def figures(folder: Path, runs: int, *, short: bool) -> list[Figure]:
             each = cpu / samples
             value = f"{cpu:.2f} s, {1e3 * each:.2f} ms a variant"
             found.append(Figure(f"sweep {target.stem}, {samples}", value, f"{ESMINI_VARIANT / each:.3g}x", held))
-    program = [sys.executable, "-c", "from scenario_compiler.cli import main; main()"]
+    program = [sys.executable, "-m", "scenario_compiler"]
     validate = median(runs, lambda: cpu_of_command([*program, "validate", str(OBSTACLE)], folder))
     found.append(Figure("validate one conflict", f"{validate:.2f} s", "", "0.35 s (aim 0.2 s)"))
     run = [*program, "run", str(CUT_IN), "--perception", "ideal", "--trajectory", "cut_in.csv"]

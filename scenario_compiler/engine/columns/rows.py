@@ -7,8 +7,7 @@ This function receives the word and a `ProgramDraft`, the program under construc
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias
 
 from scenario_compiler.engine.columns import opcodes as op
 
@@ -43,8 +42,7 @@ FRAMES = {
 """Codes of coordinate systems."""
 
 
-@dataclass(frozen=True, slots=True)
-class PositionRow:
+class PositionRow(NamedTuple):
     """A position.
 
     Attributes:
@@ -70,8 +68,7 @@ class PositionRow:
     spans: tuple[int, int] = (0, 0)
 
 
-@dataclass(frozen=True, slots=True)
-class ActionRow:
+class ActionRow(NamedTuple):
     """An action.
 
     Attributes:
@@ -103,8 +100,7 @@ class ActionRow:
     pieces: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class ConditionRow:
+class ConditionRow(NamedTuple):
     """A condition.
 
     Attributes:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from types import MappingProxyType
+from typing import Any, Literal, NamedTuple
 
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
@@ -33,8 +33,7 @@ def done_at_once(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int
     return 1
 
 
-@dataclass(frozen=True)
-class Told:
+class Told(NamedTuple):
     """The log entry of an action.
 
     Attributes:
@@ -48,8 +47,7 @@ class Told:
     words: Callable[[Any], tuple[str, str]] = lambda _: ("", "")
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """An action of the engine.
 
     Attributes:
@@ -74,7 +72,7 @@ class Entry:
     ends: int = 0
     whose: Literal["entity", "run", "ego"] = "entity"
     told: Told | None = None
-    refers: Mapping[str, Allowed] = field(default_factory=dict)
+    refers: Mapping[str, Allowed] = MappingProxyType({})
 
     @property
     def of_the_run(self) -> bool:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.program.checking import check_program
@@ -36,8 +35,7 @@ def build_program(plan: Plan, network: Network, *, posed: bool = False) -> Progr
     return lowered(plan, network, posed=posed).program
 
 
-@dataclass(frozen=True)
-class Lowered:
+class Lowered(NamedTuple):
     """A program, and the names that its indices stand for.
 
     Attributes:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from scenario_compiler.diagnostics import Code, Diagnostics
 from scenario_compiler.engine.columns.view import HIDDEN, VIEW_NAMES, VIEW_SIZE
@@ -34,8 +33,7 @@ NO_SURROGATE = Code(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Surrogate:
+class Surrogate(NamedTuple):
     """The fit of surrogate perception: its conditions and its coefficients.
 
     Attributes:
@@ -86,7 +84,7 @@ def read_surrogate(text: str) -> Surrogate:
 
 def surrogate_text(surrogate: Surrogate) -> str:
     """Return the text of the file for coefficients."""
-    data = {"features": VIEW_NAMES, **{name: getattr(surrogate, name) for name in Surrogate.__slots__}}
+    data = {"features": VIEW_NAMES, **surrogate._asdict()}
     return json.dumps(data, separators=(",", ":")).replace("],", "],\n") + "\n"
 
 

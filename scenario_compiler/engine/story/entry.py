@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -46,8 +46,7 @@ def other_is_gone(p: Program, st: State, c: int) -> int:
     return 1 if other >= 0 and st.present[other] == 0 else 0
 
 
-@dataclass(frozen=True)
-class Condition:
+class Condition(NamedTuple):
     """A condition of the engine.
 
     Attributes:
@@ -63,7 +62,7 @@ class Condition:
     row: Callable[[ProgramDraft, Any], ConditionRow]
     holds: Callable[[RoadTables, Program, State, int, int], int]
     of_the_run: bool = False
-    refers: Mapping[str, Allowed] = field(default_factory=dict)
+    refers: Mapping[str, Allowed] = MappingProxyType({})
 
     @property
     def module(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity
 from scenario_compiler.plan.model import Plan
@@ -44,8 +44,7 @@ BLIND_BUDGET = Code(
 )
 
 
-@dataclass(frozen=True)
-class ObstacleBudget:
+class ObstacleBudget(NamedTuple):
     """The time budget before an obstacle.
 
     Attributes:

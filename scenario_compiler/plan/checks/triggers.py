@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity
 from scenario_compiler.expressions import Value
@@ -55,8 +55,7 @@ AFTER_A_START = frozenset({"runningState", "completeState", "startTransition", "
 """States and transitions that an event reaches by starting."""
 
 
-@dataclass(frozen=True)
-class Never:
+class Never(NamedTuple):
     """The reason why a condition is never true: the diagnostic's code, its text, and the attribute at fault."""
 
     code: Code
