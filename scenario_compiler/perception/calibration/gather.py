@@ -74,7 +74,10 @@ def gather(
     """
     jobs = [_Job(detector, "map", str(path), k, min(k + PART, clips)) for path in maps for k in range(0, clips, PART)]
     jobs += [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
-    jobs += [_Job(detector, "drawn", "", k, min(k + PART, DRAWN_SHARE * pictures)) for k in range(0, DRAWN_SHARE * pictures, PART)]
+    jobs += [
+        _Job(detector, "drawn", "", k, min(k + PART, DRAWN_SHARE * pictures))
+        for k in range(0, DRAWN_SHARE * pictures, PART)
+    ]
     done: list[Looks] = []
     with left_to_this_process():
         workers = multiprocessing.get_context("spawn").Pool(processes, _begin)
