@@ -34,6 +34,9 @@ CAMERAS = {
     "rolled": replace(FRONT, yaw=math.radians(-25.0), roll=math.radians(25.0), pitch=math.radians(-5.0)),
     "upwards": replace(FRONT, pitch=math.radians(35.0)),
     "wide": replace(FRONT, fov=math.radians(130.0)),
+    "widest": replace(FRONT, fov=math.radians(170.0)),
+    "upside down": replace(FRONT, roll=math.pi),
+    "on its side": replace(FRONT, roll=math.radians(-100.0)),
 }
 SIGNS = (
     '<objects><object id="1" type="building" s="50" t="14" hdg="0.2" length="12" width="8" height="7"/>'
@@ -127,18 +130,31 @@ def test_labels_agree_with_cast_rays(name: str, tmp_path_factory: pytest.TempPat
     scene, pose = beside_a_road(tmp_path_factory.getbasetemp())
     depth, tag, instance, share = agreement(scene, CAMERAS[name], pose, around(pose))
     assert share > 0.5
-    assert depth > 0.99
+    assert depth > 0.98
     assert tag > 0.99
     assert instance > 0.99
+
+
+def test_a_camera_just_above_the_road_sees_the_road_below_it(tmp_path_factory: pytest.TempPathFactory) -> None:
+    scene, pose = beside_a_road(tmp_path_factory.getbasetemp())
+    low = replace(FRONT, z=0.1, pitch=0.0, fov=math.radians(120.0))
+    labels = RoadCamera(scene, low, box_offset=0.0).draw(pose, [], CLEAR)
+    assert set(np.unique(labels.semantic[-1])) <= {Tag.ROAD, Tag.ROAD_LINE}
+    assert labels.depth[-1].max() < 0.15
 
 
 @pytest.mark.parametrize(
     ("name", "number", "s"),
     [
         pytest.param(
-            name, number, s, marks=[] if (name, number) in (("front", "34"), ("rolled", "31")) else pytest.mark.slow
+            name,
+            number,
+            s,
+            marks=[]
+            if (name, number) in (("front", "34"), ("rolled", "31"), ("upside down", "34"))
+            else pytest.mark.slow,
         )
-        for name in ("front", "rear", "behind", "rolled")
+        for name in ("front", "rear", "behind", "rolled", "upside down", "on its side")
         for number, s in (("34", 60.0), ("31", 100.0), ("40", 120.0))
     ],
 )
