@@ -48,6 +48,15 @@ SIGNS = (
 )
 
 
+TUNNEL = "".join(
+    f'<object id="{number}" type="barrier" s="0" t="{t}"><repeat s="0" length="120" distance="0" tStart="{t}" '
+    f'tEnd="{t}" zOffsetStart="{z}" zOffsetEnd="{z}" heightStart="{height}" heightEnd="{height}" widthStart="{width}" '
+    f'widthEnd="{width}"/></object>'
+    for number, t, z, height, width in ((1, 8, 0, 5, 6), (2, -8, 0, 5, 6), (3, 0, 5, 2, 30))
+)
+"""Two walls beside a road, and a ceiling that lies on both."""
+
+
 def around(pose: Pose) -> list[Box]:
     """Return things of many kinds about a pose, the vehicle itself among them."""
     kinds: tuple[tuple[Kind, float, float, float, tuple[float, float, float]], ...] = (
@@ -169,6 +178,15 @@ def test_labels_agree_with_cast_rays_among_hills_and_bridges(name: str, number: 
     assert depth > 0.98
     assert tag > 0.98
     assert instance > 0.98
+
+
+def test_the_walls_of_a_tunnel_hide_its_ceiling(tmp_path: Path) -> None:
+    made = network(tmp_path, road(length=120, more=f"<objects>{TUNNEL}</objects>"))
+    pose = made.lane_pose("1", -1, 50.0)
+    camera = replace(FRONT, pitch=math.radians(15.0), fov=math.radians(90.0))
+    depth, tag, instance, share = agreement(scene_of(made), camera, pose, around(pose)[:3])
+    assert share > 0.5
+    assert min(depth, tag, instance) > 0.99
 
 
 def steepest(labels: Drawing, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
