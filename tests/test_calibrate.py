@@ -118,3 +118,13 @@ def test_wrong_use_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "file").touch()
     assert main(["calibrate", "-o", str(tmp_path / "full")]) == 2
+    out = ["-o", str(tmp_path / "out")]
+    (tmp_path / "nothing").mkdir()
+    assert main(["calibrate", str(tmp_path / "nothing"), *out]) == 2
+    assert "there is no road file (.xodr) in" in capsys.readouterr().err
+    town = str(find_map("town_grid"))
+    assert main(["calibrate", town, *out, "--leave-out", "town_gird"]) == 2
+    assert "--leave-out town_gird: there is no such map; did you mean 'town_grid'?" in capsys.readouterr().err
+    assert main(["calibrate", town, *out, "--leave-out", "town_grid"]) == 2
+    assert "there is no other map to which the confidence could be fitted" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

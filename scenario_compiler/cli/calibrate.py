@@ -10,7 +10,7 @@ from pathlib import Path
 from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_jobs, is_filled, whole_number
 from scenario_compiler.cli.terminal import complain, put, put_raw
 from scenario_compiler.diagnostic_formats import formatted
-from scenario_compiler.diagnostics import CompileError
+from scenario_compiler.diagnostics import CompileError, did_you_mean
 from scenario_compiler.perception.detectors import DETECTORS, create_detector
 from scenario_compiler.resources import maps_folder
 
@@ -66,6 +66,7 @@ def calibrate_command(options: argparse.Namespace) -> int:
     if not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
     maps = _road_files(options.maps)
+    _check_left_out(options.leave_out, [one.stem for one in maps])
     began = time.monotonic()
     progress = _shown if sys.stderr.isatty() else None
     try:
@@ -104,10 +105,24 @@ def _road_files(given: list[Path]) -> list[Path]:
     for one in given or [maps_folder()]:
         if not one.exists():
             raise WrongUse(f"there is no file or folder '{one}'")
-        found += [one] if one.is_file() else sorted(one.rglob("*.xodr"))
+        files = [one] if one.is_file() else sorted(one.rglob("*.xodr"))
+        if not files:
+            raise WrongUse(f"there is no road file (.xodr) in '{one}'")
+        found += files
     if len({one.stem for one in found}) < len(found):
         raise WrongUse("two of the maps have the same name")
     return found
+
+
+def _check_left_out(names: list[str], maps: list[str]) -> None:
+    """Refuse, before anything is measured, to leave out maps that were not given, or all of them."""
+    for name in names:
+        if name not in maps:
+            hint = did_you_mean(name, maps)
+            raise WrongUse(f"--leave-out {name}: there is no such map{f'; {hint}' if hint else ''}")
+    for name in names:
+        if all(one == name for one in maps):
+            raise WrongUse(f"--leave-out {name}: there is no other map to which the confidence could be fitted")
 
 
 def _shown(done: int, total: int) -> None:

@@ -13,6 +13,7 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
+from scenario_compiler.controllers.camera_view import check_camera_view
 from scenario_compiler.controllers.detectors import (
     IDLE_DETECTOR,
     UNKNOWN_DETECTOR,
@@ -171,7 +172,7 @@ def _is_path(annotation: Any) -> bool:
 
 
 def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) -> None:
-    """Report a controller or a detector that does not exist, and properties that the controller does not take.
+    """Report a controller or a detector that does not exist or sees no lane, and properties that nobody takes.
 
     Of code that is not trusted only the spelling is checked, which a warning reports. A built-in controller without
     properties is not imported, because its parameters have defaults.
@@ -182,6 +183,7 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
     controller = plan.controller
     if controller is None:
         return
+    check_camera_view(plan, sink)
     if controller.detector is not None:
         _check_detector(controller.detector, sink, trust)
     if controller.model in CONTROLLERS and not controller.properties and controller.detector is None:

@@ -113,6 +113,7 @@ class Traced:
             (2 K + FIRST,): after the surfaces come the slopes below them, which are verge.
         marks: The paint, each mark before those that cover it.
         lens: The camera's view of the plane that the vehicle stands on.
+        relief: Whether the map is hilly.
     """
 
     view: View
@@ -121,6 +122,7 @@ class Traced:
     material: NDArray[np.uint8]
     marks: Seen
     lens: Lens
+    relief: bool
 
     @cached_property
     def ids(self) -> Ids:
@@ -132,7 +134,8 @@ class Traced:
         ids[self.lens.top :] = self.lens.sees_ground
         for k, shape in enumerate(self.surfaces.shapes, FIRST):
             cv2.fillConvexPoly(ids, shape, k, cv2.LINE_8, SUBPIXEL)
-        _fill_below_hills(ids[self.top : self.lens.sky_rows], self.material)
+        slopes = (len(self.material) - FIRST) // 2 if self.relief else 0
+        _fill_below_hills(_upright(ids[self.top : self.lens.sky_rows], self.view), self.material, slopes)
         return ids
 
 
@@ -178,7 +181,7 @@ class Ground:
             highest = min((int(shape[:, 1].min()) for shape in surfaces.shapes), default=top << SUBPIXEL)
             top = min(max((highest >> SUBPIXEL) - 1, 0), top)
         marks = marks.only(np.argsort(-marks.middle[2], kind="stable"))
-        traced = Traced(view, top, surfaces, material, marks, self.lens)
+        traced = Traced(view, top, surfaces, material, marks, self.lens, relief)
         if not relief:
             return traced
         seen = ~hidden(traced.ids, surfaces, marks.points, view)
@@ -453,8 +456,22 @@ def _from_far(view: View, surfaces: Seen, layer: NDArray[np.uint8]) -> tuple[See
     return surfaces, facing(surfaces.points)
 
 
-def _fill_below_hills(strip: Ids, material: NDArray[np.uint8]) -> None:
-    """Replace sky below ground that rises above the horizon by the slope below it, but not below a bridge."""
+def _upright(ids: Ids, view: View) -> Ids:
+    """Return a view of the picture that is turned by quarters so that down in the world is about down in it."""
+    right, down, _ = -view.camera.rotation[:, 2]
+    if abs(right) <= abs(down):
+        return ids if down >= 0.0 else np.rot90(ids, 2)
+    return np.rot90(ids, -1 if right > 0.0 else 1)
+
+
+def _fill_below_hills(strip: Ids, material: NDArray[np.uint8], slopes: int) -> None:
+    """Replace sky below ground that rises above the horizon by the slope below it, but not below a bridge.
+
+    Args:
+        strip: The picture of surfaces, which is changed; its rows go downwards in the world.
+        material: The materials by id.
+        slopes: Number of the slopes, which come after the surfaces; 0 on a plane, where the bare ground is below.
+    """
     if not len(strip):
         return
     solid = (strip >= FIRST) & (material[strip] != DECK)
@@ -463,7 +480,7 @@ def _fill_below_hills(strip: Ids, material: NDArray[np.uint8]) -> None:
     rows = np.arange(len(strip))[:, None]
     last = np.maximum.accumulate(np.where(solid, rows, -1), axis=0)
     sky = np.nonzero((last >= 0) & (strip == SKY))
-    strip[sky] = strip[last[sky], sky[1]] + (len(material) - FIRST) // 2
+    strip[sky] = strip[last[sky], sky[1]] + slopes if slopes else BARE
 
 
 def _add_beam(light: Image, polygon: Polygon, strength: float, step: int) -> None:

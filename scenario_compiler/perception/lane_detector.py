@@ -210,11 +210,16 @@ class ClassicalLaneDetector:
         Args:
             camera: The camera and its mounting, the default camera if None.
             confidence: Computes probabilities from features; the packaged one if None.
+
+        Raises:
+            ValueError: The camera does not see the ground where a boundary could be.
         """
         self.camera = camera if camera is not None else Camera()
         self.confidence = confidence or load_confidence(self.confidence_file, self.features)
         self.birds_eye = BirdsEye(self.camera)
         self.fitter = LaneFitter(self.birds_eye)
+        if not all(len(curves) for curves in self.fitter.curves):
+            raise ValueError("the camera does not see both sides of the lane 5 to 30 m ahead")
 
     def detect(self, image: Image, prior: LaneState | None = None, pitch: float | None = None) -> LaneResult:
         """Return the lane that the camera is in (see `LaneDetector.detect`)."""

@@ -214,9 +214,9 @@ def _polyline(image: Image, camera: Camera, x: ArrayLike, y: ArrayLike, colour: 
 
 
 def _set_in(picture: Image, inset: Image) -> None:
-    """Insert the camera's image into the upper right corner, a third as wide as the picture."""
-    width = picture.shape[1] // 3
-    height = round(width * inset.shape[0] / inset.shape[1])
+    """Insert the camera's image into the upper right corner, a third of the picture wide, at most half of it high."""
+    scale = min(picture.shape[1] // 3 / inset.shape[1], picture.shape[0] // 2 / inset.shape[0])
+    width, height = (max(round(scale * size), 1) for size in inset.shape[1::-1])
     small = cv2.resize(inset, (width, height), interpolation=cv2.INTER_AREA)
     top, left = 10, picture.shape[1] - width - 10
     cv2.rectangle(picture, (left - 2, top - 2), (left + width + 1, top + height + 1), WHITE, 1)

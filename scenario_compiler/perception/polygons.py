@@ -8,6 +8,7 @@ edges, are clipped (Sutherland and Hodgman, Communications of the ACM 17, 1974).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,10 @@ Index = NDArray[np.int64]
 Polygon = NDArray[np.int32]
 
 NEAR = 0.3
-"""Distance of the near plane, m."""
+"""Greatest distance of the near plane, m: that of a camera which sees no ground nearer than this."""
+
+NEAREST_GROUND = 0.8
+"""Distance of the near plane as a share of the depth of the nearest ground that the camera sees."""
 
 SUBPIXEL = 4
 """Fractional bits of polygon corners handed to OpenCV."""
@@ -50,6 +54,15 @@ class Flat:
     whole: NDArray[np.bool_]
 
 
+@lru_cache(maxsize=64)
+def near_plane(camera: Camera) -> float:
+    """Return the distance of a camera's near plane, m, so that the ground on which the vehicle stands is in front."""
+    right, down, ahead = (-camera.rotation[:, 2]).tolist()
+    across, along = camera.width / 2.0 / camera.focal, camera.height / 2.0 / camera.focal
+    steepest = abs(right) * across + abs(down) * along + ahead
+    return min(NEAR, NEAREST_GROUND * camera.z / steepest) if steepest > 0.0 < camera.z else NEAR
+
+
 def flatten(points: Floats, camera: Camera) -> Flat:
     """Return planar convex polygons in the image.
 
@@ -61,15 +74,15 @@ def flatten(points: Floats, camera: Camera) -> Flat:
     if not count:
         return Flat(np.empty(0, np.int64), [], np.empty((2, points.shape[1], 0)), np.empty(0, np.bool_))
     centre = np.array([camera.width / 2.0, camera.height / 2.0])[:, None, None]
-    depth = points[2]
-    if float(depth.min()) > NEAR:
+    depth, nearest = points[2], near_plane(camera)
+    if float(depth.min()) > nearest:
         pixels = points[:2] * (camera.focal / depth)
         if max(float(pixels.max()), -float(pixels.min())) < FARTHEST:
             pixels += centre
             return Flat(np.arange(count), list(_fixed(pixels)), pixels, np.ones(count, np.bool_))
-    index = np.flatnonzero(depth.max(axis=0) > NEAR)
+    index = np.flatnonzero(depth.max(axis=0) > nearest)
     points, depth = points[:, :, index], depth[:, index]
-    whole = depth.min(axis=0) > NEAR
+    whole = depth.min(axis=0) > nearest
     pixels = points[:2] * (camera.focal / np.where(whole, depth, 1.0))
     whole &= np.abs(pixels).max(axis=(0, 1)) < FARTHEST
     pixels += centre
@@ -94,16 +107,17 @@ def _cut(points: Floats, camera: Camera) -> list[Polygon]:
 
     A border is skipped if neither depths nor corners require it.
     """
+    nearest = near_plane(camera)
     across = (camera.width / 2.0 + MARGIN) / camera.focal
     down = (camera.height / 2.0 + MARGIN) / camera.focal
     count = np.full(points.shape[2], points.shape[1])
     for plane in ((0.0, -1.0, down), (0.0, 1.0, down), (-1.0, 0.0, across), (1.0, 0.0, across), (0.0, 0.0, 1.0)):
         depth = points[2]
-        if depth.min() > NEAR and (np.abs(points[:2]).max(axis=0) * camera.focal < FARTHEST * depth).all():
+        if depth.min() > nearest and (np.abs(points[:2]).max(axis=0) * camera.focal < FARTHEST * depth).all():
             break
         inside = plane[0] * points[0] + plane[1] * points[1] + plane[2] * depth
-        points, count = clip(points, inside - NEAR if plane[2] == 1.0 else inside, count)
-    pixels = points[:2] * (camera.focal / np.maximum(points[2], NEAR))
+        points, count = clip(points, inside - nearest if plane[2] == 1.0 else inside, count)
+    pixels = points[:2] * (camera.focal / np.maximum(points[2], nearest))
     pixels += np.array([camera.width / 2.0, camera.height / 2.0])[:, None, None]
     return [shape[:corners] for shape, corners in zip(_fixed(pixels), count.tolist(), strict=True)]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -32,6 +33,9 @@ STOREY, BELOW_CELL = 3.0, 4.0
 """Height above another road from which a road is a bridge there (clearances are 4 m and more), and the side of the
 cells in which roads are compared, m.
 """
+
+CEILING = 0.7
+"""Cosine of the angle to the vertical below which a face that looks down is a ceiling."""
 
 RELIEF = 0.3
 """Difference of height above which a scene counts as hilly, m."""
@@ -62,6 +66,13 @@ class Uprights:
     place: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 2), np.float32))
     signals: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     origin: Floats = field(default_factory=lambda: np.zeros(3))
+
+    @cached_property
+    def overhead(self) -> NDArray[np.bool_]:
+        """(N,) bool, whether the face is a ceiling: it looks down."""
+        corners = self.quads.astype(np.float64)
+        normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        return np.asarray(normal[:, 2] < -CEILING * np.sqrt((normal * normal).sum(axis=1)))
 
 
 class QuadGrid:

@@ -213,8 +213,7 @@ def faces_of(
     flat = flatten(every, view.camera)
     here, there = flat.index, uprights.index
     corners = np.concatenate([every[:, :, here], uprights.points], axis=2)
-    beside = table.place[there] + (scene.origin[:2] - view.position[:2])
-    far = np.concatenate([np.repeat(placed.level_distance, counts)[here], np.sqrt((beside * beside).sum(axis=1))])
+    far = np.concatenate([np.repeat(placed.level_distance, counts)[here], _upright_distances(table, there, view)])
     order = np.argsort(-far, kind="stable")
     if scene.relief and len(order):
         order = order[~hidden(traced.ids, traced.surfaces, corners[:, :, order], view)]
@@ -230,6 +229,22 @@ def faces_of(
         np.concatenate([of_boxes[:, TAG].astype(np.uint8), table.tag[there]])[order],
         np.concatenate([numbers, table.instance[there]])[order],
     )
+
+
+def _upright_distances(table: Uprights, index: Index, view: View) -> Floats:
+    """Return the distances of uprights from the eye in the horizontal plane, which determine the drawing order.
+
+    A wall below a ceiling is in front of the parts of the ceiling that it hides, so a ceiling counts by its farthest
+    corner, and is drawn before all walls below it.
+    """
+    eye = view.position[:2] - table.origin[:2]
+    beside = table.place[index] - eye
+    distance = np.sqrt((beside * beside).sum(axis=1))
+    over = np.flatnonzero(table.overhead[index])
+    if len(over):
+        corners = table.quads[index[over], :, :2] - eye
+        distance[over] = np.sqrt((corners * corners).sum(axis=2).max(axis=1))
+    return np.asarray(distance, np.float64)
 
 
 def _signal_lamps(table: Uprights, index: Index, signals: Mapping[str, str]) -> tuple[Floats, NDArray[np.bool_]]:

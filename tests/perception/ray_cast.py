@@ -11,7 +11,7 @@ from scenario_compiler.perception.camera import View, vehicle_axes
 from scenario_compiler.perception.ground import MATERIAL_TAGS
 from scenario_compiler.perception.labels import FARTHEST_DEPTH, Tag
 from scenario_compiler.perception.models import model_of
-from scenario_compiler.perception.polygons import NEAR
+from scenario_compiler.perception.polygons import near_plane
 from scenario_compiler.perception.scene import SURFACE_DISTANCE, Scene
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.roads.positions import Pose
@@ -71,7 +71,9 @@ def cast(view: View, pixels: np.ndarray, quads: Quads) -> Hits:
         ]
     )
     corners = view.to_camera(quads.corners)
-    depth = np.minimum(*(_hits(corners[:, triangle], directions) for triangle in ((0, 1, 2), (0, 2, 3))))
+    depth = np.minimum(
+        *(_hits(corners[:, triangle], directions, near_plane(camera)) for triangle in ((0, 1, 2), (0, 2, 3)))
+    )
     fall = -(view.rotation @ vehicle_axes(view.pose)[:, 2]) @ directions
     plane = np.where(fall > 1.0 / camera.focal, camera.z / np.maximum(fall, 1e-9), np.inf)
     plane = np.where(np.isfinite(depth).any(axis=0), np.inf, plane)
@@ -81,8 +83,8 @@ def cast(view: View, pixels: np.ndarray, quads: Quads) -> Hits:
     return Hits(np.minimum(nearest, FARTHEST_DEPTH), seen)
 
 
-def _hits(triangles: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """Return the depths (T, R) at which rays from the eye meet triangles (T, 3, 3), by Cramer's rule."""
+def _hits(triangles: np.ndarray, directions: np.ndarray, nearest: float) -> np.ndarray:
+    """Return the depths (T, R) beyond `nearest` at which rays meet triangles (T, 3, 3), by Cramer's rule."""
     edge, other = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     origin = -triangles[:, 0]
     normal = np.cross(edge, other)
@@ -91,7 +93,7 @@ def _hits(triangles: np.ndarray, directions: np.ndarray) -> np.ndarray:
     u = (np.cross(origin, other) @ directions) * scale
     v = (np.cross(edge, origin) @ directions) * scale
     depth = -(normal * origin).sum(axis=1)[:, None] * scale
-    inside = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1.0 + 1e-9) & (depth > NEAR)
+    inside = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1.0 + 1e-9) & (depth > nearest)
     return np.where(inside, depth, np.inf)
 
 

@@ -34,6 +34,8 @@ CAMERAS = {
     "rolled": replace(FRONT, yaw=math.radians(-25.0), roll=math.radians(25.0), pitch=math.radians(-5.0)),
     "upwards": replace(FRONT, pitch=math.radians(35.0)),
     "wide": replace(FRONT, fov=math.radians(130.0)),
+    "upside down": replace(FRONT, roll=math.pi),
+    "on its side": replace(FRONT, roll=math.radians(-100.0)),
 }
 SIGNS = (
     '<objects><object id="1" type="building" s="50" t="14" hdg="0.2" length="12" width="8" height="7"/>'
@@ -44,6 +46,15 @@ SIGNS = (
     '<signals><signal id="5" type="274" s="38" t="-5" zOffset="2" orientation="+" height="0.8" width="0.8"/>'
     '<signal id="6" type="1000001" dynamic="yes" s="45" t="-5" zOffset="3" orientation="+"/></signals>'
 )
+
+
+TUNNEL = "".join(
+    f'<object id="{number}" type="barrier" s="0" t="{t}"><repeat s="0" length="120" distance="0" tStart="{t}" '
+    f'tEnd="{t}" zOffsetStart="{z}" zOffsetEnd="{z}" heightStart="{height}" heightEnd="{height}" widthStart="{width}" '
+    f'widthEnd="{width}"/></object>'
+    for number, t, z, height, width in ((1, 8, 0, 5, 6), (2, -8, 0, 5, 6), (3, 0, 5, 2, 30))
+)
+"""Two walls beside a road, and a ceiling that lies on both."""
 
 
 def around(pose: Pose) -> list[Box]:
@@ -127,18 +138,34 @@ def test_labels_agree_with_cast_rays(name: str, tmp_path_factory: pytest.TempPat
     scene, pose = beside_a_road(tmp_path_factory.getbasetemp())
     depth, tag, instance, share = agreement(scene, CAMERAS[name], pose, around(pose))
     assert share > 0.5
-    assert depth > 0.99
+    assert depth > 0.985
     assert tag > 0.99
     assert instance > 0.99
+
+
+@pytest.mark.parametrize(("z", "pitch", "fov"), [(0.1, 0.0, 120.0), (1.3, -5.0, 170.0), (0.3, -60.0, 90.0)])
+def test_a_low_or_very_wide_camera_sees_the_road_below_it(
+    z: float, pitch: float, fov: float, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    scene, pose = beside_a_road(tmp_path_factory.getbasetemp())
+    camera = replace(FRONT, z=z, pitch=math.radians(pitch), fov=math.radians(fov))
+    labels = RoadCamera(scene, camera, box_offset=0.0).draw(pose, [], CLEAR)
+    assert labels.semantic[-1, camera.width // 2] in (Tag.ROAD, Tag.ROAD_LINE)
+    assert labels.depth[-1].max() < 0.3
 
 
 @pytest.mark.parametrize(
     ("name", "number", "s"),
     [
         pytest.param(
-            name, number, s, marks=[] if (name, number) in (("front", "34"), ("rolled", "31")) else pytest.mark.slow
+            name,
+            number,
+            s,
+            marks=[]
+            if (name, number) in (("front", "34"), ("rolled", "31"), ("upside down", "34"))
+            else pytest.mark.slow,
         )
-        for name in ("front", "rear", "behind", "rolled")
+        for name in ("front", "rear", "behind", "rolled", "upside down", "on its side")
         for number, s in (("34", 60.0), ("31", 100.0), ("40", 120.0))
     ],
 )
@@ -151,6 +178,15 @@ def test_labels_agree_with_cast_rays_among_hills_and_bridges(name: str, number: 
     assert depth > 0.98
     assert tag > 0.98
     assert instance > 0.98
+
+
+def test_the_walls_of_a_tunnel_hide_its_ceiling(tmp_path: Path) -> None:
+    made = network(tmp_path, road(length=120, more=f"<objects>{TUNNEL}</objects>"))
+    pose = made.lane_pose("1", -1, 50.0)
+    camera = replace(FRONT, pitch=math.radians(15.0), fov=math.radians(90.0))
+    depth, tag, instance, share = agreement(scene_of(made), camera, pose, around(pose)[:3])
+    assert share > 0.5
+    assert min(depth, tag, instance) > 0.99
 
 
 def steepest(labels: Drawing, camera: Camera) -> tuple[np.ndarray, np.ndarray]:

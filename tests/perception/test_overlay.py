@@ -31,6 +31,16 @@ def test_the_picture_shows_lanes_path_and_inset_and_leaves_its_sources_alone() -
     assert (CAMERA == 70).all()
 
 
+@pytest.mark.parametrize(("width", "height"), [(64, 4096), (4096, 32), (64, 32)])
+def test_the_inset_of_a_narrow_or_flat_camera_fits_into_the_picture(width: int, height: int) -> None:
+    bright = np.full((height, width, 3), 250, np.uint8)
+    picture = compose(VIEW, bright, None, None, CAPTION, sensor=Camera(width=width, height=height))
+    rows, columns = np.nonzero((picture[: VIEW.shape[0] // 2 + 10, -330:] == 250).all(axis=2))
+    assert rows.min() >= 8
+    assert len(np.unique(rows)) <= VIEW.shape[0] // 2
+    assert len(np.unique(columns)) <= VIEW.shape[1] // 3
+
+
 def test_the_path_lies_where_the_drivers_camera_sees_it() -> None:
     picture = compose(VIEW, CAMERA, None, PATH, CAPTION)
     u, v = DRIVER.project_ground(10.0 + Camera().x - DRIVER.x, 0.0)

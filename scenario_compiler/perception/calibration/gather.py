@@ -65,7 +65,7 @@ def gather(
         detector: Its name.
         maps: Road files; one without a driving lane gives nothing.
         clips: Number of clips of each map.
-        pictures: Number of pictures of each situation of the bank; there are `DRAWN_SHARE` times as many random situations.
+        pictures: Number of pictures of each situation of the bank; random situations have `DRAWN_SHARE` times as many.
         processes: Number of worker processes.
         progress: Called with the number of finished jobs and that of all jobs.
 
