@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
@@ -178,12 +177,12 @@ def test_a_long_exposure_smears_while_the_car_moves_and_bends(tmp_path: Path) ->
     with open_world("kinematic", done.plan, done.network) as world:
         moving = Execution(done.plan, world, 1).snapshot()
         assert moving.faults.exposure == pytest.approx(0.1185)
-        ego = replace(moving.entities[0], steering=0.05)
-        seen = degradation_of(replace(moving, entities=[ego]), 2.7)
+        ego = moving.entities[0]._replace(steering=0.05)
+        seen = degradation_of(moving._replace(entities=[ego]), 2.7)
         assert seen.speed == 15.0
         assert seen.yaw_rate == pytest.approx(15.0 * math.tan(0.05) / 2.7)
         sharp = Execution(still.plan, world, 1).snapshot()
-        standing = replace(moving, entities=[replace(moving.entities[0], speed=0.0)])
+        standing = moving._replace(entities=[moving.entities[0]._replace(speed=0.0)])
         images = [np.asarray(world.observe(one).image, int) for one in (sharp, moving, standing)]
     assert np.array_equal(images[0], images[2])
     assert np.abs(images[1] - images[0])[100:].mean() > 2.0
