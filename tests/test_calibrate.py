@@ -99,7 +99,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("detector", "digest"),
     [
-        ("classical", "d3c8e476eb12db0209066361aaf35b3c2d04ba420f4f20041415ce11e74a02e0"),
+        ("classical", "59630a5051daff8dd596e112678b1c019f703087a78097714ef30e914a6e16e2"),
         ("learned", "2abac4c544933444561ed0b466d965656df907b57de1d2b0392a660fa7276d91"),
     ],
 )

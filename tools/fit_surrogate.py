@@ -27,9 +27,9 @@ from surrogate_runs import LOOK_COLUMNS, Made, all_views, cases, keep, kept, mak
 from scenario_compiler.engine.columns import view as at
 from scenario_compiler.engine.columns.view import HIDDEN, OUTPUTS, UNITS, VIEW_SIZE
 from scenario_compiler.engine.program import surrogate
-from scenario_compiler.engine.program.surrogate import MOUNTING, Surrogate, surrogate_text
+from scenario_compiler.engine.program.surrogate import Surrogate, surrogate_text
 from scenario_compiler.perception.calibration.probes import probes
-from scenario_compiler.vocabulary.sensors import Camera
+from scenario_compiler.vocabulary.sensors import MOUNTING, Camera
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]

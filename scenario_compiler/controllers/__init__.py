@@ -13,7 +13,6 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from scenario_compiler.controllers.camera_view import check_camera_view
 from scenario_compiler.controllers.detectors import (
     IDLE_DETECTOR,
     UNKNOWN_DETECTOR,
@@ -42,6 +41,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.trust import CodeName, Trust, code_name
 from scenario_compiler.vocabulary.entities import Controller, Detector, Property
+from scenario_compiler.vocabulary.sensors import MOUNTING, Camera
 
 CONTROLLERS: dict[str, str] = {
     "lane_detection": "scenario_compiler.controllers.lane_detection:LaneDetectionController",
@@ -171,6 +171,12 @@ def _is_path(annotation: Any) -> bool:
     return any(_is_path(one) for one in get_args(annotation))
 
 
+def _is_mounted_otherwise(camera: Camera) -> bool:
+    """Return whether a camera does not have the default mounting, which sees the lane."""
+    default = Camera.model_construct()
+    return any(getattr(camera, name) != getattr(default, name) for name in MOUNTING)
+
+
 def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) -> None:
     """Report a controller or a detector that does not exist or sees no lane, and properties that nobody takes.
 
@@ -183,7 +189,10 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
     controller = plan.controller
     if controller is None:
         return
-    check_camera_view(plan, sink)
+    if plan.perception == "camera" and _is_mounted_otherwise(plan.camera):
+        from scenario_compiler.controllers.camera_view import check_camera_view  # loads NumPy
+
+        check_camera_view(plan, sink)
     if controller.detector is not None:
         _check_detector(controller.detector, sink, trust)
     if controller.model in CONTROLLERS and not controller.properties and controller.detector is None:

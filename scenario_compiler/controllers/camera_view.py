@@ -33,9 +33,9 @@ LEAST = 9
 
 
 def check_camera_view(plan: Plan, sink: Diagnostics) -> None:
-    """Report a camera that does not see the lane; the default mounting sees it."""
+    """Report a camera of the plan that does not see the lane."""
     word, controller = plan.camera, plan.controller
-    if plan.perception != "camera" or controller is None or controller.model != "lane_detection":
+    if controller is None or controller.model != "lane_detection":
         return
     if controller.detector is not None and controller.detector.model not in DETECTORS:
         return

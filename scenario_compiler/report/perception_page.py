@@ -186,13 +186,12 @@ unknown tilt may do to the boundary. The ego's body pitches as it brakes, by the
 `lateral_acceleration`). It knows the bends of the planned route from the map, as far ahead as it needs to brake
 comfortably ([the law](takeover.md#bends)).
 
-**The packaged confidence** is the mean of four fits with 32 hidden units each, to 288 clips of each of 60 maps and to
-3000 random situations on synthetic roads. The maps are CARLA's towns 01, 03, 04 and 05, soderleden, 45 other road
-files, four of them packaged with the program, and ten files of made-up roads (`python tools/training_roads.py OUT`). In
-the tables below, each town is judged by a fit to the other maps. The errors on the towns also showed where the detector
-had to be corrected. The road files besides the towns were judged before the weights of single images and random
-situations were raised; while driving, with an area (A), an expected error (E), a largest error (L), and shares of wrong
-sides among those with a confidence over 0.8 (W), as the tables explain them:
+**The packaged confidence** is the mean of four fits with 32 hidden units each, to clips of 60 maps: 480 of each of
+CARLA's towns 01, 03, 04 and 05 and of soderleden, 240 of each of 45 other road files, four of them packaged with the
+program, and 168 of each of ten files of made-up roads (`python tools/training_roads.py OUT`). In the tables below, each
+town is judged by a fit to the other maps. The errors on the towns also showed where the detector had to be corrected.
+Other roads, while driving, with an area (A), an expected error (E), a largest error (L), and shares of wrong sides
+among those with a confidence over 0.8 (W), as the tables explain them:
 
 * The 45 other road files, a quarter of them left out of the fit at a time (with the made-up files, and with repainted
   copies of some maps in the fit): A 0.972, E 0.012, L 0.065, W 2.9 % by more than 0.25 m and 0.2 % by more than 1 m;
@@ -202,7 +201,7 @@ sides among those with a confidence over 0.8 (W), as the tables explain them:
   %.
 * The ten made-up files, in the same way: A 0.936, E 0.033, L 0.108, W 9.1 % (before: 0.921, 0.064, 0.148, 11.6 %). They
   have up to seven lanes with all kinds of lines, hills and sharp bends, and are the hardest.
-* The worst road files when left out: an S-shaped road with a superelevation of 0.75 rad (A 0.863), one with 0.5 rad and
+* The worst of these road files: an S-shaped road with a superelevation of 0.75 rad (A 0.863), one with 0.5 rad and
   a bend (0.882, W 28 %), a roundabout (0.892, 15 %), and a road through tunnels (0.915, 14 %).
 
 See also [how far it drives on clear roads](lane-keeping.md) and [the learned detector](perception-learned.md).

@@ -130,6 +130,10 @@ class Failure(Word):
         return SEVERITIES[self.kind][self.severity - 1]
 
 
+MOUNTING = ("width", "height", "fov", "x", "y", "z", "yaw", "pitch", "roll")
+"""Names of the properties that determine which points of the vehicle's surroundings a camera sees in which pixels."""
+
+
 class Camera(Word):
     """The forward camera of the lane detector. The defaults are the AISA toolkit's, at half its image size."""
 

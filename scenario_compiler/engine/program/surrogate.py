@@ -13,12 +13,9 @@ from scenario_compiler.engine.ego.surrogate import COEFFICIENTS
 from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.vocabulary.entities import Controller
-from scenario_compiler.vocabulary.sensors import FailureKind
+from scenario_compiler.vocabulary.sensors import MOUNTING, FailureKind
 
 FILE = "surrogate.json"
-
-MOUNTING = ("width", "height", "fov", "x", "y", "z", "yaw", "pitch", "roll")
-"""Properties of a camera that must be the same as in the fit."""
 
 UNFITTED: tuple[FailureKind, ...] = ("motion_blur", "misalignment")
 """Failures of the camera that were not part of the fit."""
@@ -38,7 +35,7 @@ class Surrogate(NamedTuple):
 
     Attributes:
         detector: The lane detector that it replaces.
-        camera: The mounting of the camera, by the names of `MOUNTING`.
+        camera: The camera that must be the same as in the fit, by the names of `MOUNTING`.
         runs: Number of runs that it was fitted to.
         probes: The detector's output for pictures that the renderer draws for this purpose
             (`perception.calibration.probes`). If it has changed, the coefficients are those of another detector or

@@ -31,7 +31,7 @@ FITTED = (0, 2, 4, 5)
 FIRST_WEIGHT = 3.0
 """Weight of a clip's first image in the fit: it is seen without memory, and counts like the three seen with memory."""
 
-DRAWN_WEIGHT = 10.0
+DRAWN_WEIGHT = 5.0
 """Weight of a look at a drawn situation: there are few, and they have bends and grades that maps lack."""
 
 

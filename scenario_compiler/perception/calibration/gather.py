@@ -24,9 +24,6 @@ PART = 24
 
 SEED, BANK_SEED, DRAWN_SEED = 11, 5, 23
 
-DRAWN_SHARE = 50
-"""Number of random situations for each picture of a situation of the bank."""
-
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
@@ -65,7 +62,7 @@ def gather(
         detector: Its name.
         maps: Road files; one without a driving lane gives nothing.
         clips: Number of clips of each map.
-        pictures: Number of pictures of each situation of the bank; random situations have `DRAWN_SHARE` times as many.
+        pictures: Number of pictures of each situation of the bank; there are fifteen times as many random situations.
         processes: Number of worker processes.
         progress: Called with the number of finished jobs and that of all jobs.
 
@@ -74,10 +71,7 @@ def gather(
     """
     jobs = [_Job(detector, "map", str(path), k, min(k + PART, clips)) for path in maps for k in range(0, clips, PART)]
     jobs += [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
-    jobs += [
-        _Job(detector, "drawn", "", k, min(k + PART, DRAWN_SHARE * pictures))
-        for k in range(0, DRAWN_SHARE * pictures, PART)
-    ]
+    jobs += [_Job(detector, "drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]
     done: list[Looks] = []
     with left_to_this_process():
         workers = multiprocessing.get_context("spawn").Pool(processes, _begin)
