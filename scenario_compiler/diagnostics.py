@@ -98,6 +98,7 @@ CODES: dict[str, Code] = {}
 
 CODE_HOMES = (
     "cli.run",
+    "controllers.camera_view",
     "engine.at_first",
     "engine.program.surrogate",
     "roads.check",
