@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from scenario_compiler.controllers.model import CameraMounting
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.detectors import DETECTORS
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.vocabulary import sensors
 
 NO_LANE_IN_VIEW = Code(
     "SC532",
@@ -39,26 +37,11 @@ def check_camera_view(plan: Plan, sink: Diagnostics) -> None:
         return
     if controller.detector is not None and controller.detector.model not in DETECTORS:
         return
-    if sees_lane(camera_of(word)):
+    if sees_lane(CameraMounting.of(word).camera()):
         return
     turned = next((name for name in ("yaw", "pitch", "roll") if word.written(name) is not None), "")
     message = "the camera does not see both sides of the lane 5 to 30 m ahead, where lane detection searches for it"
     sink.add(NO_LANE_IN_VIEW, message, word.place_of(turned) if turned else word.origin)
-
-
-def camera_of(word: sensors.Camera) -> Camera:
-    """Return the camera with the mounting of a scenario's `<camera>`."""
-    return Camera(
-        width=word.width,
-        height=word.height,
-        fov=math.radians(word.fov),
-        x=word.x,
-        y=word.y,
-        z=word.z,
-        yaw=math.radians(word.yaw),
-        pitch=math.radians(word.pitch),
-        roll=math.radians(word.roll),
-    )
 
 
 def sees_lane(camera: Camera) -> bool:

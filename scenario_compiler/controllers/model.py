@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from scenario_compiler.perception.camera import Camera
     from scenario_compiler.perception.lane_detector import LaneDetector, LaneResult
+    from scenario_compiler.vocabulary import sensors
 
 
 class ControllerParams(BaseModel):
@@ -56,6 +57,21 @@ class CameraMounting:
     y: float = 0.0
     yaw: float = 0.0
     roll: float = 0.0
+
+    @classmethod
+    def of(cls, word: sensors.Camera) -> CameraMounting:
+        """Return the mounting of a scenario's `<camera>`, whose angles are in degrees."""
+        return cls(
+            width=word.width,
+            height=word.height,
+            fov=math.radians(word.fov),
+            x=word.x,
+            y=word.y,
+            z=word.z,
+            yaw=math.radians(word.yaw),
+            pitch=math.radians(word.pitch),
+            roll=math.radians(word.roll),
+        )
 
     def camera(self) -> Camera:
         """Return the camera with this mounting."""

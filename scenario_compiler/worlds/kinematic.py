@@ -45,18 +45,7 @@ class KinematicWorld:
         self._viewer: RoadCamera | None = None
         self._drawn: Stage | None = None
         self._lines: list[SecondaryLine] = []
-        camera = plan.camera
-        self.mounting = CameraMounting(
-            camera.width,
-            camera.height,
-            math.radians(camera.fov),
-            camera.x,
-            camera.z,
-            math.radians(camera.pitch),
-            camera.y,
-            math.radians(camera.yaw),
-            math.radians(camera.roll),
-        )
+        self.mounting = CameraMounting.of(plan.camera)
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:
         """Begin a run; its seed determines noise and rain."""
