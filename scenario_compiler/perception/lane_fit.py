@@ -19,9 +19,11 @@ Floats = NDArray[np.float64]
 
 OFFSETS = np.arange(0.7, 3.21, 0.1)
 HEADINGS = np.linspace(-0.12, 0.12, 13)
-CURVATURES = np.linspace(-0.028, 0.028, 29)
-"""The grid of arcs, given at d = x - 5 m = 0 by offset, slope and curvature: m, rad, 1/m (radii down to 36 m). The
-heading is that of the boundary beside the camera, where a car drives along it: slope - 5 m curvature."""
+SHARP = np.array([0.030, 0.033, 0.036, 0.040])
+CURVATURES = np.concatenate([-SHARP[::-1], np.linspace(-0.028, 0.028, 29), SHARP])
+"""The grid of arcs, given at d = x - 5 m = 0 by offset, slope and curvature: m, rad, 1/m (radii down to 25 m). The
+heading is that of the boundary beside the camera, where a car drives along it: slope - 5 m curvature. In bends sharper
+than a radius of about 30 m, the default camera does not see both boundaries as far as 18 m ahead."""
 
 ENOUGH = 3.0
 """Strength at which the vote of a row is clipped, so that a few bright rows do not outvote many."""
@@ -146,7 +148,7 @@ class LaneFitter:
     """Voting, pairing and refinement on the map of one `BirdsEye`."""
 
     def __init__(self, birds_eye: BirdsEye) -> None:
-        """Prepare the grid of arcs; about 8000 for each side are in the field of view."""
+        """Prepare the grid of arcs; about 12 000 for each side are in the field of view."""
         self.x = birds_eye.x.astype(np.float64)
         self.d = self.x - X_FROM
         self._shape = _shape_of(self.d)
