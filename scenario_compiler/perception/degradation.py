@@ -4,7 +4,7 @@ They are applied in the order of the light's path: motion during the exposure (`
 darkness or overexposure, noise, impulses, dead rows, coarse grey levels; then, at the readout, images that are missing,
 repeated or late (until the first late one arrives, the last one stays). A camera that is turned on its mount sees
 another view, which `RoadCamera` draws. Overexposure adds to the value of hue, saturation and value, as ImageNet-C's
-brightness does; impulses affect all channels of a pixel.
+brightness does; impulses affect each channel of a pixel for itself, as ImageNet-C's do (scikit-image's "s&p").
 
 Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel, clipped to
 0-255. It is drawn with Philox, a counter-based generator with the key (seed, frame index), so a frame's noise depends
@@ -135,8 +135,8 @@ def overexposed(image: Image, more: float) -> Image:
 
 
 def add_impulses(image: Image, share: float, seed: int, frame_index: int) -> Image:
-    """Return the image with a share of its pixels replaced, half of them by black, half by white."""
-    drawn = generator(seed, frame_index, IMPULSES).random(image.shape[:2], dtype=np.float32)
+    """Return the image with a share of the values of its channels replaced, half of them by 0, half by 255."""
+    drawn = generator(seed, frame_index, IMPULSES).random(image.shape, dtype=np.float32)
     struck = image.copy()
     struck[drawn < 0.5 * share] = 0
     struck[drawn > 1.0 - 0.5 * share] = 255

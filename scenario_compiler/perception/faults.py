@@ -15,7 +15,7 @@ class CameraFaults:
         dirt: Share of the image that dirt covers, 0-1.
         missing: Whether the image does not arrive; a black one is delivered.
         frozen: Whether the previous image is delivered again.
-        impulses: Share of the pixels that are black or white, 0-1.
+        impulses: Share of the values of channels that are 0 or 255, 0-1.
         brighter: Amount that is added to the brightness, a share of white.
         dead_rows: Share of the rows that are black, 0-1.
         coarse: Coarseness of the grey levels: 0 for 8 bits, 1 for one.

@@ -1,15 +1,15 @@
 """The ground: surfaces and paint drawn as polygons, then one world-fixed texture over all of them.
 
-The texture is laid on the plane that the vehicle's wheels stand on, so it is fixed to the world on flat and
-on evenly graded roads, and slides a little, far ahead, where the grade changes.
+Texture, light and haze of the plane that the vehicle's wheels stand on are prepared in tables. In the rows of the image
+where the ground leaves this plane, they are computed for each picture (see `slopes`).
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -22,6 +22,7 @@ from scenario_compiler.perception.lens import Lens
 from scenario_compiler.perception.lighting import Air, Light
 from scenario_compiler.perception.polygons import SUBPIXEL, Floats, Polygon, facing, nearness_planes
 from scenario_compiler.perception.scene import Scene, Seen
+from scenario_compiler.perception.slopes import Far, Slopes, uneven_rows
 from scenario_compiler.perception.textures import GRAIN, GRASS, PATCH, TEXEL, TILE, WEAR, ground_tile
 from scenario_compiler.roads.mesh import Material, Paint
 
@@ -60,6 +61,12 @@ LEAST_MIRRORED = 0.02
 
 HIDDEN_MARGIN, HIDDEN_SHARE = 0.3, 1.03
 """A surface counts as in front of a thing if it is nearer by 0.3 m and 3 %."""
+
+GRAIN_GONE, PATCH_GONE = 0.12, 1.5
+"""Lengths of a pixel on the ground at which the texture's grain and its patches disappear, m."""
+
+GRAIN_SEEN = 0.384
+"""Contrast of the grain next to the camera."""
 
 PAINT_SEEN = 0.15
 """Least share of the paint that must be left for a line in the labels."""
@@ -111,7 +118,7 @@ class Traced:
         surfaces: The surfaces, each before those that cover it.
         material: (K + FIRST,) uint8 material by id, a `Material` or DECK; that of SKY has no meaning. On hilly maps
             (2 K + FIRST,): after the surfaces come the slopes below them, which are verge.
-        marks: The paint, each mark before those that cover it.
+        paint: The paint, each mark before those that cover it.
         lens: The camera's view of the plane that the vehicle stands on.
         relief: Whether the map is hilly.
     """
@@ -120,7 +127,7 @@ class Traced:
     top: int
     surfaces: Seen
     material: NDArray[np.uint8]
-    marks: Seen
+    paint: Seen
     lens: Lens
     relief: bool
 
@@ -134,9 +141,63 @@ class Traced:
         ids[self.lens.top :] = self.lens.sees_ground
         for k, shape in enumerate(self.surfaces.shapes, FIRST):
             cv2.fillConvexPoly(ids, shape, k, cv2.LINE_8, SUBPIXEL)
-        slopes = (len(self.material) - FIRST) // 2 if self.relief else 0
-        _fill_below_hills(_upright(ids[self.top : self.lens.sky_rows], self.view), self.material, slopes)
+        _fill_below_hills(_upright(ids[self.top : self.lens.sky_rows], self.view), self.material, self.slopes)
         return ids
+
+    @cached_property
+    def even(self) -> int:
+        """First row from which on all ground is about the plane that the vehicle stands on; `top` if all of it is."""
+        if not self.relief:
+            return self.top
+        limits = np.full(len(self.material), -1, np.int16)
+        limits[FIRST : FIRST + len(self.surfaces.index)] = self._uneven
+        last = int(limits.max())
+        if last < 0 and self.top == self.lens.top:
+            return self.top
+        first = max(self.lens.sky_rows, self.lens.top)
+        rows = np.arange(first, last + 1)[:, None]
+        uneven = np.flatnonzero((np.take(limits, self.ids[first : last + 1], mode="clip") >= rows).any(axis=1))
+        return first + (int(uneven[-1]) + 1 if len(uneven) else 0)
+
+    @cached_property
+    def _uneven(self) -> NDArray[np.int16]:
+        return uneven_rows(self.surfaces, self.view)
+
+    @property
+    def hides(self) -> bool:
+        """Whether the ground may hide something: not all of it is the plane that the vehicle stands on."""
+        return self.relief and bool((self._uneven >= 0).any())
+
+    @property
+    def slopes(self) -> int:
+        """Number of the slopes below surfaces."""
+        return len(self.surfaces.index) if self.relief else 0
+
+    @cached_property
+    def planes(self) -> Floats:
+        """(ids, 3) coefficients of 1 / depth of each id (see `nearness_planes`); 0 for the sky."""
+        planes = np.zeros((len(self.material), 3))
+        planes[BARE] = bare_plane(self.view)
+        count = len(self.surfaces.index)
+        planes[FIRST : FIRST + count] = nearness_planes(self.surfaces.points).T
+        planes[FIRST + count :] = planes[FIRST : FIRST + self.slopes]
+        return planes
+
+    @cached_property
+    def centres(self) -> Floats:
+        """(ids,) 1 / depth of the centre of each id, 1/m; that of a surface is positive."""
+        centres = np.full(len(self.material), np.inf)
+        count = len(self.surfaces.index)
+        centres[FIRST : FIRST + count] = 1.0 / np.maximum(self.surfaces.middle[2], 1e-2)
+        centres[FIRST + count :] = centres[FIRST : FIRST + self.slopes]
+        return centres
+
+    @cached_property
+    def marks(self) -> Seen:
+        """The paint that no hill hides."""
+        if not self.hides:
+            return self.paint
+        return self.paint.only(np.flatnonzero(~hidden(self, self.paint.points)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,8 +208,65 @@ class Spots:
     beams: Sequence[Spot] = ()
 
 
+class Shaded(NamedTuple):
+    """What is still to be added to the drawn ground.
+
+    Attributes:
+        mirror: (reflecting rows, columns) the share of light that the ground reflects, from row `Traced.top` on as far
+            as it is visible, in steps of `Ground.step` pixels; None if it is dry.
+        veil: (rows, width, 4) the light of the air before the ground, from row `Traced.top` on as far as the ground is
+            uneven; None if all of it is even.
+    """
+
+    mirror: Table | None
+    veil: Image | None
+
+
+class Lit(NamedTuple):
+    """Tables of some rows of the ground in one weather, in steps of `Ground.step` pixels.
+
+    Attributes:
+        footprint: Length of a pixel on the ground along the line of sight, m.
+        light: The light, less the share that the air takes.
+        road: Factors of the texture's grain and patches on hard ground, and what is added.
+        meadow: Factor of the texture's grass, and what is added.
+        mirror: Share of the light that the ground reflects, as far down as it is visible; None if there is none.
+    """
+
+    footprint: Table
+    light: Table
+    road: tuple[Table, Table, Table]
+    meadow: tuple[Table, Table]
+    mirror: Table | None
+
+    def after(self, row: int) -> Lit:
+        """Return the tables from a row on."""
+        if not row:
+            return self
+        (a, b, rest), (c, base), mirror = self.road, self.meadow, self.mirror
+        left = None if mirror is None or row >= len(mirror) else mirror[row:]
+        road, meadow = (a[row:], b[row:], rest[row:]), (c[row:], base[row:])
+        return Lit(self.footprint[row:], self.light[row:], road, meadow, left)
+
+
+class _Part(NamedTuple):
+    """Rows of the drawn ground, in steps of `Ground.step` pixels, and their tables."""
+
+    rows: slice
+    lit: Lit
+
+    def looked_up(self, table: Table, index: NDArray[np.intp]) -> Table:
+        """Return the entries of one of its tables at places in all rows."""
+        return np.asarray(table.ravel()[index - self.rows.start * table.shape[1]], np.float32)
+
+
 class Ground:
-    """Draws the ground of one scene for one camera."""
+    """Draws the ground of one scene for one camera.
+
+    Attributes:
+        step: The texture is looked up for every `step`-th pixel.
+        shape: Most rows and columns of the ground in these steps.
+    """
 
     def __init__(self, scene: Scene, lens: Lens, buffers: Buffers) -> None:
         """Prepare everything that depends on neither pose nor weather."""
@@ -158,10 +276,10 @@ class Ground:
         coarse = (slice(None, None, self.step), slice(None, None, self.step))
         self.x, self.y = (np.ascontiguousarray(table[coarse]) for table in (lens.x, lens.y))
         self.distance = np.ascontiguousarray(lens.distance[coarse])
-        footprint = lens.footprint[coarse]
-        self.grain = (0.384 * np.clip(1.1 - footprint / 0.12, 0, 1)).astype(np.float32)
-        self.patch = np.clip(1.1 - footprint / 1.5, 0, 1).astype(np.float32)
-        self.wear = np.clip(1.2 - footprint / 0.35, 0, 1).astype(np.float32)
+        self.footprint = np.ascontiguousarray(lens.footprint[coarse])
+        self.slopes = Slopes(self.camera, self.step, buffers)
+        high = -(-self.camera.height // self.step) if scene.relief else len(self.x)
+        self.shape = high, self.x.shape[1]
 
     def trace(self, view: View, surfaces: Seen, marks: Seen) -> Traced:
         """Sort surfaces and marks in drawing order, and remove the marks that a hill hides."""
@@ -177,15 +295,10 @@ class Ground:
         below = np.where(bridge, np.uint8(DECK), np.uint8(Material.VERGE))
         material[FIRST : FIRST + count] = np.where(from_below, below, self.scene.material[surfaces.index])
         top = self.lens.top
-        if relief:
-            highest = min((int(shape[:, 1].min()) for shape in surfaces.shapes), default=top << SUBPIXEL)
-            top = min(max((highest >> SUBPIXEL) - 1, 0), top)
+        if relief and count:
+            top = min(max(_first_row(surfaces) - 1, 0), top)
         marks = marks.only(np.argsort(-marks.middle[2], kind="stable"))
-        traced = Traced(view, top, surfaces, material, marks, self.lens, relief)
-        if not relief:
-            return traced
-        seen = ~hidden(traced.ids, surfaces, marks.points, view)
-        return replace(traced, marks=marks.only(np.flatnonzero(seen)))
+        return Traced(view, top, surfaces, material, marks, self.lens, relief)
 
     def paint(self, traced: Traced) -> tuple[Image, Image | None]:
         """Draw the paint.
@@ -212,7 +325,7 @@ class Ground:
                 cv2.fillConvexPoly(colours, shape, tone, cv2.LINE_8, SUBPIXEL)
         return paint, None if colours is None else np.asarray(cv2.dilate(colours, np.ones((3, 3), np.uint8)), np.uint8)
 
-    def shade(self, traced: Traced, weather: GroundWeather, spots: Spots, into: Image) -> Table | None:
+    def shade(self, traced: Traced, weather: GroundWeather, spots: Spots, into: Image) -> Shaded:
         """Draw the lit ground, before the effects of the air.
 
         Args:
@@ -220,71 +333,98 @@ class Ground:
             weather: The weather.
             spots: Shadows, and light from lamps.
             into: (height, width, 4) the image; pixels of the sky are undefined.
-
-        Returns:
-            The share of light that the ground reflects, for rows from `lens.top` as far as it is visible, in steps of
-            `step`
-            pixels; None if it is dry.
         """
-        first = self.lens.top
-        palette = weather.palette(traced)
-        into.view(np.uint32)[first:] = palette[BARE].view(np.uint32)
-        for shape, colour in zip(traced.surfaces.shapes, palette[FIRST:].tolist(), strict=False):
-            cv2.fillConvexPoly(into, shape, colour, cv2.LINE_8, SUBPIXEL)
-        if traced.top < first:
-            hills = np.take(weather.hills(traced), traced.ids[traced.top : first])
-            into[traced.top : first] = hills.view(np.uint8).reshape(*hills.shape, 4)
-        below = into[first:]
-        texture = self._texture(traced.view)
-        hard = self.buffers.get("hard", self.x.shape, np.uint8)
-        np.copyto(hard, below[:: self.step, :: self.step, HARD])
-        gain, mirror = weather.gain(texture, hard)
-        shadow, beam = self._shadow(spots.shadows), self._beam(spots.beams)
+        below, step = into[traced.top :], self.step
+        self._colour(traced, weather.palette(traced), into)
+        count = -(-len(below) // step)
+        uneven = min(-(-(traced.even - traced.top) // step), count)
+        even = len(self.x) - (count - uneven)
+        parts, veil, far = [], None, None
+        if uneven:
+            far = self.slopes.measure(traced, uneven)
+            lit, veil = weather.uneven(far, min(uneven * step, len(below)))
+            parts.append(_Part(slice(0, uneven), lit))
+        if uneven < count:
+            parts.append(_Part(slice(uneven, count), weather.even.after(even)))
+        texture = self._texture(traced, far, count)
+        hard = self.buffers.get("hard", self.shape, np.uint8)[:count]
+        np.copyto(hard, below[::step, ::step, HARD])
+        mirrored = sum(weather.light_up(part.rows, texture, hard, part.lit) for part in parts)
+        gain, mirror = weather.gain(count), weather.mirror(mirrored) if mirrored else None
+        shadow, beam = self._shadow(spots.shadows, traced.top, count), self._beam(spots.beams, traced.top, count)
         if shadow is not None:
             cv2.multiply(gain, shadow, gain, scale=1.0 / 255.0)
         if beam is not None:
             cv2.add(gain, beam, gain)
-        if self.step > 1:
-            gain = np.asarray(cv2.resize(gain, below.shape[1::-1], self.buffers.get("gain", below.shape[:2], np.uint8)))
-        four = self.buffers.get("four", into.shape, np.uint8)[first:]
+        if step > 1:
+            fine = self.buffers.get("gain", into.shape[:2], np.uint8)[: len(below)]
+            gain = np.asarray(cv2.resize(gain, below.shape[1::-1], fine))
+        four = self.buffers.get("four", into.shape, np.uint8)[traced.top :]
         cv2.multiply(below, cv2.merge((gain, gain, gain, gain), four), below, scale=1.0 / 128.0)
-        self._apply_paint(below, traced, texture, (shadow, beam), weather)
-        return mirror
+        self._apply_paint(below, traced, texture, parts, (shadow, beam), weather)
+        return Shaded(mirror, veil)
 
-    def _shadow(self, spots: Sequence[Spot]) -> Image | None:
-        """Return the share of the light that shadows leave, of 255, by the texture's pixels; None if there are none."""
+    def _colour(self, traced: Traced, palette: Image, into: Image) -> None:
+        """Draw the surfaces in full light, and in the channel `HARD` whether they are hard."""
+        pixels = into.view(np.uint32)[traced.top :, :, 0]
+        colours = palette.view(np.uint32)[:, 0]
+        if traced.even > traced.top:
+            np.take(colours, traced.ids[traced.top :], out=pixels, mode="clip")
+            return
+        pixels[:] = colours[BARE]
+        for shape, colour in zip(traced.surfaces.shapes, palette[FIRST:].tolist(), strict=False):
+            cv2.fillConvexPoly(into, shape, colour, cv2.LINE_8, SUBPIXEL)
+
+    def _shadow(self, spots: Sequence[Spot], first: int, count: int) -> Image | None:
+        """Return the share of the light that shadows leave, of 255, by the texture's pixels; None if there are none.
+
+        Args:
+            spots: The shadows.
+            first: First row of the image.
+            count: Number of rows, in steps of pixels.
+        """
         if not spots:
             return None
         shift = SUBPIXEL + self.step - 1
-        first = np.array((0, self.lens.top << SUBPIXEL), np.int32)
-        left = self.buffers.get("shadow", self.x.shape, np.uint8)
+        corner = np.array((0, first << SUBPIXEL), np.int32)
+        left = self.buffers.get("shadow", self.shape, np.uint8)[:count]
         left.fill(255)
         for polygon, share in spots:
-            cv2.fillConvexPoly(left, polygon - first, 255.0 * share, cv2.LINE_AA, shift)
+            cv2.fillConvexPoly(left, polygon - corner, 255.0 * share, cv2.LINE_AA, shift)
         return left
 
-    def _beam(self, spots: Sequence[Spot]) -> Image | None:
+    def _beam(self, spots: Sequence[Spot], first: int, count: int) -> Image | None:
         """Return the light that lamps add, 128 for that of a clear noon, by the texture's pixels; None if none do."""
         if not spots:
             return None
-        light = self.buffers.get("beam", self.x.shape, np.uint8)
+        light = self.buffers.get("beam", self.shape, np.uint8)[:count]
         light.fill(0)
         for polygon, strength in spots:
-            _add_beam(light, polygon - np.array((0, self.lens.top << SUBPIXEL), np.int32), strength, self.step)
+            _add_beam(light, polygon - np.array((0, first << SUBPIXEL), np.int32), strength, self.step)
         return light
 
-    def _texture(self, view: View) -> Image:
-        heading = view.pose.heading
-        cos, sin = math.cos(heading) / (TEXEL * TILE), math.sin(heading) / (TEXEL * TILE)
-        foot = (view.foot - self.scene.origin) / (TEXEL * TILE)
-        shape = self.x.shape
-        column, row, whole = (self.buffers.get(name, shape, np.float32) for name in ("column", "row", "whole"))
-        cv2.addWeighted(self.x, cos, self.y, -sin, float(foot[0] % 1.0), column)
-        cv2.addWeighted(self.x, sin, self.y, cos, float(foot[1] % 1.0), row)
-        for table in (column, row):
+    def _texture(self, traced: Traced, far: Far | None, count: int) -> Image:
+        """Return the texture of each of `count` rows; `far` is the uneven ground in the first of them."""
+        view, whole_tile = traced.view, TEXEL * TILE
+        axes = vehicle_axes(view.pose if self.scene.relief else view.pose._replace(pitch=0.0, roll=0.0))
+        foot = (view.foot - self.scene.origin) / whole_tile
+        column, row, whole = (
+            self.buffers.get(name, self.shape, np.float32)[:count] for name in ("column", "row", "whole")
+        )
+        uneven = 0 if far is None else len(far.depth)
+        even = len(self.x) - (count - uneven)
+        for axis, table in enumerate((column, row)):
+            if uneven < count:
+                ahead, left = (axes[axis, :2] / whole_tile).tolist()
+                part = table[uneven:]
+                cv2.addWeighted(self.x[even:], ahead, self.y[even:], left, float(foot[axis] % 1.0), part)
+            if far is not None:
+                eye = (view.position[axis] - self.scene.origin[axis]) / whole_tile
+                far.along(view.rotation[:, axis] / whole_tile, table[:uneven])
+                table[:uneven] += np.float32(eye % 1.0)
             np.subtract(table, np.floor(table, out=whole), out=table)
             np.multiply(table, np.float32(TILE), out=table)
-        texels = self.buffers.get("texels", (*shape, 4), np.uint8)
+        texels = self.buffers.get("texels", (*self.shape, 4), np.uint8)[:count]
         cv2.remap(ground_tile(self.scene.texture), column, row, cv2.INTER_LINEAR, texels, borderMode=cv2.BORDER_WRAP)
         return texels
 
@@ -293,48 +433,56 @@ class Ground:
         image: Image,
         traced: Traced,
         texture: Image,
+        parts: Sequence[_Part],
         lit_by: tuple[Image | None, Image | None],
         weather: GroundWeather,
     ) -> None:
         """Blend paint over the ground; it wears away in patches, following the wear texture.
 
         Args:
-            image: The ground from row `lens.top` on; it is changed.
+            image: The ground from row `Traced.top` on; it is changed.
             traced: The ground.
             texture: The ground's texture.
+            parts: All parts of the ground.
             lit_by: The light that shadows leave and that lamps add (see `_shadow` and `_beam`).
             weather: The weather.
         """
-        first, width = self.lens.top, self.camera.width
+        first, width = traced.top, self.camera.width
         covered, tones = self.paint(traced)
         paint = covered.view(np.uint32)[first:].ravel()
-        place = np.flatnonzero(np.not_equal(paint, 0, out=self.buffers.get("painted", paint.shape, np.bool_)))
+        found = self.buffers.get("painted", (self.camera.height * width,), np.bool_)[: len(paint)]
+        place = np.flatnonzero(np.not_equal(paint, 0, out=found))
         if not len(place):
             return
         coarse = place
         if self.step > 1:
             row, column = np.divmod(place, width)
             coarse = row // self.step * texture.shape[1] + column // self.step
-        coverage, part = paint[place].view(np.uint8).reshape(-1, 4).T[:2, None].astype(np.float32)
+        coverage, kept = paint[place].view(np.uint8).reshape(-1, 4).T[:2, None].astype(np.float32)
         texels = texture.view(np.uint32).ravel()[coarse].view(np.uint8).reshape(-1, 4)
-        quality = part / coverage
-        near = self.wear.ravel()[coarse]
+        quality = kept / coverage
+        ends = np.searchsorted(place, [part.rows.stop * self.step * width for part in parts])
+        pieces = [(part, coarse[begin:end]) for part, begin, end in zip(parts, [0, *ends], ends, strict=False)]
+        footprint = np.concatenate([part.looked_up(part.lit.footprint, index) for part, index in pieces])
+        light = np.concatenate([part.looked_up(part.lit.light, index) for part, index in pieces])
+        near = np.clip(np.float32(1.2) - footprint / np.float32(0.35), 0, 1)
         eroded = np.clip((quality * 1.12 - texels[:, WEAR] * np.float32(1.0 / 255.0)) * 7.0 + 0.4, 0, 1)
         left = (eroded * near + quality * (1.0 - near)) * (0.45 + 0.55 * quality)
         alpha = cv2.convertScaleAbs(coverage * left, alpha=weather.contrast)
-        rough = 1.0 + (texels[:, GRAIN] - np.float32(128.0)) * (np.float32(0.0042) * self.grain.ravel()[coarse])
+        rough = 1.0 + (texels[:, GRAIN] - np.float32(128.0)) * (
+            np.float32(0.0042) * _visible(footprint, GRAIN_GONE, GRAIN_SEEN)
+        )
         shadow, beam = (None if one is None else one.ravel()[coarse] for one in lit_by)
-        light = weather.light.ravel()[coarse]
         if shadow is not None:
             light *= shadow * np.float32(1.0 / 255.0)
         if beam is not None:
             light += beam * np.float32(1.0 / 128.0)
-        lit = cv2.convertScaleAbs((rough * light)[None], alpha=128.0)
+        bright = cv2.convertScaleAbs((rough * light)[None], alpha=128.0)
         pixels = image.view(np.uint32).ravel()
         below = pixels[place].view(np.uint8).reshape(1, -1, 4)
         colours = np.zeros(len(place), np.uint8) if tones is None else tones[first:].ravel()[place]
         target = np.take(weather.paint, colours).view(np.uint8).reshape(1, -1, 4)
-        full = cv2.multiply(target, cv2.merge((lit,) * 4), scale=1.0 / 128.0)
+        full = cv2.multiply(target, cv2.merge((bright,) * 4), scale=1.0 / 128.0)
         mixed = cv2.multiply(full, cv2.merge((alpha,) * 4), scale=1.0 / 255.0)
         rest = cv2.bitwise_not(alpha)
         mixed = cv2.add(mixed, cv2.multiply(below, cv2.merge((rest,) * 4), scale=1.0 / 255.0))
@@ -342,77 +490,172 @@ class Ground:
 
 
 class GroundWeather:
-    """Prepared tables for one weather and one camera."""
+    """Prepared tables for one weather and one camera.
+
+    Attributes:
+        even: Those of the plane that the vehicle stands on, from row `lens.top` on.
+        veil: (rows, width, 4) the light of the air before this plane.
+        contrast: Share of the contrast of paint that is left.
+        paint: Colours of paint in full light.
+    """
 
     def __init__(self, ground: Ground, light: Light) -> None:
         """Combine the light and the haze with the tables of the texture."""
         look = light.look
-        self._luminance, self._air, self._buffers = look.luminance, Air(look), ground.buffers
+        self._light, self._air, self._buffers, self._shape = light, Air(look), ground.buffers, ground.shape
+        self._width = ground.camera.width
         self.contrast = look.contrast
         seen = self._air.seen(ground.distance)
-        self.light = light.at(ground.x, ground.y) * seen
-        patch = np.float32(0.384) * ground.patch
-        self._road = (
-            ground.grain * self.light,
-            patch * self.light,
-            (128.0 - 128.0 * (ground.grain + patch)) * self.light,
-        )
-        meadow = np.float32(0.576) * ground.patch
-        self._meadow = meadow * self.light, (128.0 - 128.0 * meadow) * self.light
+        mirror = self._mirrored(np.degrees(np.arctan2(np.float32(ground.camera.z), ground.distance)), seen)
+        if mirror is not None:
+            rows = np.flatnonzero((mirror > LEAST_MIRRORED).any(axis=1))
+            mirror = mirror[: rows[-1] + 1] if len(rows) else None
+        spare = [np.empty_like(seen) for _ in range(5)]
+        self.even = _lit(ground.footprint, light.at(ground.x, ground.y) * seen, mirror, spare)
         wet = np.where(_SOFT, 1.0 - _SOFT_WHEN_WET * look.wet, 1.0 - _HARD_WHEN_WET * look.wet)
-        self._colours = _ALBEDO * wet[:, None] * look.tint
-        self._palette = _packed(self._colours).view(np.uint8).reshape(-1, 4)
+        self._palette = _packed(_ALBEDO * wet[:, None] * look.tint).view(np.uint8).reshape(-1, 4)
         self._palette[:, HARD] = np.where(_SOFT, 0, 255)
         self.paint = _packed(_PAINT * look.tint)
         veil = self._air.colour * (1.0 - self._air.seen(ground.lens.distance))[..., None]
         self.veil = np.zeros((*veil.shape[:2], 4), np.uint8)
         self.veil[..., :3] = np.rint(veil)
-        self._mirror: Table | None = None
-        if look.wet > LEAST_WATER:
-            depression = np.degrees(np.arctan2(np.float32(ground.camera.z), ground.distance))
-            mirror = 0.75 * np.exp(-depression / 2.6) * np.float32(look.wet) * seen
-            rows = np.flatnonzero((mirror > LEAST_MIRRORED).any(axis=1))
-            self._mirror = mirror[: rows[-1] + 1] if len(rows) else None
 
-    def palette(self, traced: Traced) -> NDArray[np.uint8]:
+    def _mirrored(self, depression: Table, seen: Table) -> Table | None:
+        """Return the share of the light that ground reflects; None if it is dry.
+
+        Args:
+            depression: Angle between the line of sight and the ground, degrees; the array is used for the result.
+            seen: Share of the ground that is visible through the air.
+        """
+        wet = self._light.look.wet
+        if wet <= LEAST_WATER:
+            return None
+        share = np.negative(depression, out=depression)
+        share /= np.float32(2.6)
+        np.exp(share, out=share)
+        for factor in (np.float32(0.75), np.float32(wet), seen):
+            share *= factor
+        return share
+
+    def add_veil(self, image: Image, traced: Traced, uneven: Image | None) -> None:
+        """Add the light of the air before the ground to an image (height, width, 4), in place.
+
+        Args:
+            image: The image.
+            traced: The ground.
+            uneven: The light before uneven ground (see `Shaded.veil`).
+        """
+        first = traced.top
+        if uneven is not None:
+            first += len(uneven)
+            cv2.add(image[traced.top : first], uneven, image[traced.top : first])
+        if first < len(image):
+            cv2.add(image[first:], self.veil[len(self.veil) - len(image) + first :], image[first:])
+
+    def palette(self, traced: Traced) -> Image:
         """Return for each id its colour in full light, and 255 for hard ground, (K + FIRST, 4)."""
         return self._palette[traced.material]
 
-    def hills(self, traced: Traced) -> NDArray[np.uint32]:
-        """Return the lit and hazed colour of each id where it rises above the plane that the vehicle stands on.
+    def uneven(self, far: Far, rows: int) -> tuple[Lit, Image]:
+        """Return the tables of uneven ground, and the light of the air before it, (rows, width, 4)."""
+        count, look = len(far.depth), self._light.look
+        light, seen, angle, *spare = (
+            self._buffers.get(f"uneven {k}", self._shape, np.float32)[:count] for k in range(8)
+        )
+        self._air.seen(far.distance, seen)
+        np.multiply(seen, self._light.at(*far.level()) if self._light.lamps else np.float32(look.luminance), out=light)
+        mirror = self._mirrored(far.depression(angle), seen) if look.wet > LEAST_WATER else None
+        return _lit(far.footprint, light, mirror, spare), self._veil(seen, rows)
 
-        Such ground is far away: its texture is not visible, and the haze is the same for a whole surface.
+    def _veil(self, seen: Table, rows: int) -> Image:
+        """Return the light of the air before ground of which these shares are visible, (rows, width, 4)."""
+        veil = self._buffers.get("veil", (*self._shape, 4), np.uint8)[: len(seen)]
+        tone = self._buffers.get("tone", self._shape, np.uint8)[: len(seen)]
+        for channel, most in enumerate(self._air.colour.tolist()):
+            cv2.insertChannel(cv2.convertScaleAbs(seen, tone, -most, most), veil, channel)
+        if veil.shape[1] < self._width:
+            veil = np.asarray(cv2.resize(veil, (self._width, rows)), np.uint8)
+        return veil
+
+    def light_up(self, part: slice, texture: Image, hard: Image, lit: Lit) -> int:
+        """Determine how bright part of the ground is and what it reflects; return how many rows reflect.
+
+        Args:
+            part: Its rows, in steps of pixels.
+            texture: The texture of all rows.
+            hard: All rows, 255 where the ground is hard.
+            lit: The tables of the part.
         """
-        middle = traced.surfaces.middle
-        away = np.sqrt((middle * middle).sum(axis=0)).astype(np.float32)
-        distance = np.concatenate([np.full(FIRST, 150.0, np.float32), away, away])
-        seen = self._air.seen(distance)[:, None]
-        lit = self._colours[traced.material] * self._luminance
-        return _packed(lit * seen + self._air.colour * (1.0 - seen))
-
-    def gain(self, texture: Image, hard: Image) -> tuple[Image, Table | None]:
-        """Return the brightness of the ground, 128 for that of its colour, and the share of light that it reflects."""
-        shape, get = hard.shape, self._buffers.get
-        road, meadow, part = (get(name, shape, np.float32) for name in ("road", "meadow", "whole"))
-        channel = get("channel", shape, np.uint8)
-        a, b, rest = self._road
+        road, meadow, spare = (
+            self._buffers.get(name, self._shape, np.float32)[part] for name in ("road", "meadow", "whole")
+        )
+        channel, patch = (self._buffers.get(name, self._shape, np.uint8)[part] for name in ("brightness", "patch"))
+        texture, hard = texture[part], hard[part]
+        a, b, rest = lit.road
         cv2.multiply(cv2.extractChannel(texture, GRAIN, channel), a, road, dtype=cv2.CV_32F)
-        patch = cv2.extractChannel(texture, PATCH, get("patch", shape, np.uint8))
-        road += np.asarray(cv2.multiply(patch, b, part, dtype=cv2.CV_32F), np.float32)
+        cv2.extractChannel(texture, PATCH, patch)
+        road += np.asarray(cv2.multiply(patch, b, spare, dtype=cv2.CV_32F), np.float32)
         road += rest
-        c, base = self._meadow
+        c, base = lit.meadow
         cv2.multiply(cv2.extractChannel(texture, GRASS, channel), c, meadow, dtype=cv2.CV_32F)
         meadow += base
         cv2.copyTo(road, hard, meadow)
-        mirror = None
-        if self._mirror is not None:
-            rows = len(self._mirror)
-            mirror, rest = road[:rows], part[:rows]
+        rows = 0 if lit.mirror is None else len(lit.mirror)
+        if lit.mirror is not None:
+            mirror, rest = road[:rows], spare[:rows]
             mirror.fill(_MEADOW_MIRRORS)
             cv2.copyTo(cv2.LUT(patch[:rows], _PUDDLES), hard[:rows], mirror)
-            mirror *= self._mirror
+            mirror *= lit.mirror
             meadow[:rows] *= np.subtract(np.float32(1.0), mirror, out=rest)
-        return np.asarray(cv2.convertScaleAbs(meadow, channel), np.uint8), mirror
+        cv2.convertScaleAbs(meadow, channel)
+        return rows
+
+    def gain(self, count: int) -> Image:
+        """Return the brightness of `count` rows after `light_up`, 128 for that of their colour."""
+        return self._buffers.get("brightness", self._shape, np.uint8)[:count]
+
+    def mirror(self, count: int) -> Table:
+        """Return the share of light that the first `count` rows reflect, after `light_up`."""
+        return self._buffers.get("road", self._shape, np.float32)[:count]
+
+
+def _visible(footprint: Table, finest: float, most: float, into: Table | None = None) -> Table:
+    """Return how much of a texture is visible where pixels have some length on the ground, m.
+
+    Args:
+        footprint: The length.
+        finest: Length of a pixel from which on it disappears, m; it has gone when pixels are a tenth longer.
+        most: Result for the shortest pixels.
+        into: Where to write it.
+    """
+    share = np.divide(footprint, np.float32(finest), out=into)
+    np.subtract(np.float32(1.1), share, out=share)
+    np.clip(share, 0, 1, out=share)
+    return np.multiply(np.float32(most), share, out=share)
+
+
+def _lit(footprint: Table, light: Table, mirror: Table | None, spare: Sequence[Table]) -> Lit:
+    """Return the tables of ground in some light, of which the air has taken its share, in five spare arrays."""
+    one = np.float32(128.0)
+    grain, patch, rest, grass, base = spare
+    _visible(footprint, GRAIN_GONE, GRAIN_SEEN, grain)
+    _visible(footprint, PATCH_GONE, 1.0, patch)
+    np.multiply(np.float32(0.576), patch, out=grass)
+    patch *= np.float32(0.384)
+    np.subtract(one, np.multiply(one, np.add(grain, patch, out=rest), out=rest), out=rest)
+    np.subtract(one, np.multiply(one, grass, out=base), out=base)
+    for table in spare:
+        table *= light
+    return Lit(footprint, light, (grain, patch, rest), (grass, base), mirror)
+
+
+def _first_row(surfaces: Seen) -> int:
+    """Return the first row of the image that a surface reaches, before the image's first row too."""
+    rows = [int(surfaces.shapes[k][:, 1].min()) for k in np.flatnonzero(~surfaces.whole).tolist()]
+    whole = surfaces.pixels[1][:, surfaces.whole]
+    if whole.size:
+        rows.append(int(np.rint(whole.min() * (1 << SUBPIXEL))))
+    return min(rows) >> SUBPIXEL
 
 
 def bare_plane(view: View) -> Floats:
@@ -421,25 +664,22 @@ def bare_plane(view: View) -> Floats:
     return np.asarray(-up / max(view.camera.z, 1e-3))
 
 
-def hidden(ids: Ids, surfaces: Seen, points: Floats, view: View) -> NDArray[np.bool_]:
+def hidden(traced: Traced, points: Floats) -> NDArray[np.bool_]:
     """Return which things the ground hides: those with a surface in front of at least half of their corners.
 
     Args:
-        ids: The picture of surfaces.
-        surfaces: The surfaces in it.
+        traced: The ground.
         points: (3, N, K) corners of K things, camera axes.
-        view: The camera in the world.
     """
-    camera = view.camera
-    planes = nearness_planes(surfaces.points)
+    camera, ids = traced.view.camera, traced.ids
     depth = np.maximum(points[2], 1e-3)
     x, y = points[0] / depth, points[1] / depth
     u = np.rint(np.clip(x * camera.focal + camera.width / 2.0, -1, camera.width)).astype(np.int64)
     v = np.rint(np.clip(y * camera.focal + camera.height / 2.0, -1, camera.height)).astype(np.int64)
     inside = (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height) & (points[2] > 0.0)
     there = np.where(inside, ids[np.where(inside, v, 0), np.where(inside, u, 0)], SKY).astype(np.int64)
-    inside &= (there >= FIRST) & (there < FIRST + len(surfaces.index))
-    a, b, c = planes[:, np.where(inside, there - FIRST, 0)] if planes.size else np.zeros((3, *there.shape))
+    inside &= (there >= FIRST) & (there < FIRST + len(traced.surfaces.index))
+    a, b, c = traced.planes.T[:, np.where(inside, there, SKY)]
     in_front = inside & ((a * x + b * y + c) * (depth - HIDDEN_MARGIN) > HIDDEN_SHARE)
     return np.asarray(2 * in_front.sum(axis=0) >= len(depth))
 
@@ -477,8 +717,8 @@ def _fill_below_hills(strip: Ids, material: NDArray[np.uint8], slopes: int) -> N
     solid = (strip >= FIRST) & (material[strip] != DECK)
     if not solid.any():
         return
-    rows = np.arange(len(strip))[:, None]
-    last = np.maximum.accumulate(np.where(solid, rows, -1), axis=0)
+    rows = np.arange(len(strip), dtype=np.int16)[:, None]
+    last = np.maximum.accumulate(np.where(solid, rows, np.int16(-1)), axis=0)
     sky = np.nonzero((last >= 0) & (strip == SKY))
     strip[sky] = strip[last[sky], sky[1]] + slopes if slopes else BARE
 

@@ -51,11 +51,14 @@ class Air:
         self._look = look
         self.colour = np.clip(0.8 * haze_colour(look) + 20.0 * look.luminance, 0, 255).astype(np.float32)
 
-    def seen(self, distance: Table) -> Table:
-        """Return the share of a thing that is visible at a distance, m."""
+    def seen(self, distance: Table, into: Table | None = None) -> Table:
+        """Return the share of a thing that is visible at a distance, m; it is written into an array if one is given."""
         look = self._look
-        fogged = np.maximum(distance - np.float32(look.fog_start), np.float32(0.0))
-        return np.asarray(np.exp(-np.float32(look.spray) * distance - np.float32(look.fog) * fogged), np.float32)
+        share = np.multiply(-np.float32(look.spray), distance, out=into)
+        if look.fog > 0.0:
+            fogged = np.maximum(distance - np.float32(look.fog_start), np.float32(0.0))
+            share -= np.multiply(np.float32(look.fog), fogged, out=fogged)
+        return np.asarray(np.exp(share, out=share), np.float32)
 
 
 class Light:

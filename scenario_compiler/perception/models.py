@@ -323,6 +323,10 @@ def _bus(length: float, height: float) -> Iterator[_Face]:
     yield from _front((0.16, 0.26))
 
 
+MOTORBIKE_LAMP = 0.7, 0.1
+"""Height of the middle of a motorbike's lamps above the road, and their own height, m."""
+
+
 def _two_wheels(rider: Colour | None, thick: float) -> Iterator[_Face]:
     """Yield a rear wheel, a frame with its rider, a front wheel."""
     for group, middle in ((0, -0.33), (2, 0.33)):
@@ -345,8 +349,13 @@ def _bicycle(length: float, height: float) -> Iterator[_Face]:
 
 
 def _motorbike(length: float, height: float) -> Iterator[_Face]:
-    del length, height
-    yield from _two_wheels(DARK, 0.1)
+    """Yield a motorbike; its lamps belong to the groups of the wheels, so that neither wheel nor rider covers them."""
+    del length
+    yield from (face for face in _two_wheels(DARK, 0.1) if face.bulb == NO_BULB)
+    middle, high = MOTORBIKE_LAMP
+    up = (middle - 0.5 * high) / height, (middle + 0.5 * high) / height
+    yield _pane(-0.45, (-0.1, 0.1), up, RED, bulb=_REAR, group=0, detail=False)
+    yield _pane(0.3, (-0.1, 0.1), up, WHITE, bulb=_HEAD, group=2, detail=False)
 
 
 def _pedestrian(length: float, height: float) -> Iterator[_Face]:

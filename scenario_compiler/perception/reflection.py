@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.buffers import Buffers
-from scenario_compiler.perception.camera import View, vehicle_axes
+from scenario_compiler.perception.camera import vehicle_axes
+from scenario_compiler.perception.ground import Traced
 from scenario_compiler.perception.lens import Lens
 from scenario_compiler.perception.lighting import Light
 from scenario_compiler.perception.polygons import SUBPIXEL, Polygon, flatten
@@ -47,23 +48,24 @@ class Reflection:
         self._sky = SkyView(ahead, left, -up)
         self._blur = max(round(BLUR * lens.camera.height / step), 1)
 
-    def add(self, ground: Image, mirror: Table, panorama: Image, view: View, faces: Faces, light: Light) -> None:
+    def add(self, ground: Image, mirror: Table, panorama: Image, traced: Traced, faces: Faces, light: Light) -> None:
         """Add reflections to the image of the ground, in place.
 
         Args:
-            ground: (rows, width, 4) the ground from row `lens.top` on.
-            mirror: (reflecting rows, columns) the share of light that it reflects (see `Ground.shade`).
+            ground: (rows, width, 4) the ground from row `Traced.top` on.
+            mirror: (reflecting rows, columns) the share of light that it reflects (see `Shaded`).
             panorama: The sky.
-            view: The camera in the world.
+            traced: The ground.
             faces: The things on the ground.
             light: The light.
         """
-        step = ground.shape[1] // mirror.shape[1]
+        step = -(-ground.shape[1] // mirror.shape[1])
         ground = ground[: len(mirror) * step]
         high = -(-len(ground) >> STEP_BITS)
         get = self._buffers.get
-        sky = self._sky.draw(panorama, view.pose.heading, high)
-        faint, lamps = self._mirrored(view, faces, light)
+        sky_view, rows = (self._sky, high) if traced.even == traced.top else (self._uneven(traced, len(ground)), None)
+        sky = sky_view.draw(panorama, traced.view.pose.heading, rows)
+        faint, lamps = self._mirrored(traced, faces, light)
         for shape, tone in faint:
             cv2.fillConvexPoly(sky, shape, tone, cv2.LINE_8, SUBPIXEL + STEP_BITS)
         blurred = np.asarray(cv2.blur(sky, (1, self._blur)), np.uint8)
@@ -78,16 +80,30 @@ class Reflection:
             image = np.asarray(cv2.resize(image, ground.shape[1::-1], four, interpolation=cv2.INTER_NEAREST), np.uint8)
         cv2.add(ground, image, ground)
 
-    def _mirrored(self, view: View, faces: Faces, light: Light) -> tuple[list[_Shape], list[_Shape]]:
+    def _uneven(self, traced: Traced, rows: int) -> SkyView:
+        """Return the part of the sky that the ground reflects in rows from the topmost on."""
+        camera, step = self.lens.camera, 1 << STEP_BITS
+        x = (np.arange(0, camera.width, step) - camera.width / 2.0) / camera.focal
+        y = (np.arange(traced.top, traced.top + rows, step) - camera.height / 2.0) / camera.focal
+        index = traced.ids[traced.top : traced.top + rows : step, ::step].astype(np.intp)
+        ways = np.stack(np.broadcast_arrays(x, y[:, None], 1.0)).astype(np.float32)
+        planes = traced.planes / np.maximum(np.linalg.norm(traced.planes, axis=1, keepdims=True), 1e-9)
+        normal = np.take(planes.T.astype(np.float32), index, axis=1)
+        ways -= normal * (2.0 * (normal * ways).sum(axis=0))
+        ahead, left, up = np.tensordot(camera.rotation.T.astype(np.float32), ways, axes=1)
+        return SkyView(ahead, left, up)
+
+    def _mirrored(self, traced: Traced, faces: Faces, light: Light) -> tuple[list[_Shape], list[_Shape]]:
         """Return the faces mirrored at the plane that the vehicle stands on: lit ones, and lamps."""
         if not faces.shapes:
             return [], []
+        view = traced.view
         up = view.rotation @ vehicle_axes(view.pose)[:, 2]
         x, y, z = faces.points
         height = up[0] * x + up[1] * y + up[2] * z + view.camera.z
         flat = flatten(faces.points - 2.0 * up[:, None, None] * height, view.camera)
         large = (np.ptp(flat.pixels, axis=1).min(axis=0) > SMALLEST) | ~flat.whole
-        first = np.array((0, self.lens.top << SUBPIXEL), np.int32)
+        first = np.array((0, traced.top << SUBPIXEL), np.int32)
         shines = faces.shines[flat.index]
         lit = np.where(shines[:, None], 1.0, FAINT * light.look.luminance) * faces.colours[flat.index]
         shapes = list(zip((shape - first for shape in flat.shapes), lit.tolist(), strict=True))

@@ -26,7 +26,6 @@ from scenario_compiler.perception.ground import (
     Ground,
     GroundWeather,
     Traced,
-    bare_plane,
 )
 from scenario_compiler.perception.labels import FARTHEST_DEPTH, Tag
 from scenario_compiler.perception.lens import Lens
@@ -132,11 +131,11 @@ class Drawing:
         part, weather, look, traced = self._renderer, self._weather, self._weather.look, self._traced
         view, camera = traced.view, part.camera
         image = part.buffers.get("image", (camera.height, camera.width, 4), np.uint8)
-        mirror = part.ground.shade(traced, weather.ground, spots_of(self._placed, view, weather.light), image)
-        near = image[part.lens.top :]
+        spots = spots_of(self._placed, traced, weather.light)
+        mirror, veil = part.ground.shade(traced, weather.ground, spots, image)
         if mirror is not None:
-            part.reflection.add(near, mirror, weather.panorama, view, self._faces, weather.light)
-        cv2.add(near, weather.ground.veil, near)
+            part.reflection.add(image[traced.top :], mirror, weather.panorama, traced, self._faces, weather.light)
+        weather.ground.add_veil(image, traced, veil)
         self._draw_sky(image)
         part.glare.add(image, view.pose.heading, look)
         draw_faces(image, view, self._faces, weather.light, weather.air)
@@ -194,16 +193,13 @@ class Drawing:
     def _corners(self) -> Floats:
         """(3, 4, polygons) corners of everything drawn except the bare plane, in camera axes."""
         traced = self._traced
-        slopes = traced.surfaces.points[:, :, : len(traced.material) - FIRST - len(traced.surfaces.index)]
+        slopes = traced.surfaces.points[:, :, : traced.slopes]
         return np.concatenate([traced.surfaces.points, slopes, self._faces.points], axis=2)
 
     @cached_property
     def _planes(self) -> Floats:
         """(polygons + FIRST, 3) coefficients of 1 / depth, by `_ids` (see `nearness_planes`); 0 for sky."""
-        planes = np.zeros((self._corners.shape[2] + FIRST, 3))
-        planes[BARE] = bare_plane(self.view)
-        planes[FIRST:] = nearness_planes(self._corners).T
-        return planes
+        return np.concatenate([self._traced.planes, nearness_planes(self._faces.points).T])
 
     @cached_property
     def semantic(self) -> NDArray[np.uint8]:

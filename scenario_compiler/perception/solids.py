@@ -215,8 +215,8 @@ def faces_of(
     corners = np.concatenate([every[:, :, here], uprights.points], axis=2)
     far = np.concatenate([np.repeat(placed.level_distance, counts)[here], _upright_distances(table, there, view)])
     order = np.argsort(-far, kind="stable")
-    if scene.relief and len(order):
-        order = order[~hidden(traced.ids, traced.surfaces, corners[:, :, order], view)]
+    if traced.hides and len(order):
+        order = order[~hidden(traced, corners[:, :, order])]
     shapes = [*flat.shapes, *uprights.shapes]
     of_boxes = np.concatenate(traits)[here]
     of_uprights, lit = _signal_lamps(table, there, signals)
@@ -278,19 +278,25 @@ def draw_faces(image: Image, view: View, faces: Faces, light: Light, air: Air) -
             _bloom(image, shape, tone, dark)
 
 
-def spots_of(placed: Placed, view: View, light: Light) -> Spots:
+def spots_of(placed: Placed, traced: Traced, light: Light) -> Spots:
     """Return the soft shadows of boxes on the ground below them, and in the dark the light of their headlights."""
     if not placed.boxes:
         return Spots()
     foot = np.array([[-0.56, 0.56, 0.56, -0.56], [-0.56, -0.56, 0.56, 0.56]])
     sizes = np.array([(box.length, box.width) for box in placed.boxes])
     corners = placed.rotations[:, :, :2] @ (foot * sizes[:, :, None]) + placed.origins[:, :, None]
-    flat = flatten(corners.transpose(1, 2, 0), view.camera)
     left = 1.0 - 0.6 * (1.0 - 0.7 * light.look.cloud)
-    return Spots([(shape, left) for shape in flat.shapes], _beams(placed, view, light))
+    return Spots(_spots(corners.transpose(1, 2, 0), traced, left), _beams(placed, traced, light))
 
 
-def _beams(placed: Placed, view: View, light: Light) -> list[Spot]:
+def _spots(corners: Floats, traced: Traced, strength: float) -> list[Spot]:
+    """Return polygons (3, 4, K), camera axes, that lie on the ground, without those that a hill hides."""
+    if traced.hides:
+        corners = corners[:, :, ~hidden(traced, corners)]
+    return [(shape, strength) for shape in flatten(corners, traced.view.camera).shapes]
+
+
+def _beams(placed: Placed, traced: Traced, light: Light) -> list[Spot]:
     """Return the light of headlights on the road: three overlapping cones, so that it fades with distance."""
     if light.lamps <= 0.0:
         return []
@@ -302,9 +308,7 @@ def _beams(placed: Placed, view: View, light: Light) -> list[Spot]:
                 near, far = 0.6 * box.width, 0.6 * box.width + 0.14 * reach
                 cone = np.array([[begin, begin, begin + reach, begin + reach], [near, -near, -far, far], [0.0] * 4])
                 corners.append(rotation @ cone + origin[:, None])
-    if not corners:
-        return []
-    return [(shape, 0.3 * light.lamps) for shape in flatten(np.stack(corners, axis=2), view.camera).shapes]
+    return _spots(np.stack(corners, axis=2), traced, 0.3 * light.lamps) if corners else []
 
 
 def _bloom(image: Image, shape: Polygon, tone: Sequence[float], strength: float) -> None:

@@ -40,10 +40,10 @@ SEVERITIES: dict[FailureKind, tuple[float, float, float, float, float]] = {
     "motion_blur": (0.256, 0.42, 0.665, 0.932, 1.185),
 }
 """Amounts of ImageNet-C's severities 1 to 5, from its make_imagenet_c.py: Gaussian noise of 0.08 to 0.38 of 255 grey
-levels, a Gaussian blur of 1 to 6 of 224 pixels, 3 to 27 % of the pixels, 0.1 to 0.5 more brightness. ImageNet-C's
-kernels of motion blur are halves of Gaussians of 3 to 15 of 224 pixels. The exposure stated here moves the road as far
-as an even smear with their standard deviation, as the mean over the road's pixels of the default camera at 100 km/h
-straight on.
+levels, a Gaussian blur of 1 to 6 of 224 pixels, 3 to 27 % of the values of all channels, 0.1 to 0.5 more brightness.
+ImageNet-C's kernels of motion blur are halves of Gaussians of 3 to 15 of 224 pixels. The exposure stated here moves the
+road as far as an even smear with their standard deviation, as the mean over the road's pixels of the default camera at
+100 km/h straight on.
 """
 
 
@@ -52,12 +52,12 @@ class Failure(Word):
 
     An `amount` of 1 means, by kind. noise: 80 grey levels in addition to the camera's own noise. dropout: every image
     is black. freeze: every image repeats the one before. blackout: no light. blur: a radius of 9/512 of the image's
-    width. dirt: the whole lens is covered. impulse_noise: half of all pixels are black or white. overexposure: the
-    image is white; the amount is added to the brightness. dead_rows: every row is black, the same rows in every image.
-    quantisation: 2 instead of 256 grey levels, 1 bit instead of 8. latency: images are 1 s late. motion_blur: an
-    exposure of 0.1 s, in which the vehicle's own speed and yaw rate smear the road; there is no smear at a standstill.
-    misalignment: the camera is turned on its mount by the whole `yaw`, `pitch` and `roll`, without the lane detector's
-    knowledge; several misalignments add up.
+    width. dirt: the whole lens is covered. impulse_noise: half of all values of the blue, green and red channels are 0
+    or 255. overexposure: the image is white; the amount is added to the brightness. dead_rows: every row is black, the
+    same rows in every image. quantisation: 2 instead of 256 grey levels, 1 bit instead of 8. latency: images are 1 s
+    late. motion_blur: an exposure of 0.1 s, in which the vehicle's own speed and yaw rate smear the road; there is no
+    smear at a standstill. misalignment: the camera is turned on its mount by the whole `yaw`, `pitch` and `roll`,
+    without the lane detector's knowledge; several misalignments add up.
 
     With `--perception ideal` the sensor's health is the one that the lane detector would measure in such images. At a
     clear noon it is one half for noise of 30 grey levels, for a blackout of 0.94, a blur of 0.37, dirt of 0.64, impulse

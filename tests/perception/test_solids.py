@@ -94,6 +94,24 @@ def test_lamps_are_on_by_default_in_the_dark_and_in_rain(camera: RoadCamera) -> 
     assert red("ClearNoon", Lamp.AUTOMATIC | Lamp.BRAKE) > red("ClearNoon", Lamp.NONE) + 40
 
 
+@pytest.mark.parametrize("away", [8.0, 15.0, 34.0, 60.0])
+def test_a_motorbike_has_a_tail_lamp_above_its_rear_wheel_and_a_headlamp(camera: RoadCamera, away: float) -> None:
+    bike = Box(HERE.x + away, HERE.y, 0.0, 0.0, 2.2, 0.8, 1.5, (60, 60, 60), "motorbike")
+    lit, dark = (
+        camera.frame(HERE, [bike._replace(lamps=lamps)], NIGHT, 0.0, 0).astype(int)
+        for lamps in (Lamp.AUTOMATIC, Lamp.NONE)
+    )
+    own = camera.draw(HERE, [bike], NIGHT).instance == 1
+    shines = ((lit - dark)[..., 2] > 60) & own
+    assert shines.any()
+    rows, columns = np.nonzero(shines)
+    u, v = camera.view(HERE).to_image(camera.view(HERE).to_camera((bike.x - 1.0, bike.y, 0.7)))
+    assert abs(rows.mean() - v) < 1.5
+    assert abs(columns.mean() - u) < 1.5
+    ahead = camera.frame(HERE, [bike._replace(heading=math.pi)], NIGHT, 0.0, 0).astype(int)
+    assert ahead[own].max() > 200
+
+
 def test_headlights_light_the_road(camera: RoadCamera) -> None:
     """Our own ahead of us and not beside us, and those of a car that comes towards us."""
     image = camera.frame(HERE, [], NIGHT, 0.0, 0).astype(float)

@@ -66,7 +66,7 @@ BLUR_MIDDLE = 4.5
 BLUR_WIDTH = 0.5
 
 IMPULSES_AT_ONE = 0.5
-"""Share of the pixels that impulse noise of amount 1 changes."""
+"""Share of the values of all channels that impulse noise of amount 1 changes."""
 
 IMPULSES_MIDDLE = 0.112
 IMPULSES_WIDTH = 0.01
