@@ -66,7 +66,7 @@ def _check(failure: Failure, end: float, values: Mapping[str, Value], sink: Diag
         if failure.kind not in SEVERITIES:
             message = f"ImageNet-C defines no severities for '{failure.kind}'"
             sink.add(NO_SEVERITY, message, failure.place_of("severity"), hint="use `amount`, from 0 to 1")
-        elif failure.amount != 1.0:
+        elif "amount" in failure.model_fields_set:
             message = "the failure has both an amount and a severity"
             sink.add(NO_SEVERITY, message, failure.place_of("severity"), hint="leave one of them out")
     angles = {name: getattr(failure, name) for name in ("yaw", "pitch", "roll")}
