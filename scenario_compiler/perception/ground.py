@@ -290,7 +290,7 @@ class Ground:
         else:
             surfaces = surfaces.only(np.argsort(layer, kind="stable"))
             from_below = bridge = np.zeros(len(layer), np.bool_)
-        count = len(layer)
+        count = len(surfaces.index)
         material = np.full(FIRST + (2 * count if relief else count), Material.VERGE, np.uint8)
         below = np.where(bridge, np.uint8(DECK), np.uint8(Material.VERGE))
         material[FIRST : FIRST + count] = np.where(from_below, below, self.scene.material[surfaces.index])
@@ -688,12 +688,13 @@ def _from_far(view: View, surfaces: Seen, layer: NDArray[np.uint8]) -> tuple[See
     """Return the surfaces in drawing order, and which of them show their underside.
 
     A level surface below the eye is covered only by higher ones, one above it by lower ones, because a falling line of
-    sight meets the higher one first. So the height difference to the eye determines the order.
+    sight meets the higher one first. So the height difference to the eye determines the order. A surface below the eye
+    that shows its underside is the far side of a crest, which hides it.
     """
-    height = view.rotation[:, 2] @ surfaces.middle
+    height, from_below = view.rotation[:, 2] @ surfaces.middle, facing(surfaces.points)
     order = np.argsort(LAYER_LIFT * layer - np.abs(height), kind="stable")
-    surfaces = surfaces.only(order)
-    return surfaces, facing(surfaces.points)
+    order = order[~(from_below & (height < 0.0))[order]]
+    return surfaces.only(order), from_below[order]
 
 
 def _upright(ids: Ids, view: View) -> Ids:

@@ -36,6 +36,8 @@ from scenario_compiler.perception.reflection import Reflection
 from scenario_compiler.perception.scene import Scene
 from scenario_compiler.perception.sky import TREE, Sky, panorama_of
 from scenario_compiler.perception.solids import (
+    FAR_REACH,
+    REACH,
     Box,
     Faces,
     Placed,
@@ -83,7 +85,7 @@ class Renderer:
         """
         surfaces, marks, uprights = self.scene.seen(view)
         traced = self.ground.trace(view, surfaces, marks)
-        placed = place(view, boxes)
+        placed = place(view, boxes, REACH if self.scene.relief else FAR_REACH)
         faces = faces_of(placed, traced, uprights, self.scene, look, signals)
         return Drawing(self, self._weather_of(look), traced, placed, faces)
 

@@ -28,7 +28,10 @@ from scenario_compiler.perception.weather_look import Look
 Image = NDArray[np.uint8]
 
 REACH = 200.0
-"""Distance beyond which boxes are not drawn, m."""
+"""Distance up to which all boxes are drawn, m, and the greatest one on hilly maps, whose ground ends little farther."""
+
+FAR_REACH, LEAST_SIZE = 400.0, 2.0
+"""Distance up to which boxes are drawn on flat maps, m, if they are at least so many pixels wide or high."""
 
 COARSE = 32.0
 """Height below which a box is drawn without details, pixels."""
@@ -137,8 +140,14 @@ NO_FACES = Faces(
 NOTHING = Placed([], np.empty(0), np.empty(0), np.empty((0, 3, 3)), np.empty((0, 3)), np.empty((0, 3)))
 
 
-def place(view: View, boxes: Sequence[Box]) -> Placed:
-    """Return the boxes within `REACH` in front of the camera, the farthest first, equal ones in the given order."""
+def place(view: View, boxes: Sequence[Box], reach: float = FAR_REACH) -> Placed:
+    """Return the boxes in front of the camera, the farthest first, equal ones in the given order.
+
+    Args:
+        view: The camera in the world.
+        boxes: The boxes.
+        reach: Distance up to which large ones are placed, m.
+    """
     if not boxes:
         return NOTHING
     half = math.hypot(view.camera.width, view.camera.height) / 2.0 / view.camera.focal
@@ -150,7 +159,8 @@ def place(view: View, boxes: Sequence[Box]) -> Placed:
     size = 0.5 * numbers[4:7].sum(axis=0)
     depth = view.rotation[2] @ away
     beside = np.sqrt(np.maximum(distance * distance - depth * depth, 0.0))
-    seen = (distance - size < REACH) & (depth > -size)
+    large = numbers[5:7].max(axis=0) * view.camera.focal > LEAST_SIZE * distance
+    seen = ((distance - size < REACH) | (large & (distance < reach))) & (depth > -size)
     seen &= beside < np.maximum(depth, 0.0) * half + size * math.hypot(1.0, half)
     level = np.sqrt((way[:2] * way[:2]).sum(axis=0))
     kept = np.flatnonzero(seen)

@@ -131,6 +131,14 @@ def test_a_car_behind_a_crest_leaves_neither_shadow_nor_light_before_it(made: Ma
     assert (alone == followed).all()
 
 
+@pytest.mark.parametrize("s", [50.0, 60.0, 70.0])
+def test_the_far_side_of_a_crest_does_not_show_through_the_near_one(made: Made, s: float) -> None:
+    drawing = drawn(made(CREST), s=s)
+    for column in (230, 300):
+        road = np.isin(drawing.semantic[:, column], (Tag.ROAD, Tag.ROAD_LINE))
+        assert road[int(np.flatnonzero(road)[0]) :].all()
+
+
 def test_a_car_uphill_has_a_shadow(made: Made) -> None:
     roads, camera = made(UPHILL), Camera()
     alone, car = (drawn(roads, CLEAR, HERE, camera, *boxes) for boxes in ((), (behind(roads, 75.0),)))

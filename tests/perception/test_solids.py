@@ -32,7 +32,7 @@ def mean(image: np.ndarray, mask: np.ndarray) -> float:
 
 def test_only_boxes_before_the_camera_are_placed_the_farthest_first() -> None:
     boxes = [CAR._replace(x=x, instance=k) for k, x in enumerate((35.0, -10.0, 120.0, 20.0 + 1.5 * REACH, 60.0))]
-    placed = place(Camera().view(HERE), boxes)
+    placed = place(Camera().view(HERE), boxes, REACH)
     assert [box.instance for box in placed.boxes] == [2, 4, 0]
     assert (np.diff(placed.level_distance) < 0.0).all()
     assert place(Camera(yaw=math.pi).view(HERE), boxes).boxes == [boxes[1]]
@@ -92,6 +92,18 @@ def test_lamps_are_on_by_default_in_the_dark_and_in_rain(camera: RoadCamera) -> 
     assert red("HardRainNoon", Lamp.AUTOMATIC) > red("HardRainNoon", Lamp.NONE) + 50
     assert red("ClearNoon", Lamp.AUTOMATIC) == red("ClearNoon", Lamp.NONE)
     assert red("ClearNoon", Lamp.AUTOMATIC | Lamp.BRAKE) > red("ClearNoon", Lamp.NONE) + 40
+
+
+def test_things_come_into_sight_by_their_size_in_pixels() -> None:
+    """At 320 pixels and 45 degrees, 2 pixels are a truck's height at 400 m and more, and a cone's at 135 m."""
+    view = Camera(width=320, height=160).view(HERE)
+    for kind, size, last in (
+        ("truck", (9.0, 2.5, 3.4), 400.0),
+        ("car", (4.4, 1.85, 1.45), 357.0),
+        ("cone", (0.4, 0.4, 0.7), 200.0),
+    ):
+        there = [Box(HERE.x + away, HERE.y, 0.0, 0.0, *size, kind=kind) for away in (last - 5.0, last + 5.0)]  # type: ignore[arg-type]
+        assert [box.x for box in place(view, there).boxes] == [there[0].x]
 
 
 @pytest.mark.parametrize("away", [8.0, 15.0, 34.0, 60.0])
