@@ -24,8 +24,17 @@ SIDE = 0.22
 PITCH_STEP = 0.002
 """Lookups are prepared for multiples of this pitch, rad: half a step shifts a boundary 18 m ahead by 0.03 m."""
 
+MEAN_OVER = (2, 3)
+"""Columns and rows over which brightness is averaged."""
+
 STRONGEST = 8.0
 """Response at which a ridge is clipped, in units of the row's own deviation."""
+
+ASIDE, ASIDE_FROM = 2, 2.5
+"""In a sharp bend a line moves to the side from row to row, and the mean over three rows would wash it out. Columns by
+which the rows of a second mean follow such a line outwards, which is 0.4 m per metre (a bend with a radius of 40 m has
+0.33 at 18 m), and the distance to the side from which this mean is used as well, m.
+"""
 
 _GREENNESS = np.array([[-0.5, 1.0, -0.5, 64.0]], np.float32)
 """Green minus the mean of blue and red, plus 64 so that noise is not clipped at 0."""
@@ -33,7 +42,7 @@ _GREENNESS = np.array([[-0.5, 1.0, -0.5, 64.0]], np.float32)
 
 @dataclass(frozen=True, eq=False)
 class Ridges:
-    """Ridges of one image. A column lies at y = Y_FROM - column * Y_STEP.
+    """Ridges of one image.
 
     Attributes:
         strength: (rows, columns) by how much a cell is brighter than both its sides, in units of the row's deviation,
@@ -78,6 +87,8 @@ class BirdsEye:
         self.x = (X_FROM + (np.arange(rows) + 0.5) * X_STEP).astype(np.float32)
         self.y = (Y_FROM - (np.arange(columns) + 0.5) * Y_STEP).astype(np.float32)
         self.side = round(SIDE / Y_STEP)
+        outer = round((Y_FROM - ASIDE_FROM) / Y_STEP)
+        self._outer = ((slice(None, outer), _following(-ASIDE)), (slice(-outer, None), _following(ASIDE)))
         self._lookups: dict[int, Lookup] = {}
         self.seen = self.lookup(0.0).seen
 
@@ -103,15 +114,22 @@ class BirdsEye:
         bright = cv2.max(image[:, :, 1], image[:, :, 2])
         if self.camera.width > 700:
             bright = cv2.GaussianBlur(bright, (3, 3), 0)
-        above = cv2.remap(bright, lookup.column, lookup.row, cv2.INTER_LINEAR).astype(np.float32)
-        # The mean of a column and the one before it lies between the two.
-        above = np.asarray(cv2.blur(above, (2, 3)), np.float32)
-        left, right = self._shifted(above, self.side), self._shifted(above, -self.side)
-        curve = 2.0 * above - left - right
-        contrast = np.maximum(curve - np.abs(left - right), 0.0) * lookup.seen
+        single = cv2.remap(bright, lookup.column, lookup.row, cv2.INTER_LINEAR).astype(np.float32)
+        above = np.asarray(cv2.blur(single, MEAN_OVER), np.float32)
+        curve, contrast = self._second_difference(above)
+        for outer, following in self._outer:
+            mean = np.asarray(cv2.filter2D(single, -1, following, anchor=(ASIDE + 1, 1)), np.float32)
+            contrast[:, outer] = np.maximum(contrast[:, outer], self._second_difference(mean)[1][:, outer])
+        contrast *= lookup.seen
         scale = self._deviation(np.abs(curve) * lookup.seen, lookup.count)
         strength = np.minimum(contrast / scale[:, None], STRONGEST)
         return Ridges(strength, contrast, scale, self._green(image, lookup), above)
+
+    def _second_difference(self, above: Map) -> tuple[Map, Map]:
+        """Return across the road the second difference of brightness, and it less the difference of the two sides."""
+        left, right = self._shifted(above, self.side), self._shifted(above, -self.side)
+        curve = 2.0 * above - left - right
+        return curve, np.maximum(curve - np.abs(left - right), 0.0)
 
     def _green(self, image: NDArray[np.uint8], lookup: Lookup) -> Map:
         tone = cv2.transform(image, _GREENNESS)
@@ -136,3 +154,13 @@ class BirdsEye:
         else:
             moved[:, :by], moved[:, by:] = above[:, -by:], above[:, -1:]
         return moved
+
+
+def _following(columns: int) -> Map:
+    """Return the kernel of the mean over the same cells, each row shifted by some columns against the one before."""
+    width, rows = MEAN_OVER
+    kernel = np.zeros((rows, width + 2 * abs(columns)), np.float32)
+    for row in range(rows):
+        first = abs(columns) + columns * (row - rows // 2)
+        kernel[row, first : first + width] = 1.0 / (rows * width)
+    return kernel

@@ -185,7 +185,7 @@ class LaneFitter:
 
     def _column(self, curve: Floats, d: Floats) -> NDArray[np.int64]:
         """Return the columns of arcs (..., 3) at d."""
-        return np.round((Y_FROM - arc_y(curve, d)) / Y_STEP).astype(np.int64)
+        return np.round((Y_FROM - arc_y(curve, d)) / Y_STEP - 0.5).astype(np.int64)
 
     def votes(self, ridges: Ridges, side: int) -> NDArray[np.float32]:
         """Return the vote for each arc of a side."""
@@ -286,10 +286,9 @@ class LaneFitter:
         inside = (around >= 0) & (around < self.columns)
         cells = np.clip(around, 0, self.columns - 1)
         strength = np.where(inside, ridges.strength[self.rows[:, None], cells], 0.0)
-        # Strength is clipped: in the middle of a wide line, or of a double one, several cells are equally strong.
-        first, last = strength.argmax(axis=1), strength.shape[1] - 1 - strength[:, ::-1].argmax(axis=1)
-        y = Y_FROM - 0.5 * (around[self.rows, first] + around[self.rows, last]) * Y_STEP
-        return y, strength[self.rows, first].astype(np.float64)
+        best = strength.argmax(axis=1)
+        y = Y_FROM - (around[self.rows, best] + 0.5) * Y_STEP
+        return y, strength[self.rows, best].astype(np.float64)
 
     def _least_squares(self, guesses: list[Floats], peaks: list[tuple[Floats, Floats]]) -> list[Floats]:
         """Fit both arcs to the rows' ridges at once, regularised towards the guesses and towards parallelism."""
@@ -304,7 +303,7 @@ class LaneFitter:
             values.append(np.concatenate([y, guess]) * root)
         parallel = np.hstack([np.eye(3), -np.eye(3)])[1:] * PARALLEL[:, None]
         system = np.vstack([*blocks, parallel])
-        solution = np.linalg.lstsq(system, np.concatenate([*values, _concentric(*guesses) * PARALLEL]), rcond=None)[0]
+        solution = np.linalg.lstsq(system, np.concatenate([*values, np.zeros(2)]), rcond=None)[0]
         return [solution[:3], solution[3:]]
 
     def _weight(self, peaks: tuple[Floats, Floats]) -> Floats:
@@ -421,13 +420,3 @@ def arc_y(curve: Floats, d: Floats) -> Floats:
     turned = np.clip(sine + bend * d, -MOST_TURNED, MOST_TURNED)
     both = np.sqrt(1.0 - sine * sine) + np.sqrt(1.0 - turned * turned)
     return np.asarray(offset + d * (sine + turned) / both)
-
-
-def _concentric(left: Floats, right: Floats) -> Floats:
-    """Return by how much slope and curvature of two boundaries differ (left minus right) if they are concentric arcs.
-
-    The inner arc of a bend has the smaller radius. Both numbers are proportional to the curvature, which changes by the
-    share width / radius from one boundary to the other.
-    """
-    _, slope, curvature = 0.5 * (left + right)
-    return np.array([slope, curvature]) * curvature * (left[0] - right[0])
