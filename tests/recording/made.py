@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from scenario_compiler.engine.columns import opcodes, slots
+from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import new_state
 from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE, TAKEOVERS_AT, Totals
 from scenario_compiler.engine.measures.judging import finish_totals, judge_row
 from scenario_compiler.engine.measures.rows import take_row
-from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.engine.measures.takeovers import write_takeovers
 from scenario_compiler.engine.motion.collision import update_boxes
 from scenario_compiler.forms.declaration import at_start, write_first

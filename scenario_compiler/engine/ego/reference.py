@@ -16,6 +16,7 @@ from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.bends import DRIVER_BRAKING, DRIVER_LATERAL, acceleration_for_bends
+from scenario_compiler.engine.ego.foresight import LIFT_OFF
 from scenario_compiler.engine.motion.following import idm_acceleration
 from scenario_compiler.engine.motion.steering import command_acceleration, command_angle, pursuit_angle
 from scenario_compiler.marker import compiled
@@ -30,9 +31,6 @@ RISK_WAY = 0.72
 
 DELAY = 0.75
 """Time from the perceived risk to braking, s: UN R157; in the JRC's program also the response time of RSS and FSM."""
-
-LIFT_OFF = 0.4
-"""Deceleration during the delay, m/s2: UN R157, careful and competent driver."""
 
 STRONGEST = 7.59
 JERK = 12.65
