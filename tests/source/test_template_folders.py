@@ -94,11 +94,11 @@ def test_a_fault_in_a_folder_is_reported_with_its_file(folder: Path, capsys: pyt
     assert "broken.xml" in capsys.readouterr().err
 
 
-def installed(folder: Path, name: str, *, imports: str = "raise SystemExit(3)") -> None:
+def installed(folder: Path, name: str) -> None:
     """Write an installed package that brings a template and ends whoever imports it."""
     package = folder / name
     (package / "templates").mkdir(parents=True)
-    (package / "__init__.py").write_text(imports, encoding="utf-8")
+    (package / "__init__.py").write_text("raise SystemExit(3)", encoding="utf-8")
     (package / "templates" / "one.xml").write_text(template(name), encoding="utf-8")
     (package / "templates" / "two.xml").write_text(template("blocked_lane"), encoding="utf-8")
     described = folder / f"{name}-1.0.dist-info"
