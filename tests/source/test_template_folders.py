@@ -16,6 +16,7 @@ from scenario_compiler.diagnostics import CompileError
 from scenario_compiler.resources import templates_from
 from scenario_compiler.validation import validate_files
 from tests.command import call
+from tests.pages import code_blocks
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "sharing-templates.md"
 
@@ -147,7 +148,7 @@ def test_the_page_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     Path(file[0]).parent.mkdir()
     Path(file[0]).write_text(file[1], encoding="utf-8")
     Path("conflict.xml").write_text(conflict("parked_row"), encoding="utf-8")
-    (commands,) = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
+    (commands,) = code_blocks(text, "sh")
     for line in commands.splitlines():
         assert call(*shlex.split(line)[1:]) == 0
     assert "parked_row" in capsys.readouterr().out
