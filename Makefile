@@ -82,7 +82,8 @@ format: setup
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-# Rewrites what is made from the code: the maps from their descriptions, the schemas from the models, and of docs/ the pages
+# Rewrites what is made from the code: the maps from their descriptions, the schemas and the stub of public names from the
+# models, and of docs/ the pages
 # carla-calls, commands, controllers, coverage, language, names, opendrive, run-folder and study-language.
 generate: setup
 	for build in $(wildcard maps/*/build.py); do $(BIN)/python $$build || exit 1; done

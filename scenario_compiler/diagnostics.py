@@ -105,7 +105,7 @@ CODE_HOMES = (
     "roads.model",
     "roads.parse",
     "roads.xsd",
-    "runtime.failures",
+    "runtime.engine_fault",
     "source.aisa",
     "source.study",
     "openscenario.export.files",

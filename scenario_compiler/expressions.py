@@ -321,12 +321,12 @@ def _evaluate(node: _Node, values: Mapping[str, Value]) -> Value:
         raise ExpressionError(f"{shown} has no value: {_reason(node.function, arguments, error)}") from None
 
 
-def _apply(function: str, arguments: list[Value]) -> Value:
+def _apply(function: str, arguments: Sequence[Any]) -> Value:
     result: Any
     if function == "negative":
-        result = -arguments[0]  # type: ignore[operator]
+        result = -arguments[0]
     elif function == "positive":
-        result = +arguments[0]  # type: ignore[operator]
+        result = +arguments[0]
     elif function == "not":
         result = not arguments[0]
     elif function in _BINARY:

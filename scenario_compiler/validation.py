@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -89,12 +89,8 @@ def validate_file(
 
         meaning = Diagnostics()
         validate_openscenario(path, sink, xsd)
-        try:
+        with _own_faults_reported(path, meaning):
             _check_scenarios(path, meaning, maps, trust)
-        except ConfigurationError:
-            raise
-        except Exception as fault:
-            meaning.take((_unchecked(path, f"{type(fault).__name__}: {fault}"[:300]),))
         add_meaning(meaning, sink)
     else:
         _check_scenarios(path, sink, maps, trust)
@@ -229,15 +225,21 @@ def _findings(
     found = []
     for file in files:
         sink = Diagnostics(insisted=insisted)
-        try:
-            with templates_from(templates):
-                validate_file(file, sink, maps, xsd, trust)
-        except ConfigurationError:
-            raise
-        except Exception as fault:
-            sink.take((_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]),))
+        with _own_faults_reported(file, sink), templates_from(templates):
+            validate_file(file, sink, maps, xsd, trust)
         found.append(list(sink))
     return found
+
+
+@contextmanager
+def _own_faults_reported(file: Path, sink: Diagnostics) -> Iterator[None]:
+    """Report a fault of this program as a finding on a file; a fault of the user's configuration is raised."""
+    try:
+        yield
+    except ConfigurationError:
+        raise
+    except Exception as fault:
+        sink.take((_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]),))
 
 
 def _unchecked(file: Path, message: str) -> Diagnostic:

@@ -23,10 +23,10 @@ else:
     import tomli as tomllib
 
 from scenario_compiler import vocabulary
-from scenario_compiler.carla_server.matrix import calls_page
-from scenario_compiler.cli.reference import commands_page
+from scenario_compiler.carla_server.calls_page import calls_page
+from scenario_compiler.cli.commands_page import commands_page
 from scenario_compiler.controllers import CONTROLLERS, controller_class
-from scenario_compiler.controllers.reference import controllers_page
+from scenario_compiler.controllers.controllers_page import controllers_page
 from scenario_compiler.coverage.conflict import conflict_table, conflict_words
 from scenario_compiler.coverage.openscenario import openscenario_table, words_of
 from scenario_compiler.coverage.table import Table, as_markdown
@@ -37,13 +37,13 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.public import public_names
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
-from scenario_compiler.report.reference import run_folder_page
+from scenario_compiler.report.run_folder_page import run_folder_page
 from scenario_compiler.resources import library_folder, maps_folder
 from scenario_compiler.source.catalogs import CatalogElement, catalogs_in
 from scenario_compiler.source.conflict import LibraryElement
 from scenario_compiler.source.form import conflict_xsd, study_xsd
 from scenario_compiler.source.study import STUDIES
-from scenario_compiler.vocabulary.reference import language_page as reference_page
+from scenario_compiler.vocabulary.language_page import language_page as reference_page
 from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
 from scenario_compiler.vocabulary.word import Word

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,9 +9,11 @@ from pathlib import Path
 import cv2
 import pytest
 
+from tests.pages import code_blocks
+
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = (ROOT / "docs" / "camera.md").read_text(encoding="utf-8")
-PROGRAM = "\n".join(re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL))
+PROGRAM = "\n".join(code_blocks(PAGE, "python"))
 
 
 def test_code_of_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 import subprocess
 import sys
@@ -16,6 +15,7 @@ import pytest
 from scenario_compiler import Control, SensorData, VehicleState
 from scenario_compiler.controllers.model import CameraMounting
 from tests.command import call
+from tests.pages import code_blocks
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "examples" / "onnx_controller"
@@ -102,7 +102,7 @@ def test_the_network_can_be_trained_again(example: Path) -> None:
 
 def test_the_pages_controller_works() -> None:
     page = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
-    code = re.findall(r"```python\n(.*?)```", page, re.DOTALL)[0]
+    code = code_blocks(page, "python")[0]
     names: dict[str, object] = {"__name__": "page"}
     exec(compile(code, "controllers.md", "exec"), names)
     straight = names["Straight"]

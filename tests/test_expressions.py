@@ -214,7 +214,7 @@ def test_any_text_is_read_or_refused(text: str) -> None:
     try:
         expression = parse_expression(text)
     except ExpressionError as error:
-        assert 0 <= error.offset <= len(text)  # noqa: PT017
+        assert 0 <= error.offset <= len(text)  # noqa: PT017  # a text may be an expression or not
     else:
         _outcome(expression)
 

@@ -15,12 +15,10 @@ from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.resources import schema_file
 from scenario_compiler.validation import validate_file
 from tests.command import call
+from tests.pages import code_blocks
 
 PAGE = Path(__file__).parent.parent / "docs" / "your-first-conflict.md"
-
-
-def _blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+TEXT = PAGE.read_text(encoding="utf-8")
 
 
 def _named(block: str) -> tuple[str, str]:
@@ -30,8 +28,8 @@ def _named(block: str) -> tuple[str, str]:
     return found.group(1), block
 
 
-FILES = dict(map(_named, _blocks("xml")))
-COMMANDS = [block.splitlines() for block in _blocks("sh")]
+FILES = dict(map(_named, code_blocks(TEXT, "xml")))
+COMMANDS = [block.splitlines() for block in code_blocks(TEXT, "sh")]
 VALID = sorted(set(FILES) - {"wrong.xml"})
 
 
@@ -69,7 +67,7 @@ def test_commands_run(folder: Path, lines: list[str]) -> None:
 def test_faults_are_reported_as_shown(folder: Path) -> None:
     sink = Diagnostics()
     validate_file(Path("wrong.xml"), sink)
-    assert _blocks("text") == ["\n".join(as_text(one) for one in sink) + "\n"]
+    assert code_blocks(TEXT, "text") == ["\n".join(as_text(one) for one in sink) + "\n"]
 
 
 @pytest.mark.parametrize(("name", "cause"), [("mine", ""), ("narrow", "path_blocked"), ("van", "path_blocked")])
@@ -81,6 +79,6 @@ def test_conflict_does_what_the_page_says(folder: Path, name: str, cause: str) -
 
 
 def test_links_lead_somewhere() -> None:
-    links = re.findall(r"\]\(([^)#:]+)\)", PAGE.read_text(encoding="utf-8"))
+    links = re.findall(r"\]\(([^)#:]+)\)", TEXT)
     assert links
     assert [link for link in links if not (PAGE.parent / link).exists()] == []

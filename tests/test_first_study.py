@@ -11,19 +11,17 @@ from lxml import etree
 
 from scenario_compiler.resources import schema_file
 from tests.command import call
+from tests.pages import code_blocks
 
 PAGE = Path(__file__).parent.parent / "docs" / "your-first-study.md"
-
-
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+TEXT = PAGE.read_text(encoding="utf-8")
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return a folder that is the working one and holds the page's files."""
     monkeypatch.chdir(tmp_path)
-    for text in (*blocks("xml"), *blocks("markdown")):
+    for text in (*code_blocks(TEXT, "xml"), *code_blocks(TEXT, "markdown")):
         named = re.match(r"<!-- (\S+) -->\n", text)
         assert named, text
         (tmp_path / named.group(1)).write_text(text, encoding="utf-8")
@@ -31,7 +29,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_tutorials_commands_do_what_it_says(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    commands = [line for block in blocks("sh") for line in block.splitlines()]
+    commands = [line for block in code_blocks(TEXT, "sh") for line in block.splitlines()]
     assert len(commands) == 4
     for line in commands:
         program, *words = shlex.split(line)
@@ -46,7 +44,7 @@ def test_the_tutorials_commands_do_what_it_says(folder: Path, capsys: pytest.Cap
     assert "why − what" in page
     for file in ("study.xml", "effort.xml"):
         etree.XMLSchema(etree.parse(schema_file("study.xsd"))).assertValid(etree.parse(folder / file))
-    (analysis,) = blocks("python")
+    (analysis,) = code_blocks(TEXT, "python")
     exec(compile(analysis, PAGE.name, "exec"), {})
     shown = capsys.readouterr().out
     assert re.search(r"what\s+far\s+\d+\.\d+\s+\d+\.\d+\s+8", shown)

@@ -17,13 +17,14 @@ import pytest
 import yaml
 
 from scenario_compiler.resources import library_folder
+from tests.pages import code_blocks
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = (ROOT / "docs" / "pipelines.md").read_text(encoding="utf-8")
 ACTION: dict[str, Any] = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
 HOOKS: list[dict[str, Any]] = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
 BLOCKS = {name: yaml.safe_load(text) for name, text in re.findall(r"```yaml\n# (\S+)\n(.*?)```", PAGE, re.DOTALL)}
-SHELL = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL) for line in block.splitlines()]
+SHELL = [line for block in code_blocks(PAGE, "sh") for line in block.splitlines()]
 GITLAB = [line for steps in BLOCKS[".gitlab-ci.yml"].values() for line in steps["script"]]
 COMMANDS = [
     line for line in dict.fromkeys([*SHELL, *GITLAB]) if line not in BLOCKS[".gitlab-ci.yml"]["sweep"]["script"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -33,13 +32,13 @@ from scenario_compiler.vocabulary.grammar import limits_broken
 from scenario_compiler.vocabulary.positions import LanePositionWord, RelativeLanePosition
 from scenario_compiler.vocabulary.scenario import Scenario
 from scenario_compiler.vocabulary.weather import Weather
+from tests.pages import code_blocks
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "python-api.md"
-BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 
 
 def program() -> str:
-    return "\n".join(BLOCK.findall(PAGE.read_text(encoding="utf-8")))
+    return "\n".join(code_blocks(PAGE.read_text(encoding="utf-8"), "python"))
 
 
 def test_code_of_the_page_runs(

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.command import call
+from tests.pages import code_blocks
 
 DOCS = (Path(__file__).parent.parent / "docs").glob("*.md")
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
@@ -16,8 +17,7 @@ README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8"
 
 def block(language: str, holding: str) -> str:
     """Return the README's block of a language that holds a text."""
-    blocks: list[str] = re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
-    return next(text for text in blocks if holding in text)
+    return next(text for text in code_blocks(README, language) if holding in text)
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from scenario_compiler.recording.names import EVENT_TEXTS, StopReason
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import COLUMNS, Header
 from scenario_compiler.recording.trajectory import TRAJECTORY_COLUMNS
-from scenario_compiler.report.reference import STOPS
+from scenario_compiler.report.run_folder_page import STOPS
 from tests.report.made import RUN_FILES
 
 FOLDER = Path(__file__).resolve().parent.parent / "schemas"

@@ -16,8 +16,8 @@ from scenario_compiler.batch.codebook import Column
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.folder import TABLE, TAKEOVER_TABLE, is_sweep
 from scenario_compiler.batch.measuring import Columns
-from scenario_compiler.batch.results import FORMAT, KEY, read_columns, schema_of
-from scenario_compiler.recording.arrow import opened_parquet
+from scenario_compiler.batch.results import FORMAT, read_columns, schema_of
+from scenario_compiler.recording.arrow import KEY, opened_parquet
 from scenario_compiler.recording.recording import Floats, Integers
 
 

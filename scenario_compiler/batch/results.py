@@ -29,15 +29,12 @@ from scenario_compiler.batch.folder import CODEBOOK, LOCK, MANIFEST, PARTS, TABL
 from scenario_compiler.batch.measuring import TAKEOVERS, Columns
 from scenario_compiler.batch.tally import TALLIED, Tally
 from scenario_compiler.outputs import LockedError, locked, make_folder, whole_file, write_whole
-from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts, opened_parquet
+from scenario_compiler.recording.arrow import KEY, arrow_numbers, arrow_texts, opened_parquet
 from scenario_compiler.recording.break_off import equal_reasons
 
 FORMAT = "scenario-compiler/sweep/1"
 GROUP = 1 << 16
 """Least number of rows in a row group of the table; a part is never split."""
-
-KEY = b"scenario-compiler"
-"""Key of the metadata in which a table describes itself, as JSON."""
 
 _TYPES: dict[ColumnKind, pa.DataType] = {
     "integer": pa.int64(),

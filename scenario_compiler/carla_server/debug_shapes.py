@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.frames import carla_axes, vector_from_carla
 from scenario_compiler.perception.strokes import MOST, Stroke
 

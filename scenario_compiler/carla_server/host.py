@@ -14,7 +14,7 @@ from typing import Any
 import msgpack
 
 from scenario_compiler.carla_server.actors import Actor, Car, Sensor
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.recorder import Played, Recorder, Replay
 from scenario_compiler.carla_server.sensors.instrument import Instrument
 from scenario_compiler.carla_server.snapshot import HEADER, LIGHTS_CHANGED, MAP_CHANGED, SENSORS

@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 from scenario_compiler.carla_server.actors import Actor, Body, Car, LightActor, SignActor, Walker
 from scenario_compiler.carla_server.falling import Fall
 from scenario_compiler.carla_server.snapshot import ACTIVE, LIGHT, SIGN, VEHICLE, WALKER, Rows
+from scenario_compiler.engine.motion.watching import LEAP
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.frames import CarlaTransform, carla_rows
 from scenario_compiler.roads import Network
-
-LEAP = 3.0
-"""An actor that has moved more than this multiple of the way that its speed takes it was put somewhere else."""
 
 DEFAULT_LIMIT = 30.0
 """CARLA's speed limit of a road without one in the map, km/h."""

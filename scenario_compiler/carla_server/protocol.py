@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from scenario_compiler.carla_server.answers import actors, batch, lights, looking, records, session, vehicles
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.layouts import (
     ACKERMANN,

@@ -11,7 +11,7 @@ from typing import Any
 import msgpack
 
 from scenario_compiler.carla_server.actors import Actor, Body, Car, Walker
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.spawning import new_body
 from scenario_compiler.carla_server.stage import Stage
 from scenario_compiler.files import MAX_BYTES

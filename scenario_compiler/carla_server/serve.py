@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.protocol import Protocol
 from scenario_compiler.carla_server.stage import Stage

@@ -6,7 +6,7 @@ from typing import Any
 
 from scenario_compiler.carla_server.actors import Actor, Body, Car, Sensor, Walker, channels_of
 from scenario_compiler.carla_server.blueprints import KINDS, Blueprint, first_kind, library
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.sensors.kinds import INSTRUMENTS, ON_OCCASION, REFUSED
 from scenario_compiler.frames import CarlaTransform
 

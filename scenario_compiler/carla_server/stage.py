@@ -17,10 +17,10 @@ from scenario_compiler.carla_server.actors import (
 )
 from scenario_compiler.carla_server.areas import AreaIndex, Box
 from scenario_compiler.carla_server.blueprints import Blueprint
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.debug_shapes import DebugShapes
 from scenario_compiler.carla_server.departed import Departed, Gone
 from scenario_compiler.carla_server.driving import FASTEST, STEER_RATE, Driving
-from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.falling import GRAVITY, Fall
 from scenario_compiler.carla_server.impacts import Footprint, impact
 from scenario_compiler.carla_server.measured import POSE, Measured

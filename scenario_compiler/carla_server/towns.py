@@ -13,7 +13,7 @@ from threading import Lock
 from typing import TYPE_CHECKING
 from weakref import WeakValueDictionary
 
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import read_document
 from scenario_compiler.frames import CarlaTransform, carla_from_pose

@@ -96,7 +96,7 @@ class HelpFormatter(argparse.HelpFormatter):
         return f"{text} (default: %(default)s)"
 
 
-class Subcommands(argparse._SubParsersAction):  # type: ignore[type-arg]
+class Subcommands(argparse._SubParsersAction):  # type: ignore[type-arg]  # it is generic in typeshed only
     """Makes each command's summary the description in its own help too, unless it has a longer one."""
 
     def add_parser(self, name: str, **settings: Any) -> argparse.ArgumentParser:

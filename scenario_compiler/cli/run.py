@@ -177,8 +177,8 @@ def run_command(options: argparse.Namespace) -> int:
     """Run a scenario or a plan."""
     # What runs is loaded before the scenario, so that `keep_loaded` includes it.
     from scenario_compiler.controllers import refuse_untrusted
-    from scenario_compiler.recording import outcome  # noqa: F401
-    from scenario_compiler.runtime import loop  # noqa: F401
+    from scenario_compiler.recording import outcome  # noqa: F401  # loaded only
+    from scenario_compiler.runtime import loop  # noqa: F401  # loaded only
     from scenario_compiler.worlds import WorldError
 
     of_world = world_options(options)
@@ -225,7 +225,7 @@ def _refuse_wrong_use(options: argparse.Namespace) -> None:
         raise WrongUse("--show draws into the folder of the run: name one with -o")
     if options.video is not None:  # before a run that may take long
         with needing("av"):
-            import scenario_compiler.report.video  # noqa: F401
+            import scenario_compiler.report.video  # noqa: F401  # fails here if PyAV is missing
     keep_inputs([options.target], options.trajectory, options.video)
 
 

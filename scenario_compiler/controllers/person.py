@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
+    from scenario_compiler.recording.names import Wish
     from scenario_compiler.recording.recording import Recording
-
-Wish = Literal["", "take_over", "hand_back", "leave", "request"]
-"""A person's wish to the automation: a person who leaves lets it stop the vehicle, an observer lets it request."""
 
 
 class PersonInput(NamedTuple):
@@ -63,10 +61,9 @@ class RecordedPerson:
         recording, row = self._recording, self._row
         if row >= len(recording.t):
             return PersonInput()
-        wish: Wish = self._wishes[int(recording.person_wish[row])]
         return PersonInput(
             float(recording.person_throttle[row]),
             float(recording.person_brake[row]),
             float(recording.person_steer[row]),
-            wish,
+            self._wishes[int(recording.person_wish[row])],
         )

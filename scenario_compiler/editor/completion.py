@@ -21,7 +21,7 @@ from scenario_compiler.source.conflict import Part, Use
 from scenario_compiler.source.parameters import Declared, parameter_kind
 from scenario_compiler.source.templates import template_parameters
 from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, grammar_of
-from scenario_compiler.vocabulary.reference import holds
+from scenario_compiler.vocabulary.language_page import holds
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.schema import default_text
 from scenario_compiler.vocabulary.word import Word

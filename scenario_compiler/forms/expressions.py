@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 from scenario_compiler.forms.declaration import CONTAINERS, put_to_start, write_first
 from scenario_compiler.forms.language import (
@@ -430,7 +431,7 @@ class Expressions:
             return CText(f"{local_name(argument.id)}.size", INT)
         raise self.broken(node, f"takes the length of {ast.unparse(argument)}")
 
-    _translations: dict[type[ast.expr], Callable[[Expressions, ast.expr], CText]] = {  # noqa: RUF012
+    _translations: ClassVar[dict[type[ast.expr], Callable[[Expressions, ast.expr], CText]]] = {
         ast.Constant: _constant,
         ast.Name: _name,
         ast.Attribute: _attribute,

@@ -199,8 +199,8 @@ def number_named(source: FunctionSource, node: ast.expr) -> float | int | None:
     elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
         owner = source.meaning(node.value.id)
         value = getattr(owner, node.attr, None) if isinstance(owner, ModuleType) else None
-    if type(value) in (int, float) and math.isfinite(value):  # type: ignore[arg-type]
-        return value  # type: ignore[return-value]
+    if (type(value) is int or type(value) is float) and math.isfinite(value):
+        return value
     return None
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from typing import ClassVar
 
 from scenario_compiler.forms.declaration import CONTAINERS
 from scenario_compiler.forms.expressions import Broken, CText, Expressions, OtherFunctions, local_name
@@ -292,7 +293,7 @@ class Statements:
                 self._store(target, CText(f"{each}[{at}]", parts[0].kind))
                 self._block(statement.body)
 
-    _translations: dict[type[ast.stmt], Callable[[Statements, ast.stmt], None]] = {  # noqa: RUF012
+    _translations: ClassVar[dict[type[ast.stmt], Callable[[Statements, ast.stmt], None]]] = {
         ast.Expr: _expression,
         ast.Assign: _assign,
         ast.AugAssign: _augmented,

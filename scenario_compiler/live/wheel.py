@@ -10,8 +10,9 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from scenario_compiler.controllers.person import PersonInput, Wish
+from scenario_compiler.controllers.person import PersonInput
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.names import Wish
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import number_value
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 from lxml import etree
 
@@ -59,9 +59,10 @@ from scenario_compiler.vocabulary.conditions import (
     UserDefinedValueCondition,
     VariableCondition,
 )
+from scenario_compiler.vocabulary.conditions.measuring import COORDINATE_SYSTEMS
 from scenario_compiler.vocabulary.word import Word
 
-_RULES: tuple[Rule, ...] = ("lessThan", "lessOrEqual", "greaterThan", "greaterOrEqual", "equalTo", "notEqualTo")
+_RULES: tuple[Rule, ...] = get_args(Rule)
 _STRICT = {"lessOrEqual": ("lessThan", 2.0e-6), "greaterOrEqual": ("greaterThan", -2.0e-6)}
 """1.0 has no <= and >=: the rule that is written instead, and the amount added to the value. Comparisons tolerate 1e-6.
 """
@@ -110,7 +111,6 @@ def _write_rule(rule: str, word: Word, element: etree._Element, output: Output) 
     element.set("rule", rule)
 
 
-_COORDINATES = ("entity", "lane", "road", "trajectory", "world")
 _DISTANCES = ("euclidianDistance", "longitudinal", "lateral", "cartesianDistance")
 
 
@@ -124,7 +124,7 @@ class _Measured:
     def read(self, node: Node) -> Fields:
         chosen = node.has("coordinateSystem") or node.has("relativeDistanceType")
         along = not self.kind_needed and node.boolean("alongRoute", False) and not chosen
-        system = node.choice("coordinateSystem", _COORDINATES, "road" if along else "entity")
+        system = node.choice("coordinateSystem", COORDINATE_SYSTEMS, "road" if along else "entity")
         usual = None if self.kind_needed else "longitudinal" if along else "euclidianDistance"
         kind = node.choice("relativeDistanceType", _DISTANCES, usual)
         return {

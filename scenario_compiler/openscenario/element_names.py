@@ -13,15 +13,13 @@ from scenario_compiler.openscenario.codes import (
 )
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.vocabulary.conditions import ElementStateCondition
+from scenario_compiler.vocabulary.conditions.by_value import ELEMENT_KINDS
 from scenario_compiler.vocabulary.storyboard import Story, Storyboard
 from scenario_compiler.vocabulary.traversal import replaced
 from scenario_compiler.vocabulary.word import Word
 
 BETWEEN = "::"
 """Separator of the names in a path."""
-
-KINDS = ("story", "act", "maneuverGroup", "maneuver", "event", "action")
-"""The kinds of storyboard elements, outermost first."""
 
 MOST_GUESSES = 100
 """Greatest number of unknown names for which a similar known one is searched."""
@@ -69,7 +67,7 @@ def _resolved(story: Story, names: ElementNames, path: Path, sink: Diagnostics) 
 class ElementNames:
     """The paths of all elements by kind and own name, in document order."""
 
-    paths: dict[str, dict[str, list[Path]]] = field(default_factory=lambda: {kind: {} for kind in KINDS})
+    paths: dict[str, dict[str, list[Path]]] = field(default_factory=lambda: {kind: {} for kind in ELEMENT_KINDS})
     unknown: int = 0
 
     def add_story(self, story: Story) -> None:
@@ -88,7 +86,7 @@ class ElementNames:
                             self._add((*path, event.name, action.name))
 
     def _add(self, path: Path) -> None:
-        self.paths[KINDS[len(path) - 1]].setdefault(path[-1], []).append(path)
+        self.paths[ELEMENT_KINDS[len(path) - 1]].setdefault(path[-1], []).append(path)
 
     def _fitting(self, kind: str, wanted: Path) -> list[Path]:
         named = self.paths[kind].get(wanted[-1], []) if wanted else []
@@ -110,7 +108,7 @@ class ElementNames:
         return word.model_copy(update={"element": BETWEEN.join(nearest)}).written_at(word.origin)
 
     def _report_unknown(self, word: ElementStateCondition, wanted: Path, sink: Diagnostics) -> None:
-        others = [kind for kind in KINDS if self._fitting(kind, wanted)]
+        others = [kind for kind in ELEMENT_KINDS if self._fitting(kind, wanted)]
         known = self.paths[word.kind]
         self.unknown += 1
         guess = did_you_mean(word.element, known) if self.unknown <= MOST_GUESSES else ""

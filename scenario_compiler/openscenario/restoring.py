@@ -15,6 +15,7 @@ from scenario_compiler.document import Document
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import read_word
 from scenario_compiler.markup.values import UnreadError, read_attribute
+from scenario_compiler.openscenario.element_names import BETWEEN
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.own import OWN, fingerprint, gathered
 from scenario_compiler.vocabulary.actions import AssignControllerAction, SpeedAction, TeleportAction
@@ -38,8 +39,6 @@ from scenario_compiler.vocabulary.word import Number, Word
 
 _ATTRIBUTES = ("step", "control_every", "duration", "summary")
 """Attributes of a scenario that are kept."""
-
-_BETWEEN = "::"
 
 _WORDS: Mapping[str, type[Word]] = {tag: word for rule in grammar_of(Do).children for tag, word in rule.words.items()}
 _CONDITIONS: Mapping[str, type[Word]] = {
@@ -215,7 +214,7 @@ class _Restoration:
         return story.model_copy(update={"acts": acts})
 
     def _act(self, act: Act, path: tuple[str, ...]) -> Act:
-        name = _BETWEEN.join(path)
+        name = BETWEEN.join(path)
         return act.model_copy(
             update={
                 "start": None if act.start is None else self._trigger(act.start, "start", name),
@@ -236,11 +235,11 @@ class _Restoration:
     def _event(self, event: Event, path: tuple[str, ...]) -> Event:
         actions = []
         for one in event.actions:
-            kept = self.kept.get(("action", _BETWEEN.join((*path, one.name))))
+            kept = self.kept.get(("action", BETWEEN.join((*path, one.name))))
             if kept is not None and kept.word is not None and kept.fits(one.action):
                 one = one.model_copy(update={"action": kept.word.written_at(one.action.origin)})
             actions.append(one)
-        start = None if event.start is None else self._trigger(event.start, "start", _BETWEEN.join(path))
+        start = None if event.start is None else self._trigger(event.start, "start", BETWEEN.join(path))
         return event.model_copy(update={"actions": tuple(actions), "start": start})
 
     def _trigger(self, trigger: Trigger, of: str, name: str) -> Trigger:

@@ -9,16 +9,16 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol
 
 from lxml import etree
 
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output, Version
 from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.traversal import AnyWord
 from scenario_compiler.vocabulary.word import Word
 
-AnyWord = TypeVar("AnyWord", bound=Word)
 Fields = dict[str, Any]
 
 REQUIRED: Any = ...

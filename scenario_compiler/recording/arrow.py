@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 
 from scenario_compiler.files import opened_file
 
+KEY = b"scenario-compiler"
+"""Key of the metadata in which a table describes itself, as JSON."""
+
 
 @contextmanager
 def opened_parquet(path: Path, **options: Any) -> Iterator[pq.ParquetFile]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from scenario_compiler.engine.measures.takeover import SAME_TIME
+from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.expressions import Value
 from scenario_compiler.recording.durations import Timed
 from scenario_compiler.recording.measures import cause_of_request

@@ -7,7 +7,7 @@ A side is beyond an edge of the lane if a corner of the ego's box is. The formul
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -61,7 +61,7 @@ class Departures:
     _width: float = 0.0
     _aside: float = 0.0
     _step: float = 0.0
-    _left: float = field(default=0.0)
+    _left: float = 0.0
 
     def end(self) -> None:
         """End a departure, because the vehicle is within its lane or absent."""

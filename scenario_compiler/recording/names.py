@@ -71,14 +71,17 @@ WORLD_EVENTS: frozenset[EventKind] = frozenset({"world_collision", "lane_invasio
 SOURCES: dict[int, str] = {0: "automation", 1: "driver model", 2: "person", 3: "minimum-risk manoeuvre"}
 """The source of the automated vehicle's commands."""
 
-WISHES: dict[int, Literal["", "take_over", "hand_back", "leave", "request"]] = {
+Wish: TypeAlias = Literal["", "take_over", "hand_back", "leave", "request"]
+"""A person's wish to the automation: a person who leaves lets it stop the vehicle, an observer lets it request."""
+
+WISHES: dict[int, Wish] = {
     opcodes.WISH_NONE: "",
     opcodes.WISH_TAKE_OVER: "take_over",
     opcodes.WISH_HAND_BACK: "hand_back",
     opcodes.WISH_LEAVE: "leave",
     opcodes.WISH_REQUEST: "request",
 }
-"""What a person at the wheel wants the automation to do."""
+"""The wish of the person at the wheel."""
 
 CODES: dict[str, Mapping[int, str]] = {
     "state": TAKEOVER_STATES,

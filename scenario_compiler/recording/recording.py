@@ -286,7 +286,7 @@ class Recording:
             np.array_equal(getattr(self, c.name), getattr(other, c.name), equal_nan=c.kind == "float") for c in COLUMNS
         )
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]  # equal recordings have no equal hash, as arrays have none
 
 
 def _named_columns() -> tuple[Column, ...]:

@@ -19,13 +19,12 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from scenario_compiler.outputs import write_whole
-from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts, opened_parquet
+from scenario_compiler.recording.arrow import KEY, arrow_numbers, arrow_texts, opened_parquet
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CODES
 from scenario_compiler.recording.recording import COLUMNS, Column, Frame, Header, Recording
 
 FORMAT = "scenario-compiler/recording/1"
-_KEY = b"scenario-compiler"
 _UNREADABLE = (pa.ArrowException, OSError, KeyError, ValueError, TypeError, AttributeError, IndexError)
 """Exceptions of reading a file that is missing, damaged or of another kind."""
 
@@ -78,7 +77,7 @@ def read_recording(path: Path) -> Recording:
     try:
         with opened_parquet(path) as file:
             table, metadata = file.read(), file.metadata.metadata or {}
-        about = json.loads(metadata.get(_KEY, b"{}"))
+        about = json.loads(metadata.get(KEY, b"{}"))
         if about.get("format") != FORMAT:
             raise RecordingError(f"{path} is not a recording of the format {FORMAT}")
         return _decoded(table, about, metadata)
@@ -110,7 +109,7 @@ def _metadata(recording: Recording) -> dict[bytes, bytes]:
     pictures = {
         f"frame.{number}".encode(): base64.b64encode(frame.png) for number, frame in enumerate(recording.frames)
     }
-    return {_KEY: json.dumps(about, sort_keys=True, allow_nan=False).encode(), **pictures}
+    return {KEY: json.dumps(about, sort_keys=True, allow_nan=False).encode(), **pictures}
 
 
 def _named(codes: NDArray[np.int64], names: tuple[str, ...], absent: NDArray[np.bool_] | None = None) -> pa.Array:

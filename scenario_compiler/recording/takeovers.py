@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.measures.takeover import SAME_TIME
+from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.recording.measures import distance_to_limit, time_to_limit
 from scenario_compiler.recording.names import BY_HAND, CAUSES, EventKind
 from scenario_compiler.recording.recording import Floats, Recording

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.engine.measures.rows import STILL
-from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.names import EventKind

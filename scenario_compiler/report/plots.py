@@ -43,8 +43,8 @@ from scenario_compiler.report.palette import (
     VERMILION,
     WORDS,
 )
-from scenario_compiler.report.run import Run
-from scenario_compiler.report.surroundings import Surroundings, Window, surroundings
+from scenario_compiler.report.run import HEALTHY, Run
+from scenario_compiler.report.surroundings import PAVED, Surroundings, Window, surroundings
 from scenario_compiler.vocabulary.word import number_value
 
 STYLE: Any = {
@@ -81,9 +81,6 @@ FURNITURE = 30.0
 
 ARROW = 11.0
 """Length of the arrows that show the axes, points."""
-
-HEALTHY = 0.98
-"""Sensor health from which it is not plotted."""
 
 NEAR = 60.0
 """Distance from the ego's path within which other entities extend a map, m."""
@@ -294,10 +291,9 @@ def _draw_legend(figure: Figure, axis: Axes) -> float:
 
 
 def _draw_roads(axis: Axes, around: Surroundings, turn: float, points_per_metre: float) -> None:
-    paved = ("sidewalk", "walking", "biking", "curb")
     for strips, colour, order in (
-        ([s for s in around.strips if not s.drivable and s.type not in paved], VERGE, 1),
-        ([s for s in around.strips if s.type in paved], PAVEMENT, 2),
+        ([s for s in around.strips if not s.drivable and s.type not in PAVED], VERGE, 1),
+        ([s for s in around.strips if s.type in PAVED], PAVEMENT, 2),
         ([s for s in around.strips if s.drivable], ASPHALT, 3),
     ):
         outlines = [_turned(strip.outline, -turn) for strip in strips]

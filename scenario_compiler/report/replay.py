@@ -33,8 +33,8 @@ from scenario_compiler.report.palette import (
     WORDS,
     words_of,
 )
-from scenario_compiler.report.run import MOMENTS, Run
-from scenario_compiler.report.surroundings import Window, surroundings
+from scenario_compiler.report.run import HEALTHY, MOMENTS, Run
+from scenario_compiler.report.surroundings import PAVED, Window, surroundings
 from scenario_compiler.report.wording import unit_words
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import Pose, SecondaryLine
@@ -69,9 +69,6 @@ MARGIN = 80.0
 
 LARGEST = 2.0**50
 """Greatest number of steps of a value in a page: JavaScript counts exactly up to 2^53."""
-
-HEALTHY = 0.98
-"""Sensor health from which it is not plotted."""
 
 MARK_COLOURS = {"yellow": ORANGE, "orange": ORANGE, "blue": BLUE, "red": VERMILION, "green": GREEN, "violet": PURPLE}
 """Colours of marks; others have the page's colour for paint."""
@@ -316,7 +313,7 @@ def _kind(lane_type: str, drivable: bool) -> str:
     """Return the name of the page's colour for a lane."""
     if drivable:
         return "asphalt"
-    return "pavement" if lane_type in ("sidewalk", "walking", "biking", "curb") else "verge"
+    return "pavement" if lane_type in PAVED else "verge"
 
 
 def starts_of(recording: Recording) -> list[Pose]:

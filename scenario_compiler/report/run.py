@@ -21,6 +21,9 @@ MOMENTS: tuple[EventKind, ...] = (
 )
 """Kinds of events whose first occurrence has a picture."""
 
+HEALTHY = 0.98
+"""Health of the sensor from which curves do not show it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Run:

@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 from statistics import NormalDist
 
+LEVEL = 0.95
+"""Confidence level of the intervals."""
 
-def wilson_interval(hits: int, count: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Return the confidence interval of a rate with `hits` of `count` runs, by Wilson's score (1927).
+
+def wilson_interval(hits: int, count: int) -> tuple[float, float]:
+    """Return the 95 % confidence interval of a rate with `hits` of `count` runs, by Wilson's score (1927).
 
     It is also valid for rates near 0 and 1 and for few runs, unlike the normal interval (Brown, Cai and DasGupta 2001).
     Without a run it is (0, 1).
     """
     if count == 0:
         return 0.0, 1.0
-    z = NormalDist().inv_cdf(0.5 + confidence / 2)
+    z = NormalDist().inv_cdf(0.5 + LEVEL / 2)
     rate, share = hits / count, z * z / count
     middle = (rate + share / 2) / (1 + share)
     half = z / (1 + share) * math.sqrt(rate * (1 - rate) / count + share / (4 * count))

@@ -15,6 +15,9 @@ from scenario_compiler.roads.network import Network
 QUALITY_STEPS = 10
 """Number of steps of the drawn quality of a mark."""
 
+PAVED = ("sidewalk", "walking", "biking", "curb")
+"""Types of lanes that are drawn as pavement."""
+
 END = 1e-6
 """Distance of the last sample from a lane section's end, so that it belongs to that section, m."""
 

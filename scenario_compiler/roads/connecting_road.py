@@ -17,6 +17,7 @@ from scenario_compiler.roads.geometry import (
 from scenario_compiler.roads.lanes import lane_borders, lane_width
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.text_edits import number_of
 
 _RECORDS = ("roadMark", "material", "speed", "access", "height", "rule")
 """Records of a lane that are valid from an sOffset on; the one valid at the joint is copied."""
@@ -83,19 +84,12 @@ def build_road(
 
 
 def _copy_type(road: etree._Element, source: etree._Element, s: float) -> None:
-    records = [one for one in source.iterfind("{*}type") if _number(one, "s") <= s + 1e-9]
+    records = [one for one in source.iterfind("{*}type") if number_of(one, "s") <= s + 1e-9]
     if records:
-        kept = copy.deepcopy(max(records, key=lambda one: _number(one, "s")))
+        kept = copy.deepcopy(max(records, key=lambda one: number_of(one, "s")))
         kept.tail = None
         kept.set("s", "0")
         road.append(kept)
-
-
-def _number(element: etree._Element, attribute: str) -> float:
-    try:
-        return float(element.get(attribute, "0"))
-    except ValueError:
-        return 0.0
 
 
 def _write_line(road: etree._Element, n: RoadTables, stretch: Stretch) -> None:
@@ -201,21 +195,21 @@ def _inner_border(n: RoadTables, road: int, lane: int, s: float) -> float:
 
 def _lanes_at(source: etree._Element, s: float) -> dict[int, etree._Element]:
     """Return the elements of the lanes at s by id."""
-    sections = [one for one in source.iterfind("{*}lanes/{*}laneSection") if _number(one, "s") <= s]
+    sections = [one for one in source.iterfind("{*}lanes/{*}laneSection") if number_of(one, "s") <= s]
     if not sections:
         return {}
-    section = max(sections, key=lambda one: _number(one, "s"))
-    return {int(_number(one, "id")): one for one in section.iterfind("{*}*/{*}lane")}
+    section = max(sections, key=lambda one: number_of(one, "s"))
+    return {int(number_of(one, "id")): one for one in section.iterfind("{*}*/{*}lane")}
 
 
 def _copy_records(element: etree._Element, original: etree._Element, low: float) -> None:
     """Copy the records that are valid at the joint, from the start of the new lane on."""
     for tag in _RECORDS:
         s = low - _section_start(original)
-        records = [one for one in original.iterfind(f"{{*}}{tag}") if _number(one, "sOffset") <= s + 1e-9]
-        latest = max((_number(one, "sOffset") for one in records), default=0.0)
+        records = [one for one in original.iterfind(f"{{*}}{tag}") if number_of(one, "sOffset") <= s + 1e-9]
+        latest = max((number_of(one, "sOffset") for one in records), default=0.0)
         for one in records:
-            if _number(one, "sOffset") == latest:
+            if number_of(one, "sOffset") == latest:
                 kept = copy.deepcopy(one)
                 kept.tail = None
                 kept.set("sOffset", "0")
@@ -227,4 +221,4 @@ def _copy_records(element: etree._Element, original: etree._Element, low: float)
 def _section_start(lane: etree._Element) -> float:
     side = lane.getparent()
     section = side.getparent() if side is not None else None
-    return _number(section, "s") if section is not None else 0.0
+    return number_of(section, "s") if section is not None else 0.0

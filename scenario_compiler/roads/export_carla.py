@@ -44,13 +44,12 @@ from scenario_compiler.roads.shorten import End, cut_range, free_id, name_end, s
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 from scenario_compiler.roads.text_edits import TextEdits
 from scenario_compiler.roads.thin_lanes import widen_thin_lanes
+from scenario_compiler.roads.topology import CONTACTS
 
 JOINT_LENGTH = 0.1
 """Length of a connecting road that replaces a direct joint, m: several steps of a 32-bit coordinate 100 km from the
 origin, and too short to be noticed.
 """
-
-_CONTACT = {"start": AT_START, "end": AT_END}
 
 
 @dataclass
@@ -141,7 +140,7 @@ def _read_pair(network: Network, junction: _Junction, connection: etree._Element
     except KeyError:
         return
     name = str(junction.element.get("id"))
-    contact = _CONTACT.get(str(connection.get("contactPoint")))
+    contact = CONTACTS.get(str(connection.get("contactPoint")))
     ends = _ends_at(network, incoming, name)
     targets = [end for end in _ends_at(network, linked, name) if contact in (None, end[1])]
     if not targets and contact is not None:

@@ -12,9 +12,9 @@ from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.tables import AT_END, AT_START
 from scenario_compiler.roads.text_edits import TextEdits
+from scenario_compiler.roads.topology import CONTACTS
 
-_CONTACTS = {"start": AT_START, "end": AT_END}
-_WORDS = {AT_START: "start", AT_END: "end"}
+_WORDS = {end: word for word, end in CONTACTS.items()}
 
 LaneIds = dict[str, tuple[set[str], set[str]]]
 """The ids of the lanes at the start and at the end of each road."""
@@ -37,7 +37,7 @@ def dead_lane_links(root: etree._Element, known: LaneIds) -> Iterator[etree._Ele
         outof = known.get(str(connection.get("incomingRoad")))
         if into is None or outof is None:
             continue
-        contact = _CONTACTS.get(str(connection.get("contactPoint")), AT_START)
+        contact = CONTACTS.get(str(connection.get("contactPoint")), AT_START)
         for link in connection.iterfind("{*}laneLink"):
             if link.get("to") not in into[contact] or link.get("from") not in outof[0] | outof[1]:
                 yield link
@@ -48,7 +48,7 @@ def dead_lane_links(root: etree._Element, known: LaneIds) -> Iterator[etree._Ele
             if not sections or target is None or target.get("elementType") != "road":
                 continue
             beyond = known.get(str(target.get("elementId")))
-            contact = _CONTACTS.get(str(target.get("contactPoint")), -1)
+            contact = CONTACTS.get(str(target.get("contactPoint")), -1)
             if beyond is not None and contact >= 0:
                 for link in sections[k].iterfind(f"{{*}}*/{{*}}lane/{{*}}link/{{*}}{name}"):
                     if _whole(link.get("id")) not in beyond[contact]:

@@ -31,6 +31,12 @@ Point = tuple[float, float, float]
 VERGE_WIDTH = 6.0
 """Width of the strip of grass along roads that are not level, m; it connects them with the ground."""
 
+STATIONS = 2.0
+"""Distance of the stations at which a lane's borders are evaluated, m."""
+
+TOLERANCE = 0.01
+"""Distance by which a surface or a line may lie off the quad that stands for it, m."""
+
 LONGEST = 20.0
 """Greatest length of a piece of a surface, m."""
 
@@ -174,19 +180,13 @@ def mesh_origin(network: Network) -> Floats:
     return np.rint(middle / ORIGIN_GRID) * ORIGIN_GRID + 0.0
 
 
-def road_surface(network: Network, step: float = 2.0, tolerance: float = 0.01) -> Surface:
-    """Return every lane of every road, junctions included, and the verge beside roads that are not level.
-
-    Args:
-        network: The roads.
-        step: Distance of the stations, m.
-        tolerance: How far a surface may lie off a quad that spans several stations, m.
-    """
+def road_surface(network: Network) -> Surface:
+    """Return every lane of every road, junctions included, and the verge beside roads that are not level."""
     n = network.tables
     quads: list[Floats] = []
     columns: list[tuple[int, int, int, float, float]] = []
     for section in range(len(n.section_s)):
-        for material, lane, corners, s in _strips(n, section, step, tolerance):
+        for material, lane, corners, s in _strips(n, section):
             road = n.section_road[section]
             quads.append(corners)
             columns += [(material, road, lane, a, b) for a, b in pairwise(s)]
@@ -205,19 +205,17 @@ def road_surface(network: Network, step: float = 2.0, tolerance: float = 0.01) -
     )
 
 
-def _strips(
-    n: RoadTables, section: int, step: float, tolerance: float
-) -> Iterator[tuple[Material, int, Floats, list[float]]]:
+def _strips(n: RoadTables, section: int) -> Iterator[tuple[Material, int, Floats, list[float]]]:
     """Yield material, lane, quads (N, 4, 3) and the N + 1 stations of each lane of a section."""
     road = n.section_road[section]
     start, end = n.section_s[section], min(n.section_end[section], n.road_length[road])
     rows = [r for r in range(n.section_lane[section], n.section_lane[section + 1]) if n.lane_id[r] != 0]
     if not rows or end - start < 1e-6:
         return
-    count = min(max(1, math.ceil((end - start) / step)), MOST_PIECES)
+    count = min(max(1, math.ceil((end - start) / STATIONS)), MOST_PIECES)
     stations = [start + (end - start) * k / count for k in range(count)] + [end]
     borders = np.array([_borders(n, road, section, rows, s) for s in stations])
-    kept = _needed(borders, np.array(stations), tolerance)
+    kept = _needed(borders, np.array(stations))
     borders, stations = borders[kept], [stations[k] for k in kept]
     for k, row in enumerate(rows):
         left, right = borders[:, 2 * k + 1], borders[:, 2 * k + 2]
@@ -253,8 +251,8 @@ def _inside(n: RoadTables, section: int, s: float) -> float:
     return max(min(s, n.section_end[section] - 1e-6), n.section_s[section])
 
 
-def _needed(borders: Floats, s: Floats, tolerance: float) -> list[int]:
-    """Return the stations, including first and last, between which the borders are straight within `tolerance`."""
+def _needed(borders: Floats, s: Floats) -> list[int]:
+    """Return the stations, including first and last, between which the borders are straight within `TOLERANCE`."""
     kept, last = [0], len(s) - 1
     while kept[-1] < last:
         here = kept[-1]
@@ -262,19 +260,18 @@ def _needed(borders: Floats, s: Floats, tolerance: float) -> list[int]:
         while ahead < last and s[ahead + 1] - s[here] <= LONGEST:
             share = ((s[here + 1 : ahead + 1] - s[here]) / (s[ahead + 1] - s[here]))[:, None, None]
             chord = borders[here] + share * (borders[ahead + 1] - borders[here])
-            if float(np.abs(borders[here + 1 : ahead + 1] - chord).max()) > tolerance:
+            if float(np.abs(borders[here + 1 : ahead + 1] - chord).max()) > TOLERANCE:
                 break
             ahead += 1
         kept.append(ahead)
     return kept
 
 
-def road_marks(network: Network, tolerance: float = 0.01, secondary: Sequence[SecondaryLine] = ()) -> Marks:
+def road_marks(network: Network, secondary: Sequence[SecondaryLine] = ()) -> Marks:
     """Return the painted pieces of every mark: solid lines, dashes, double lines.
 
     Args:
         network: The roads, with the quality of their marks.
-        tolerance: How far a line may lie off a straight piece, m.
         secondary: Lines beside the marks, painted after them.
 
     Raises:
@@ -287,9 +284,9 @@ def road_marks(network: Network, tolerance: float = 0.01, secondary: Sequence[Se
         for row in range(n.section_lane[section], n.section_lane[section + 1]):
             for mark in range(n.lane_mark[row], n.lane_mark[row + 1]):
                 for line in _lines(n, mark):
-                    _paint(n, row, mark, line, tolerance, quads, columns)
+                    _paint(n, row, mark, line, quads, columns)
     for beside in secondary:
-        _paint_secondary(n, network.road_index(beside.road), beside, tolerance, quads, columns)
+        _paint_secondary(n, network.road_index(beside.road), beside, quads, columns)
     table = np.array(columns, np.float64).reshape(-1, 7)
     origin = mesh_origin(network)
     return Marks(
@@ -339,7 +336,6 @@ def _paint(
     row: int,
     mark: int,
     line: _Stroke,
-    tolerance: float,
     quads: list[tuple[Point, Point, Point, Point]],
     columns: list[tuple[int, float, float, int, int, float, float]],
 ) -> None:
@@ -352,7 +348,7 @@ def _paint(
     from_q, to_q = n.mark_quality_from[mark], n.mark_quality_to[mark]
     span = n.mark_end[mark] - n.mark_s[mark]
     for a, b in _dashes(line, low, high):
-        for s0, s1 in _pieces(n, road, a, b, tolerance, 1.0 if from_q != to_q else 10.0):
+        for s0, s1 in _pieces(n, road, a, b, 1.0 if from_q != to_q else 10.0):
             left0, right0 = _across(n, road, row, mark, s0, outwards, line.width)
             left1, right1 = _across(n, road, row, mark, s1, outwards, line.width)
             share = ((s0 + s1) / 2.0 - n.mark_s[mark]) / span if span > 0.0 else 0.0
@@ -364,7 +360,6 @@ def _paint_secondary(
     n: RoadTables,
     road: int,
     line: SecondaryLine,
-    tolerance: float,
     quads: list[tuple[Point, Point, Point, Point]],
     columns: list[tuple[int, float, float, int, int, float, float]],
 ) -> None:
@@ -374,7 +369,7 @@ def _paint_secondary(
     stroke = _Stroke(line.t, line.width, colour, dash, gap, line.s_from, line.s_to)
     rims = (line.t + line.width / 2.0, line.t - line.width / 2.0)
     for a, b in _dashes(stroke, max(line.s_from, 0.0), min(line.s_to, n.road_length[road])):
-        for s0, s1 in _pieces(n, road, a, b, tolerance, 10.0):
+        for s0, s1 in _pieces(n, road, a, b, 10.0):
             left0, right0 = (geometry.road_pose(n, road, s0, t)[:3] for t in rims)
             left1, right1 = (geometry.road_pose(n, road, s1, t)[:3] for t in rims)
             quads.append((left0, left1, right1, right0))
@@ -395,10 +390,8 @@ def _dashes(line: _Stroke, low: float, high: float) -> Iterator[tuple[float, flo
             yield max(a, low), min(b, high)
 
 
-def _pieces(
-    n: RoadTables, road: int, low: float, high: float, tolerance: float, longest: float
-) -> Iterator[tuple[float, float]]:
-    """Yield ranges over which the reference line is straight within `tolerance`, at most `longest` m."""
+def _pieces(n: RoadTables, road: int, low: float, high: float, longest: float) -> Iterator[tuple[float, float]]:
+    """Yield ranges over which the reference line is straight within `TOLERANCE`, at most `longest` m."""
     if n.road_flat[road] == 0:
         longest = min(longest, 4.0)
     longest = max(longest, (high - low) / MOST_PIECES)
@@ -406,7 +399,7 @@ def _pieces(
     while high - s > 1e-6:
         k = abs(geometry.road_reference(n, road, s)[3])
         ahead = abs(geometry.road_reference(n, road, min(s + longest, high))[3])
-        chord = math.sqrt(8.0 * tolerance / max(k, ahead, 1e-6))
+        chord = math.sqrt(8.0 * TOLERANCE / max(k, ahead, 1e-6))
         parts = max(1, math.ceil((high - s) / max(min(longest, chord), (high - low) / MOST_PIECES)))
         step = (high - s) / parts
         yield s, s + step

@@ -5,7 +5,7 @@ from __future__ import annotations
 from lxml import etree
 
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
-from scenario_compiler.roads.text_edits import TextEdits
+from scenario_compiler.roads.text_edits import TextEdits, number_of
 
 _NAMES = ("predecessor", "successor")
 
@@ -23,7 +23,7 @@ def complete_lane_links(edits: TextEdits, element: etree._Element, n: RoadTables
         goes_on: Whether the road's end is split off, so that the same lanes continue there.
     """
     rows = range(n.road_section[road], n.road_section[road + 1])
-    sections = sorted(element.iterfind("{*}lanes/{*}laneSection"), key=_start)
+    sections = sorted(element.iterfind("{*}lanes/{*}laneSection"), key=lambda one: number_of(one, "s"))
     if len(rows) != len(sections):
         return
     for row, section in zip(rows, sections, strict=True):
@@ -37,13 +37,6 @@ def complete_lane_links(edits: TextEdits, element: etree._Element, n: RoadTables
                     for stated in found.iterfind("{*}link/{*}successor"):
                         edits.set(stated, "id", str(ends[1]))
                 _write_links(edits, found, ends)
-
-
-def _start(section: etree._Element) -> float:
-    try:
-        return float(section.get("s", "0"))
-    except ValueError:
-        return 0.0
 
 
 def _linked_lane(n: RoadTables, road: int, section: int, lane: int, end: int) -> int:

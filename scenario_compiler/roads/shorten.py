@@ -9,7 +9,7 @@ from lxml import etree
 from scenario_compiler.roads.geometry import road_piece_at, road_reference
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.tables import AT_END, RoadTables
-from scenario_compiler.roads.text_edits import TextEdits
+from scenario_compiler.roads.text_edits import TextEdits, number_of
 
 End = tuple[int, int]
 """A road's index and one of its ends, `AT_START` or `AT_END`."""
@@ -54,9 +54,9 @@ def shorten_road(
     """
     limit = n.road_length[road] - at_end
     _set(edits, element, "length", limit - at_start)
-    geometries = sorted(element.iterfind("{*}planView/{*}geometry"), key=lambda one: _number(one, "s"))
+    geometries = sorted(element.iterfind("{*}planView/{*}geometry"), key=lambda one: number_of(one, "s"))
     for one in geometries:
-        s, span = _number(one, "s"), _number(one, "length")
+        s, span = number_of(one, "s"), number_of(one, "length")
         start, end = max(at_start - s, 0.0), min(span, limit - s)
         if end <= start and len(geometries) > 1:
             edits.remove(one)
@@ -77,16 +77,9 @@ def shorten_road(
         _move_offsets(edits, element, at_start)
 
 
-def _number(element: etree._Element, attribute: str) -> float:
-    try:
-        return float(element.get(attribute, "0"))
-    except ValueError:
-        return 0.0
-
-
 def _set(edits: TextEdits, element: etree._Element, attribute: str, value: float) -> None:
     """Set an attribute to a number; if it has this value already, its text is not changed."""
-    if element.get(attribute) is None or _number(element, attribute) != value:
+    if element.get(attribute) is None or number_of(element, attribute) != value:
         edits.set(element, attribute, repr(value))
 
 
@@ -96,12 +89,12 @@ def _trim(edits: TextEdits, geometry: etree._Element, start: float, end: float, 
     The parameter u of a poly3 is s times a scale that depends on the whole piece. The scale of the remaining part
     differs slightly, so that points move along the line by up to the change (for a cut of 0.1 m, millimetres).
     """
-    whole = _number(geometry, "length")
+    whole = number_of(geometry, "length")
     _set(edits, geometry, "length", end - start)
     for shape in geometry.iterchildren("{*}*"):
         name = etree.QName(shape).localname
         if name == "spiral":
-            k0, k1 = _number(shape, "curvStart"), _number(shape, "curvEnd")
+            k0, k1 = number_of(shape, "curvStart"), number_of(shape, "curvEnd")
             _set(edits, shape, "curvStart", k0 + (k1 - k0) * start / whole)
             _set(edits, shape, "curvEnd", k0 + (k1 - k0) * end / whole)
         elif name == "poly3":
@@ -118,7 +111,7 @@ def _restate(
     edits: TextEdits, element: etree._Element, names: Sequence[str], by: float, stretch: float, at: float = 0.0
 ) -> None:
     """Rewrite a + b p + c p2 + d p3 for p = by + stretch q; the constant becomes `at` if p moves."""
-    a, b, c, d = (_number(element, name) for name in names)
+    a, b, c, d = (number_of(element, name) for name in names)
     moved = (
         a if by == 0.0 else at,
         (b + by * (2.0 * c + 3.0 * d * by)) * stretch,
@@ -137,12 +130,12 @@ def _move_stations(edits: TextEdits, road: etree._Element, by: float) -> None:
     for one in road.iter(etree.Element):
         for attribute in _STATIONS[1:]:
             if one.get(attribute) is not None:
-                _set(edits, one, attribute, max(_number(one, attribute) - by, 0.0))
+                _set(edits, one, attribute, max(number_of(one, attribute) - by, 0.0))
 
 
 def _move_offsets(edits: TextEdits, road: etree._Element, by: float) -> None:
     """Decrease every sOffset of the lanes of the first lane section, which now starts later."""
-    sections = sorted(road.iterfind("{*}lanes/{*}laneSection"), key=lambda one: _number(one, "s"))
+    sections = sorted(road.iterfind("{*}lanes/{*}laneSection"), key=lambda one: number_of(one, "s"))
     for lane in sections[0].iterfind("{*}*/{*}lane") if sections else ():
         for group in _groups(one for one in lane.iterchildren("{*}*") if one.get("sOffset") is not None):
             _lower(edits, group, "sOffset", by)
@@ -159,14 +152,14 @@ def _groups(elements: Iterator[etree._Element]) -> list[list[etree._Element]]:
 
 
 def _lower(edits: TextEdits, records: list[etree._Element], attribute: str, by: float) -> None:
-    records = sorted(records, key=lambda one: _number(one, attribute))
+    records = sorted(records, key=lambda one: number_of(one, attribute))
     for one, following in zip(records, [*records[1:], None], strict=True):
-        s = _number(one, attribute)
+        s = number_of(one, attribute)
         if etree.QName(one).localname in _CUBICS and s < by:
-            if following is not None and _number(following, attribute) <= by:
+            if following is not None and number_of(following, attribute) <= by:
                 edits.remove(one)
                 continue
-            a, b, c, d = (_number(one, name) for name in "abcd")
+            a, b, c, d = (number_of(one, name) for name in "abcd")
             p = by - s
             _restate(edits, one, "abcd", p, 1.0, a + p * (b + p * (c + p * d)))
         _set(edits, one, attribute, max(s - by, 0.0))

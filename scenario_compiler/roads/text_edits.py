@@ -16,6 +16,14 @@ _TOKENS = re.compile(
 )
 
 
+def number_of(element: etree._Element, attribute: str) -> float:
+    """Return an attribute as a number; 0 if it is missing or not a number."""
+    try:
+        return float(element.get(attribute, "0"))
+    except ValueError:
+        return 0.0
+
+
 class TextEdits:
     """Collects changes to the elements of a document; `result` applies them all."""
 

@@ -34,6 +34,7 @@ UNKNOWN_LINK = Code(
 )
 
 CONTACTS = {"start": AT_START, "end": AT_END}
+"""The standard's words for the end of a road that a link touches."""
 
 
 @dataclass(slots=True)

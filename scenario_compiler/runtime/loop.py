@@ -36,7 +36,7 @@ from scenario_compiler.recording.names import SOURCES, STOP_REASONS, TAKEOVER_ST
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.recording.versions import processor, versions
 from scenario_compiler.roads import Network, Pose
-from scenario_compiler.runtime.failures import ENGINE_BROKE_OFF
+from scenario_compiler.runtime.engine_fault import ENGINE_BROKE_OFF
 from scenario_compiler.runtime.log import EventLog
 from scenario_compiler.runtime.messages import Messenger
 from scenario_compiler.runtime.pictures import PICTURED, picture_of

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple, get_args
 
+from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -13,9 +14,6 @@ from scenario_compiler.vocabulary.word import number_value
 
 ENDS = ("warning_over", "response", "override", "hand_back", "activation", "standstill")
 """Events that end the messages to the driver."""
-
-SAME_TIME = 1e-6
-"""Times that differ by less than this are equal, s."""
 
 
 class Texts(NamedTuple):

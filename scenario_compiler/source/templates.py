@@ -206,20 +206,22 @@ class TemplateScope:
         return next((scope.traffic[name] for scope in self._outwards() if name in scope.traffic), None)
 
     def _unknown_traffic(self, named: str, word: Word, attribute: str, sink: Diagnostics) -> str:
-        something_unread = any(one.code.id.startswith("SC1") for one in sink)
-        if self._complete() and not something_unread:
+        if self._has_read_everything(sink):
             known = {one for scope in self._outwards() for one in scope.traffic}
             hint = did_you_mean(named, known) or "the scenario has no traffic with a name"
             sink.add(names.UNKNOWN_TRAFFIC, f"there is no traffic '{named}'", word.place_of(attribute), hint=hint)
         return named
 
     def _unknown_event(self, named: str, word: Word, attribute: str, sink: Diagnostics) -> str:
-        something_unread = any(one.code.id.startswith("SC1") for one in sink)
-        if self._complete() and not something_unread:
+        if self._has_read_everything(sink):
             known = {one for scope in self._outwards() for one in scope.events}
             hint = did_you_mean(named, known) or 'give the <when> that is meant a name: <when name="brakes">'
             sink.add(names.UNKNOWN_EVENT, f"there is no event '{named}'", word.place_of(attribute), hint=hint)
         return named
+
+    def _has_read_everything(self, sink: Diagnostics) -> bool:
+        """Return whether no element was left out that could have the name: neither unexpanded nor unread (SC1xx)."""
+        return self._complete() and not any(one.code.id.startswith("SC1") for one in sink)
 
     def _complete(self) -> bool:
         return self.all_read and (self.parent is None or self.parent._complete())

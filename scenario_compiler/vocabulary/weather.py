@@ -39,11 +39,12 @@ class Weather(Word):
     dust_storm: float = attribute("Dust, percent.", default=0.0, minimum=0, maximum=100)
 
 
-_NUMBERS = (
+WEATHER_NUMBERS = (
     "cloudiness", "precipitation", "precipitation_deposits", "wind_intensity", "sun_azimuth_angle",
     "sun_altitude_angle", "fog_density", "fog_distance", "fog_falloff", "wetness", "scattering_intensity",
     "mie_scattering_scale", "rayleigh_scattering_scale", "dust_storm",
 )  # fmt: skip
+"""CARLA's numbers, in the order of a weather."""
 
 _TABLE = """
 ClearNight 5 0 0 10 -1 -90 60 75 1 0 1 0.03 0.0331 0
@@ -85,7 +86,7 @@ def weather_preset(name_or_index: str) -> Weather | None:
         name_or_index = names[int(name_or_index)]
     if name_or_index not in WEATHER_PRESETS:
         return None
-    numbers: dict[str, Any] = dict(zip(_NUMBERS, WEATHER_PRESETS[name_or_index], strict=True))
+    numbers: dict[str, Any] = dict(zip(WEATHER_NUMBERS, WEATHER_PRESETS[name_or_index], strict=True))
     return Weather.model_construct(preset=name_or_index, **numbers)
 
 
@@ -102,15 +103,15 @@ def complete_weather(weather: AnyWeather) -> AnyWeather | None:
     preset = weather_preset(weather.preset)
     if preset is None:
         return None
-    usual = {name: type(weather).model_fields[name].default for name in _NUMBERS}
-    numbers = {name: getattr(preset, name) for name in _NUMBERS if getattr(weather, name) == usual[name]}
-    own = len(numbers) < len(_NUMBERS)
+    usual = {name: type(weather).model_fields[name].default for name in WEATHER_NUMBERS}
+    numbers = {name: getattr(preset, name) for name in WEATHER_NUMBERS if getattr(weather, name) == usual[name]}
+    own = len(numbers) < len(WEATHER_NUMBERS)
     return weather.model_copy(update={**numbers, "preset": CUSTOM if own else preset.preset})
 
 
 def written_numbers(weather: Weather) -> tuple[float, ...]:
     """Return the 14 numbers as they are written, in CARLA's order."""
-    return tuple(getattr(weather, name) for name in _NUMBERS)
+    return tuple(getattr(weather, name) for name in WEATHER_NUMBERS)
 
 
 def weather_numbers(weather: Weather) -> tuple[float, ...]:
@@ -121,14 +122,14 @@ def weather_numbers(weather: Weather) -> tuple[float, ...]:
 
 def is_clear(weather: Weather) -> bool:
     """Return whether the weather is dry: no dust, fog of at most 5 %, and the sun above the horizon."""
-    named = dict(zip(_NUMBERS, weather_numbers(weather), strict=True))
+    named = dict(zip(WEATHER_NUMBERS, weather_numbers(weather), strict=True))
     water = max(named["precipitation"], named["precipitation_deposits"], named["wetness"], named["dust_storm"])
     return water <= 0.0 and named["fog_density"] <= 5.0 and named["sun_altitude_angle"] > 0.0
 
 
 def weather_of(numbers: Sequence[float]) -> Weather:
     """Return the weather of 14 numbers, none of which is left to the map."""
-    return Weather.model_validate({name: _told(one) for name, one in zip(_NUMBERS, numbers, strict=True)})
+    return Weather.model_validate({name: _told(one) for name, one in zip(WEATHER_NUMBERS, numbers, strict=True)})
 
 
 def _told(number: float) -> float:

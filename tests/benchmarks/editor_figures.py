@@ -27,16 +27,16 @@ MOST = 0.1
 """Time that an answer may take on an idle core, s."""
 
 
-def long_text(lines: int = LINES) -> str:
-    """Return a text of some lines: the scenarios of a file of the library again and again, under other names."""
+def long_text() -> str:
+    """Return a text of `LINES` lines: the scenarios of a file of the library again and again, under other names."""
     text = FILE.read_text(encoding="utf-8")
     head, tail = text[: text.index("  <scenario ")], "</scenarios>\n"
     body = text[len(head) : text.rindex(tail)]
     copies, number = "", 0
-    while (head + copies + tail).count("\n") < lines:
+    while (head + copies + tail).count("\n") < LINES:
         copies += body.replace('<scenario name="', f'<scenario name="copy{number}_')
         number += 1
-    cut = "\n".join((head + copies).split("\n")[:lines])
+    cut = "\n".join((head + copies).split("\n")[:LINES])
     return cut[: cut.rindex("</scenario>") + len("</scenario>")] + "\n" + tail
 
 

@@ -153,7 +153,7 @@ def figures(folder: Path, runs: int, *, short: bool) -> list[Figure]:
         (OBSTACLE, "distance=uniform(60,350)"),
     ):
         for samples in sizes:
-            cpu = median(1 if samples > 1_000 else runs, lambda: sweep_cpu(target, vary, samples, folder))  # noqa: B023
+            cpu = median(1 if samples > 1_000 else runs, lambda: sweep_cpu(target, vary, samples, folder))  # noqa: B023  # called at once
             held = "" if target is not SCRIPTED else "15x (aim 60x)" if samples < 10_000 else "60x (aim 120x)"
             each = cpu / samples
             value = f"{cpu:.2f} s, {1e3 * each:.2f} ms a variant"

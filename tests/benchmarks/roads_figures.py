@@ -35,6 +35,9 @@ ROAD = (
     '</geometry></planView><lanes><laneSection s="0"><left>{left}</left><center><lane id="0" type="none"/></center>'
     "<right>{right}</right></laneSection></lanes></road>"
 )
+REPEATS = 3
+"""Measurements of each generated network."""
+
 LANE = '<lane id="{}" type="driving" level="false"><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane>'
 
 
@@ -122,18 +125,18 @@ def locating(town: Path, runs: int, points: int = POINTS) -> Locating:
     return Locating(statistics.median(ours), statistics.median(theirs) if theirs else None)
 
 
-def growth(folder: Path, roads: int, runs: int = 3) -> Growth:
+def growth(folder: Path, roads: int) -> Growth:
     """Measure a generated network of `roads` roads, 250 m each."""
     left, right = LANE.format(1), LANE.format(-1)
     body = "".join(ROAD.format(i=i, x=300 * (i % 40), y=40 * (i // 40), left=left, right=right) for i in range(roads))
     path = folder / f"{roads}.xodr"
     path.write_text(f"<OpenDRIVE><header/>{body}</OpenDRIVE>", encoding="utf-8")
-    load = statistics.median(cpu(lambda: load_network(path, cache=False)) for _ in range(runs))
+    load = statistics.median(cpu(lambda: load_network(path, cache=False)) for _ in range(REPEATS))
     network = load_network(path, cache=False)
     k = np.random.default_rng(1).integers(roads, size=20_000)
     xs, ys = 300.0 * (k % 40) + 20.0, 40.0 * (k // 40) + 1.0
     network.locate_many(xs[:10], ys[:10])
-    return Growth(roads, load, min(cpu(lambda: network.locate_many(xs, ys)) for _ in range(runs)))
+    return Growth(roads, load, min(cpu(lambda: network.locate_many(xs, ys)) for _ in range(REPEATS)))
 
 
 def table(town: Path, folder: Path, runs: int, *, short: bool) -> Table:

@@ -6,7 +6,7 @@ import pytest
 
 from scenario_compiler.carla_server.actors import Actor, Car
 from scenario_compiler.carla_server.blueprints import KINDS, first_kind, library
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.spawning import check_attributes, new_actor
 from scenario_compiler.cli.carla import VERSIONS
 from scenario_compiler.frames import CarlaTransform

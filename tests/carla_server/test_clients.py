@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -172,8 +173,8 @@ def test_a_slow_consumer_does_not_stop_the_others(server: Served, world: Any, sp
 
 def resident(process: int) -> int:
     """Return how much memory a process has, bytes."""
-    with open(f"/proc/{process}/statm", encoding="ascii") as file:  # noqa: PTH123
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    pages = Path(f"/proc/{process}/statm").read_text(encoding="ascii").split()[1]
+    return int(pages) * os.sysconf("SC_PAGE_SIZE")
 
 
 @pytest.mark.parametrize("mode", ["synchronous", "asynchronous"])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.debug_shapes import DebugShapes
-from scenario_compiler.carla_server.failures import CallError
 from tests.carla_server.conftest import STEP
 from tests.carla_server.test_sensors import Listening, Spawn, pixels
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import random  # noqa: TID251
+import random  # noqa: TID251  # for bytes of any kind, from a seed
 import socket
 import struct
 from collections.abc import Callable, Iterator

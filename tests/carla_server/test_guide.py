@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +12,7 @@ import pytest
 import yaml
 
 from tests.carla_server.conftest import Served, free_port
+from tests.pages import code_blocks
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "carla-server.md").read_text(encoding="utf-8")
@@ -34,9 +34,8 @@ def test_the_example_drives_and_takes_a_picture(server: Served, tmp_path: Path) 
 
 @pytest.mark.slow
 def test_the_pipelines_commands_run(client_version: str, tmp_path: Path) -> None:
-    found = re.search(r"```yaml\n(.*?)```", GUIDE, re.DOTALL)
-    assert found is not None
-    steps = yaml.safe_load(found.group(1))["jobs"]["drive"]["steps"]
+    (workflow,) = code_blocks(GUIDE, "yaml")
+    steps = yaml.safe_load(workflow)["jobs"]["drive"]["steps"]
     commands = steps[-1]["run"].replace("serve-carla", f"serve-carla --carla-version {client_version}")
     port = free_port()
     commands = commands.replace("2000", f"{port}").replace("picture.png", f"{tmp_path}/picture.png {port}")

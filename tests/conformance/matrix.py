@@ -52,10 +52,10 @@ class Backing:
         return not self.decision and (self.agreeing > 0 or len(self.laws) > 0)
 
 
-def laws_stated(folder: Path = LAWS) -> dict[tuple[str, str], list[str]]:
+def laws_stated() -> dict[tuple[str, str], list[str]]:
     """Return the tests that state the law of each variant: those marked `law(feature, variant)`."""
     found: dict[tuple[str, str], list[str]] = {}
-    for file in sorted(folder.glob("test_*.py")):
+    for file in sorted(LAWS.glob("test_*.py")):
         for node in ast.parse(file.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.FunctionDef):
                 for key in _marks(node):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +20,7 @@ from scenario_compiler.perception.detectors import DETECTORS, DetectorName, crea
 from scenario_compiler.perception.lane_detector import LaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.trust import Trust, code_name
+from tests.pages import code_blocks
 from tests.perception.scenery import CLEAR, bend, two_lanes
 
 X = np.array([6.0, 12.0, 18.0])
@@ -34,8 +34,8 @@ Make = Callable[..., LaneDetector]
 def shown_on_the_page() -> str:
     """Return the code of the detector that the page on controllers shows."""
     page = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
-    (code,) = (one for one in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "class Cautious" in one)
-    return str(code)
+    (code,) = (one for one in code_blocks(page, "python") if "class Cautious" in one)
+    return code
 
 
 @pytest.fixture(params=[*DETECTORS, "cautious.py:Cautious"])

@@ -24,8 +24,8 @@ VAN = CAR.model_copy(update={"name": "van", "length": 6.0, "width": 2.2})
 STEP = 0.05
 
 
-def staged(network: Network, places: int = 4, *, interpreted: bool = False) -> Simulation:
-    made = Simulation(network.tables, build_stage(places, len(network.road_ids), STEP), interpreted=interpreted)
+def staged(network: Network, *, interpreted: bool = False) -> Simulation:
+    made = Simulation(network.tables, build_stage(4, len(network.road_ids), STEP), interpreted=interpreted)
     made.reset(make_draws(1))
     return made
 

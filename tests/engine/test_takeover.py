@@ -454,10 +454,10 @@ def test_after_a_lapse_there_is_no_response_and_a_lognormal_time_comes_from_the_
     assert draft.start().go(12.0).time_of(op.EVENT_RESPONSE) == -1.0
 
 
-def standing_behind(target_speed: float, *, cause: int = op.CAUSE_NO_PROGRESS) -> Run:
-    """Return a run towards a parked vehicle, with only one cause switched on, whose ego is ordered a speed at 8 s."""
+def standing_behind(target_speed: float) -> Run:
+    """Return a run towards a parked vehicle, with the cause `no_progress` alone; a speed is ordered at 8 s."""
     draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_DURATION: 60.0})
-    draft.causes(cause)
+    draft.causes(op.CAUSE_NO_PROGRESS)
     draft.ego(speed=SPEED)
     draft.parked(250.0)
     draft.event(draft.maneuver(), draft.at_time(8.0), draft.speed(0, target_speed, 2.0))

@@ -6,16 +6,16 @@ import contextlib
 import io
 import os
 import re
-import signal
 import time
 import traceback
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import FrameType
+from typing import NoReturn
 
 from scenario_compiler.cli import main
+from tests.bounded import bounded
 from tests.fuzz.mutants import Mutant
 from tests.test_streams import FORBIDDEN
 
@@ -79,7 +79,7 @@ def _try(command: str, words: list[str], trial: Trial) -> None:
     out, err = io.StringIO(), io.StringIO()
     code: object = "none"
     try:
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), _bounded():
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), bounded(LONGEST, _too_long):
             code = main(words)
     except SystemExit as left:
         code = left.code
@@ -102,16 +102,5 @@ def _try(command: str, words: list[str], trial: Trial) -> None:
         trial.faults.append(f"{command} prints a command of a build service")
 
 
-@contextlib.contextmanager
-def _bounded() -> Iterator[None]:
-    def stop(number: int, frame: FrameType | None) -> None:
-        del number, frame
-        raise TooLongError
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(LONGEST)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
+def _too_long() -> NoReturn:
+    raise TooLongError

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from scenario_compiler.engine.columns import opcodes, slots
+from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import new_state
 from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE, TAKEOVERS_AT, Totals
 from scenario_compiler.engine.measures.judging import finish_totals, judge_row
 from scenario_compiler.engine.measures.rows import take_row
-from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.engine.measures.takeovers import write_takeovers
 from scenario_compiler.engine.motion.collision import update_boxes
 from scenario_compiler.forms.declaration import at_start, write_first
@@ -105,20 +105,19 @@ def record(
     return builder.finish("destination" if stop == "destination" else "error" if stop == "error" else "duration")
 
 
-def approach(speed: float = 10.0, stop_at: float = math.inf) -> Callable[[float], Row]:
-    """An ego vehicle on the x axis, driven at constant speed until `stop_at`, and a car at rest at x = 64 m.
+def approach(speed: float = 10.0) -> Callable[[float], Row]:
+    """An ego vehicle on the x axis, driven at constant speed, and a car at rest at x = 64 m.
 
     Front to rear the gap is 60 m at t = 0 (64 - 1 - 3).
     """
 
     def row(t: float) -> Row:
-        x = speed * min(t, stop_at)
-        v = speed if t < stop_at else 0.0
+        x = speed * t
         return {
             "x": (x, 64.0),
             "y": (0.0, 0.0),
             "h": (0.0, 0.0),
-            "v": (v, 0.0),
+            "v": (speed, 0.0),
             "a": (0.0, 0.0),
             "road": (0, 0),
             "lane": (-1, -1),
@@ -136,9 +135,10 @@ def approach(speed: float = 10.0, stop_at: float = math.inf) -> Callable[[float]
     return row
 
 
-def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) -> Traces:
-    """Return runs of vehicles of all sizes that drive along curves, near and far from one another and into another."""
+def random_runs(seed: int, rows: int = 200) -> Traces:
+    """Return six runs of four vehicles of all sizes on curves, near and far from one another and into another."""
     dice = np.random.default_rng(seed)
+    entities, runs = 4, 6
     shape = (entities, runs, rows)
     turning = dice.choice([0.0, 0.0, 0.002, -0.02, 0.15], (entities, runs, 1)) * dice.random((entities, runs, 1))
     v = np.cumsum(dice.normal(0.0, 0.4, shape), axis=-1) + dice.uniform(-3.0, 25.0, (entities, runs, 1))

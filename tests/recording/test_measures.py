@@ -534,11 +534,12 @@ def _stacked(parts: list[Traces]) -> Traces:
     return dataclasses.replace(parts[0], **columns, times=times, requests=requests)
 
 
-def _sampled_ahead(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats, Floats]:
+def _sampled_ahead(runs: Traces, places: tuple[Any, ...]) -> tuple[Floats, Floats, Floats]:
     """Return gaps from points on the boxes' outlines, how much less they may be between points, m, and closing speeds.
 
-    The points lie on the boxes' straight edges and are taken to the circle that is driven one by one.
+    The 60 points of each side lie on the boxes' straight edges and are taken to the circle that is driven one by one.
     """
+    points = 60
     number, *rows = places
     ego, other = (*rows, 0 * number), (*rows, number + 1)
     corners = runs.center[other[-1]] + 0.5 * runs.length[other[-1]] * np.array([[1.0], [-1.0], [-1.0], [1.0]])

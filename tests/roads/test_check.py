@@ -25,7 +25,7 @@ TWO_PIECES = (
     '<geometry s="0" x="0" y="0" hdg="0" length="50"><line/></geometry>'
     '<geometry s="{s}" x="{x}" y="0" hdg="{h}" length="50"><line/></geometry>'
 )
-OBJECT = '<object id="1" s="{s}" t="{t}" zOffset="0" type="{type}" {more}</object>'
+OBJECT = '<object id="1" s="{s}" t="{t}" zOffset="0" type="tree" {more}</object>'
 
 
 def codes(path: Path) -> set[str]:
@@ -120,8 +120,8 @@ def with_lane(inside: str, kind: str = "driving") -> str:
     return road(lanes=section(lane(1), lane(-1, WIDTH + inside, kind)))
 
 
-def with_object(s: float = 10, t: float = 5, kind: str = "tree", more: str = 'orientation="+" radius="1">') -> str:
-    thing = OBJECT.format(s=s, t=t, type=kind, more=more)
+def with_object(s: float = 10, t: float = 5, more: str = 'orientation="+" radius="1">') -> str:
+    thing = OBJECT.format(s=s, t=t, more=more)
     return road().replace("</road>", f"<objects>{thing}</objects></road>")
 
 

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from scenario_compiler.roads import lanes
-from scenario_compiler.roads.mesh import Marks, Material, Paint, Surface, mesh_origin, road_marks, road_surface
+from scenario_compiler.roads.mesh import (
+    TOLERANCE,
+    Marks,
+    Material,
+    Paint,
+    Surface,
+    mesh_origin,
+    road_marks,
+    road_surface,
+)
 from scenario_compiler.roads.network import Network, load_network
 from scenario_compiler.roads.positions import MarkStretch
 from tests.roads.make import shifted
@@ -79,10 +88,10 @@ def test_straight_level_roads_need_few_pieces_and_bends_more(tmp_path: Path) -> 
 
 def test_pieces_of_a_bend_lie_within_the_tolerance(tmp_path: Path) -> None:
     net = network(tmp_path, shape='<arc curvature="0.02"/>')
-    surface = road_surface(net, tolerance=0.02)
+    surface = road_surface(net)
     for quad, (s0, s1) in zip(of_lane(surface, 1), surface.s[surface.lane == 1], strict=True):
         pose = net.lane_pose("1", 1, float(s0 + s1) / 2, 1.75)
-        assert np.hypot(*((quad[0] + quad[1])[:2] / 2 - (pose.x, pose.y))) < 0.025
+        assert np.hypot(*((quad[0] + quad[1])[:2] / 2 - (pose.x, pose.y))) < 1.25 * TOLERANCE
 
 
 def test_a_graded_road_has_its_height_and_a_verge(tmp_path: Path) -> None:

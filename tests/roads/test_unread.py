@@ -12,7 +12,7 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document, drop_namespace, parse_document, read_document
 from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.roads.check import unread
-from scenario_compiler.roads.check.coverage import KEPT_ATTRIBUTES, coverage_page
+from scenario_compiler.roads.check.opendrive_page import KEPT_ATTRIBUTES, coverage_page
 from scenario_compiler.roads.check.unread import READ_ATTRIBUTES
 from scenario_compiler.roads.elements import RoadFile
 from scenario_compiler.roads.model import read_model

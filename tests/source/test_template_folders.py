@@ -16,6 +16,7 @@ from scenario_compiler.diagnostics import CompileError
 from scenario_compiler.resources import templates_from
 from scenario_compiler.validation import validate_files
 from tests.command import call
+from tests.pages import code_blocks
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "sharing-templates.md"
 
@@ -94,11 +95,11 @@ def test_a_fault_in_a_folder_is_reported_with_its_file(folder: Path, capsys: pyt
     assert "broken.xml" in capsys.readouterr().err
 
 
-def installed(folder: Path, name: str, *, imports: str = "raise SystemExit(3)") -> None:
+def installed(folder: Path, name: str) -> None:
     """Write an installed package that brings a template and ends whoever imports it."""
     package = folder / name
     (package / "templates").mkdir(parents=True)
-    (package / "__init__.py").write_text(imports, encoding="utf-8")
+    (package / "__init__.py").write_text("raise SystemExit(3)", encoding="utf-8")
     (package / "templates" / "one.xml").write_text(template(name), encoding="utf-8")
     (package / "templates" / "two.xml").write_text(template("blocked_lane"), encoding="utf-8")
     described = folder / f"{name}-1.0.dist-info"
@@ -147,7 +148,7 @@ def test_the_page_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     Path(file[0]).parent.mkdir()
     Path(file[0]).write_text(file[1], encoding="utf-8")
     Path("conflict.xml").write_text(conflict("parked_row"), encoding="utf-8")
-    (commands,) = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
+    (commands,) = code_blocks(text, "sh")
     for line in commands.splitlines():
         assert call(*shlex.split(line)[1:]) == 0
     assert "parked_row" in capsys.readouterr().out

@@ -183,6 +183,100 @@ def figure_of(
     return figure
 
 
+def radlmayr_2014(folder: Path, situations: dict[str, Sample]) -> Part:
+    """Return the part on Radlmayr et al. 2014: its situations, and two of them with a visual task."""
+    busy = {
+        f"{kind}, visual task": test_radlmayr_2014.situation(folder, kind, "visual", SEEDS)
+        for kind in ("free", "both full")
+    }
+    return Part(test_radlmayr_2014, SAMPLED, tuple(described(*one) for one in {**situations, **busy}.items()))
+
+
+def koerber_2016(folder: Path) -> Part:
+    """Return the part on Körber et al. 2016."""
+    found = {how: test_koerber_2016.takeovers(folder, brakes=how == "brakes") for how in ("steers", "brakes")}
+    rows = (
+        (f"{how}, {k + 1}", *(f"{float(value):.2f}" for value in np.nanmedian(one, axis=0)))
+        for how, situations in found.items()
+        for k, one in enumerate(situations)
+    )
+    columns = ("driver, situation", "takeover time, s", "along the lane, s", "greatest lateral acceleration, m/s2")
+    return Part(test_koerber_2016, columns, tuple(rows))
+
+
+def doubek_2020(folder: Path) -> Part:
+    """Return the part on Doubek et al. 2020."""
+    found = [
+        (f"{budget:g} s, {traffic} traffic", test_doubek_2020.condition(folder, budget, traffic))
+        for traffic in test_doubek_2020.TRAFFIC
+        for budget in test_doubek_2020.BUDGETS
+    ]
+    columns = ("condition", "along the lane, s", "greatest acceleration along the road, m/s2", "hands on the wheel, s")
+    rows = ((name, f"{one.least:.2f}", f"{one.deceleration:.2f}", f"{one.hands:.2f}") for name, one in found)
+    return Part(test_doubek_2020, columns, tuple(rows))
+
+
+def happee_2017(folder: Path) -> Part:
+    """Return the part on Happee et al. 2017."""
+    found = [(name, test_happee_2017.condition(folder, name)) for name in test_happee_2017.CONDITIONS]
+    columns = ("condition", "evasion begins before it, m", "along the lane, s", "greatest lateral acceleration, m/s2")
+    rows = ((name, f"{one.away:.0f}", f"{one.least:.2f}", f"{one.lateral:.2f}") for name, one in found)
+    return Part(test_happee_2017, columns, tuple(rows))
+
+
+def mok_2015(folder: Path) -> Part:
+    """Return the part on Mok et al. 2015."""
+    rows = ((f"{budget:g} s", percent(test_mok_2015.safe(folder, budget))) for budget in test_mok_2015.BUDGETS)
+    return Part(test_mok_2015, ("budget", "safe"), tuple(rows))
+
+
+def naujoks_2014(folder: Path) -> Part:
+    """Return the part on Naujoks et al. 2014."""
+    found = [
+        (f"{situation}, {modality}", test_naujoks_2014.condition(folder, situation, modality, SEEDS))
+        for situation in test_naujoks_2014.SITUATIONS
+        for modality in test_naujoks_2014.MODALITIES
+    ]
+    columns = ("condition", "hands on the wheel, s", "greatest offset from the lane's centre, m")
+    return Part(
+        test_naujoks_2014, columns, tuple((name, f"{one.hands:.2f}", f"{one.offset:.2f}") for name, one in found)
+    )
+
+
+def eriksson_2017(answers: dict[str, list[float]]) -> Part:
+    """Return the part on Eriksson and Stanton 2017."""
+    rows = (
+        (
+            kind,
+            f"{np.median(times):.2f}",
+            " to ".join(f"{value:.2f}" for value in np.quantile(times, (0.25, 0.75))),
+            f"{min(times):.2f} to {max(times):.2f}",
+        )
+        for kind, times in answers.items()
+    )
+    return Part(test_eriksson_2017, ("condition", "median, s", "quartiles, s", "range, s"), tuple(rows))
+
+
+def merat_2014(deviations: Floats) -> Part:
+    """Return the part on Merat et al. 2014."""
+    columns = ("time since the response, s", "median deviation of the lateral position, m")
+    rows = (
+        (f"{at} to {at + 10}", f"{value:.3f}") for at, value in zip(test_merat_2014.WINDOWS, deviations, strict=True)
+    )
+    return Part(test_merat_2014, columns, tuple(rows))
+
+
+def r157_cut_in(verdicts: Sequence[test_r157_cut_in.Verdict]) -> Part:
+    """Return the part on the cut-ins of UN R157."""
+    groups = {
+        "all": list(verdicts),
+        "avoidable by 5.2.5.2": [one for one in verdicts if one.intrusion > one.limit],
+        "avoided by the careful and competent driver": [one for one in verdicts if one.avoidable],
+    }
+    rows = ((name, str(len(some)), str(sum(one.crashed for one in some))) for name, some in groups.items())
+    return Part(test_r157_cut_in, ("cut-ins", "number", "collisions"), tuple(rows))
+
+
 def write() -> None:
     """Run the studies and write the page and its figure."""
     mpl.rcParams.update(
@@ -194,93 +288,24 @@ def write() -> None:
         situations = {
             kind: test_radlmayr_2014.situation(folder, kind, seeds=SEEDS) for kind in test_radlmayr_2014.SITUATIONS
         }
-        busy = {
-            f"{kind}, visual task": test_radlmayr_2014.situation(folder, kind, "visual", SEEDS)
-            for kind in ("free", "both full")
-        }
         densities = {str(d): test_gold_2016.with_density(folder, d) for d in (0, 10, 20)}
         drivers = {"no task": "unhurried", "task": "unhurried_with_task"}
         answers = {kind: test_eriksson_2017.times(folder, driver) for kind, driver in drivers.items()}
         deviations = test_merat_2014.deviations(folder, SEEDS)
-        aged = {how: test_koerber_2016.takeovers(folder, brakes=how == "brakes") for how in ("steers", "brakes")}
-        roadworks = [
-            (f"{budget:g} s, {traffic} traffic", test_doubek_2020.condition(folder, budget, traffic))
-            for traffic in test_doubek_2020.TRAFFIC
-            for budget in test_doubek_2020.BUDGETS
-        ]
-        letting_go = [
-            (f"{situation}, {modality}", test_naujoks_2014.condition(folder, situation, modality, SEEDS))
-            for situation in test_naujoks_2014.SITUATIONS
-            for modality in test_naujoks_2014.MODALITIES
-        ]
-        safe = [(f"{budget:g} s", test_mok_2015.safe(folder, budget)) for budget in test_mok_2015.BUDGETS]
-        evasions = [(name, test_happee_2017.condition(folder, name)) for name in test_happee_2017.CONDITIONS]
         verdicts = [test_r157_cut_in.verdict(folder, *point) for point in test_r157_cut_in.POINTS]
-    above = [one for one in verdicts if one.intrusion > one.limit]
-    parts = (
-        Part(test_gold_2013, SAMPLED, tuple(described(*one) for one in budgets.items())),
-        Part(test_radlmayr_2014, SAMPLED, tuple(described(*one) for one in {**situations, **busy}.items())),
-        Part(test_gold_2016, SAMPLED, tuple(described(f"{name} per km", one) for name, one in densities.items())),
-        Part(
-            test_koerber_2016,
-            ("driver, situation", "takeover time, s", "along the lane, s", "greatest lateral acceleration, m/s2"),
-            tuple(
-                (f"{how}, {k + 1}", *(f"{float(value):.2f}" for value in np.nanmedian(one, axis=0)))
-                for how, situations_of in aged.items()
-                for k, one in enumerate(situations_of)
-            ),
-        ),
-        Part(
-            test_doubek_2020,
-            ("condition", "along the lane, s", "greatest acceleration along the road, m/s2", "hands on the wheel, s"),
-            tuple((name, f"{one.least:.2f}", f"{one.deceleration:.2f}", f"{one.hands:.2f}") for name, one in roadworks),
-        ),
-        Part(
-            test_happee_2017,
-            ("condition", "evasion begins before it, m", "along the lane, s", "greatest lateral acceleration, m/s2"),
-            tuple((name, f"{one.away:.0f}", f"{one.least:.2f}", f"{one.lateral:.2f}") for name, one in evasions),
-        ),
-        Part(test_mok_2015, ("budget", "safe"), tuple((name, percent(share)) for name, share in safe)),
-        Part(
-            test_naujoks_2014,
-            ("condition", "hands on the wheel, s", "greatest offset from the lane's centre, m"),
-            tuple((name, f"{one.hands:.2f}", f"{one.offset:.2f}") for name, one in letting_go),
-        ),
-        Part(
-            test_eriksson_2017,
-            ("condition", "median, s", "quartiles, s", "range, s"),
-            tuple(
-                (
-                    kind,
-                    f"{np.median(times):.2f}",
-                    " to ".join(f"{value:.2f}" for value in np.quantile(times, (0.25, 0.75))),
-                    f"{min(times):.2f} to {max(times):.2f}",
-                )
-                for kind, times in answers.items()
-            ),
-        ),
-        Part(
-            test_merat_2014,
-            ("time since the response, s", "median deviation of the lateral position, m"),
-            tuple(
-                (f"{at} to {at + 10}", f"{value:.3f}")
-                for at, value in zip(test_merat_2014.WINDOWS, deviations, strict=True)
-            ),
-        ),
-        Part(
-            test_r157_cut_in,
-            ("cut-ins", "number", "collisions"),
-            (
-                ("all", str(len(verdicts)), str(sum(one.crashed for one in verdicts))),
-                ("avoidable by 5.2.5.2", str(len(above)), str(sum(one.crashed for one in above))),
-                (
-                    "avoided by the careful and competent driver",
-                    str(sum(one.avoidable for one in verdicts)),
-                    str(sum(one.crashed for one in verdicts if one.avoidable)),
-                ),
-            ),
-        ),
-    )
+        parts = (
+            Part(test_gold_2013, SAMPLED, tuple(described(*one) for one in budgets.items())),
+            radlmayr_2014(folder, situations),
+            Part(test_gold_2016, SAMPLED, tuple(described(f"{name} per km", one) for name, one in densities.items())),
+            koerber_2016(folder),
+            doubek_2020(folder),
+            happee_2017(folder),
+            mok_2015(folder),
+            naujoks_2014(folder),
+            eriksson_2017(answers),
+            merat_2014(deviations),
+            r157_cut_in(verdicts),
+        )
     (DOCS / "validity.md").write_text(text_of(parts), encoding="utf-8")
     figure = figure_of(budgets, situations, densities, answers, deviations, verdicts)
     figure.savefig(DOCS / "validity.svg", metadata={"Date": None})

@@ -44,14 +44,14 @@ EFFECT = '<driver preset="study_means"><effect of="traffic_density" by="0.03" so
 PHASES = (0.1, 0.35, 0.6, 0.85)
 
 
-def with_density(folder: Path, density: int, seeds: range = range(1, 9)) -> Sample:
+def with_density(folder: Path, density: int) -> Sample:
     """Return what comes of a density in vehicles per km: half in the lane on the left, half in that on the right."""
     if density == 0:
         found = [compiled(folder, GOLD_2016)] * len(PHASES)
     else:
         count = density // 2
         found = [compiled(folder, GOLD_2016, density=density, count=count, phase=phase) for phase in PHASES]
-    return sample(found, seeds)
+    return sample(found, range(1, 9))
 
 
 def test_with_a_coefficient_the_traffic_that_is_counted_makes_answers_later(tmp_path: Path) -> None:

@@ -39,11 +39,11 @@ KOERBER = """<scenarios version="1"><scenario name="koerber" map="motorway" dura
 MEASURES = ("takeover_time", "minimum_lane_time_to_collision", "maximum_lateral_acceleration")
 
 
-def takeovers(folder: Path, *, brakes: bool = False, seeds: range = range(1, 21)) -> Sequence[Floats]:
-    """Return the measures of each takeover, (runs, measures), NaN where there is none; brakers stop at the first."""
+def takeovers(folder: Path, *, brakes: bool = False) -> Sequence[Floats]:
+    """Return the measures of each takeover, (20 runs, measures), NaN where missing; brakers stop at the first."""
     text = KOERBER.format(brakes=int(brakes), steers=int(not brakes))
     found: list[list[list[float]]] = [[], [], []]
-    for _, outcome in runs(compiled(folder, text), seeds):
+    for _, outcome in runs(compiled(folder, text), range(1, 21)):
         for place, one in zip(found, outcome.takeovers, strict=False):
             values = (getattr(one, name) for name in MEASURES)
             place.append([np.nan if value is None else value for value in values])

@@ -6,8 +6,8 @@ from collections.abc import Awaitable
 from typing import Any
 
 from scenario_compiler.carla_server.actors import Actor, Body, Car, Sensor, Walker, transform_of
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.driving import FASTEST
-from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.sensors.kinds import INSTRUMENTS
 from scenario_compiler.carla_server.spawning import check_attributes, new_actor

@@ -8,7 +8,7 @@ from typing import Any
 
 from scenario_compiler.carla_server.actors import transform_of
 from scenario_compiler.carla_server.answers import actors, vehicles
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.layouts import (
     ACKERMANN,

@@ -6,7 +6,7 @@ import asyncio
 from typing import Any
 
 from scenario_compiler.carla_server.actors import LightActor
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.traffic_lights import Light
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from scenario_compiler.carla_server.actors import transform_of
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.recorder import BEHIND, Recorder, Recording, Replay, file_below
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from scenario_compiler.carla_server.actors import on_wire
 from scenario_compiler.carla_server.blueprints import definitions
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.host import SNAPSHOTS, Host, Settings, sky_of
 from scenario_compiler.carla_server.towns import GENERATED, drivable_towns, generate_town, town_name
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from scenario_compiler.carla_server.actors import Car, transform_of
 from scenario_compiler.carla_server.answers.actors import car_of, walker_of
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.host import Host
 
 STEEPEST = 80.0

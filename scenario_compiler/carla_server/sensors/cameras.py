@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.carla_server.actors import Body, Car, Sensor, channels_of
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.shared_camera import SEED, SharedCamera
 from scenario_compiler.carla_server.stage import Stage
 from scenario_compiler.carla_server.traffic_lights import GREEN, RED, YELLOW

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.carla_server.actors import Body, Sensor, Walker
-from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.sensors.instrument import Simple, generator
 from scenario_compiler.carla_server.stage import Stage
 from scenario_compiler.frames import carla_axes

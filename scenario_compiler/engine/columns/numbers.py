@@ -9,6 +9,9 @@ from scenario_compiler.marker import compiled
 LARGEST = 1.0e15
 """Bound of every meaningful number: NaN or a greater absolute value is a fault."""
 
+SAME_TIME = 1.0e-6
+"""Greatest difference between two times that count as equal, s: more than the rounding of summed steps."""
+
 
 @compiled
 def is_number(value: float) -> int:

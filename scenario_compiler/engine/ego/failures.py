@@ -11,7 +11,7 @@ from __future__ import annotations
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import log_event
-from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
+from scenario_compiler.engine.columns.numbers import SAME_TIME, clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.camera_health import (
@@ -45,9 +45,6 @@ NOTICED_WHITE = 22.0
 """Numbers of images after which the detector notices that the ground no longer changes, by day: of dark ground, and of
 white ground, to which the last change was greater.
 """
-
-AT_ONCE = 1.0e-6
-"""Difference up to which two times count as equal, s."""
 
 
 @compiled
@@ -94,7 +91,7 @@ def noticed_severity(p: Program, st: State, f: int, severity: float) -> float:
         return severity
     period = p.image_every[0] * p.const[slot.K_STEP]
     before = severity_at(p, st, f, st.clock[0] - images * period)
-    if st.clock[0] >= SEEN_ENOUGH * period - AT_ONCE:
+    if st.clock[0] >= SEEN_ENOUGH * period - SAME_TIME:
         before = max(before, severity_at(p, st, f, 0.0))
     return min(severity, before)
 
@@ -152,7 +149,7 @@ def take_image(p: Program, st: State) -> None:
         return
     period = max(p.image_every[0] * p.const[slot.K_STEP], 1.0e-3)
     since = st.clock[0] - st.failure_now[op.FAILURE_LATENCY]
-    taken = int(clip((since + AT_ONCE) / period, 0.0, 1.0e9))
+    taken = int(clip((since + SAME_TIME) / period, 0.0, 1.0e9))
     st.awaited[0] = 1 if taken <= st.image_taken[0] else 0
     st.image_taken[0] = max(taken, st.image_taken[0])
 

@@ -16,6 +16,8 @@ from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.bends import DRIVER_BRAKING, DRIVER_LATERAL, acceleration_for_bends
+from scenario_compiler.engine.ego.driver import BRAKE_JERK, STEER_ACCELERATION
+from scenario_compiler.engine.ego.foresight import LIFT_OFF
 from scenario_compiler.engine.motion.following import idm_acceleration
 from scenario_compiler.engine.motion.steering import command_acceleration, command_angle, pursuit_angle
 from scenario_compiler.marker import compiled
@@ -31,12 +33,8 @@ RISK_WAY = 0.72
 DELAY = 0.75
 """Time from the perceived risk to braking, s: UN R157; in the JRC's program also the response time of RSS and FSM."""
 
-LIFT_OFF = 0.4
-"""Deceleration during the delay, m/s2: UN R157, careful and competent driver."""
-
 STRONGEST = 7.59
-JERK = 12.65
-"""0.774 g, m/s2, and 0.774 g in 0.6 s, m/s3: UN R157."""
+"""Greatest deceleration, m/s2: 0.774 g, UN R157."""
 
 CRITICAL_TIME = 2.0
 """Time to collision of a cut-in, and time gap to a vehicle in the lane, below which the driver brakes, s: UN R157."""
@@ -57,9 +55,6 @@ FSM_LATERAL = 0.1
 """Parameters of FSM in the JRC's program, after Mattas et al. 2020: comfortable and hardest braking of the follower,
 m/s2; braking of the leader, m/s2; gap at standstill, m; time by which a cutting-in vehicle must arrive earlier, s.
 """
-
-STEER_ACCELERATION = 6.0
-"""Greatest lateral acceleration that is steered for, m/s2; chosen."""
 
 STEADY = 0.05
 """Lateral speed below which a vehicle keeps its position in the lane, m/s; chosen."""
@@ -210,7 +205,7 @@ def reference_braking(p: Program, st: State, i: int, kind: int) -> float:
 @compiled
 def drive_by_reference(n: RoadTables, p: Program, st: State, i: int, kind: int) -> None:
     """Drive the ego for one control step as a reference driver; the path ahead must have been measured before."""
-    step = JERK * p.const[slot.K_STEP] * p.control_every[0]
+    step = BRAKE_JERK * p.const[slot.K_STEP] * p.control_every[0]
     wanted = reference_braking(p, st, i, kind)
     if wanted >= op.FAR:
         free = idm_acceleration(p, i, st.v[i], st.target_speed[0], op.FAR, 0.0)

@@ -32,6 +32,9 @@ LOOKS = 300
 STRAIGHT = 1.0e-6
 """Curvature below which a path counts as straight, 1/m."""
 
+LEAST_LOSS = 1.0e-6
+"""Least decrease of the room beside the ego between two predicted positions by which is divided, m."""
+
 
 @compiled
 def distance_to_paint_end(n: RoadTables, p: Program, st: State, i: int) -> float:
@@ -72,7 +75,7 @@ def time_to_leave(n: RoadTables, p: Program, st: State, i: int) -> float:
         left = (st.y[i] + dy - y) * cos(along) - (st.x[i] + dx - x) * sin(along)
         room = 0.5 * (row_width(n, row, s) - p.const[base + slot.E_WIDTH]) - abs(left)
         if room <= 0.0:
-            return LOOK_EACH * (k - 1 + before / max(before - room, STRAIGHT)) if k > 0 else 0.0
+            return LOOK_EACH * (k - 1 + before / max(before - room, LEAST_LOSS)) if k > 0 else 0.0
         before = room
     return op.FAR
 

@@ -28,7 +28,7 @@ LONGEST = 10.0
 APART = 0.1
 """Greatest time between two kept rows, s, unless the step is longer; chosen."""
 
-STRAIGHT = 1.0e-6
+SAME_STRIP = 1.0e-6
 """Sideways displacement up to which an entity of the same heading is in the same strip, m."""
 
 SLACK = 1.0e-3
@@ -145,7 +145,7 @@ def kept_rows_beside(p: Program, m: Totals, ego: int, j: int, last: int) -> int:
     for k in range(1, last + 1):
         at = kept_at(m, j, k)
         off = m.trail_y[at] * c - m.trail_x[at] * s
-        if c != m.trail_cos[at] or s != m.trail_sin[at] or abs(off - m.strip_off[j]) > STRAIGHT:
+        if c != m.trail_cos[at] or s != m.trail_sin[at] or abs(off - m.strip_off[j]) > SAME_STRIP:
             return k - 1
         at = kept_at(m, ego, k)
         if is_beside_strip(p, m, ego, j, m.trail_x[at], m.trail_y[at], m.trail_cos[at], m.trail_sin[at]) == 0:
@@ -163,7 +163,7 @@ def rows_beside(p: Program, st: State, m: Totals, ego: int, j: int, last: int) -
     c = st.box_cos[j]
     s = st.box_sin[j]
     off = st.middle_y[j] * c - st.middle_x[j] * s
-    if c != m.strip_cos[j] or s != m.strip_sin[j] or abs(off - m.strip_off[j]) > STRAIGHT:
+    if c != m.strip_cos[j] or s != m.strip_sin[j] or abs(off - m.strip_off[j]) > SAME_STRIP:
         m.strip_cos[j] = c
         m.strip_sin[j] = s
         m.strip_off[j] = off

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.log import first_logged
+from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
@@ -11,7 +12,7 @@ from scenario_compiler.engine.measures.boxes import measure_waiting
 from scenario_compiler.engine.measures.inputs import add_inputs
 from scenario_compiler.engine.measures.lane_keeping import add_keeping, add_to_keeping, finish_keeping
 from scenario_compiler.engine.measures.reversals import add_steering
-from scenario_compiler.engine.measures.takeover import SAME_TIME, add_takeover, behind_collision
+from scenario_compiler.engine.measures.takeover import add_takeover, behind_collision
 from scenario_compiler.engine.measures.takeovers import add_takeovers
 from scenario_compiler.engine.motion.collision import reported_entity
 from scenario_compiler.marker import compiled

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
+from scenario_compiler.engine.columns.numbers import SAME_TIME, clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.in_lane import JUMP, add_in_lane
-from scenario_compiler.engine.measures.takeover import SAME_TIME, behind_collision, since
+from scenario_compiler.engine.measures.takeover import behind_collision, since
 from scenario_compiler.marker import compiled
 
 SETTLING = 10.0

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.marker import compiled
-
-SAME_TIME = 1e-6
-"""Rows and events that are at most this far apart are simultaneous, s: the rounding of summed steps."""
 
 BRAKING = 0.1
 """Brake position that counts as an input."""

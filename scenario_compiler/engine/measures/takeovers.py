@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import TAKEOVERS, Totals
-from scenario_compiler.engine.measures.takeover import SAME_TIME, behind_collision
+from scenario_compiler.engine.measures.takeover import behind_collision
 from scenario_compiler.marker import compiled
 
 

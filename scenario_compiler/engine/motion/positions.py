@@ -17,6 +17,7 @@ from scenario_compiler.engine.columns.numbers import is_number
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.beside import own_lane
+from scenario_compiler.engine.motion.path import STEP_OVER
 from scenario_compiler.engine.motion.places import resolve_position
 from scenario_compiler.engine.motion.routes import next_turn
 from scenario_compiler.marker import compiled
@@ -33,9 +34,6 @@ PLACE_FREE = 2
 
 HOPS = 64
 """Greatest number of roads that a distance along the road leads over."""
-
-OVER_END = 0.001
-"""Distance beyond a road's end at which the next road is looked up, m."""
 
 
 @compiled
@@ -72,14 +70,14 @@ def advance_by_way(
             return road, lane, s
         before = road
         next_road, next_lane, next_s, rest = advance(
-            n, road, lane, s, forward * min(left, OVER_END), turn_for(n, p, st, i, other, road)
+            n, road, lane, s, forward * min(left, STEP_OVER), turn_for(n, p, st, i, other, road)
         )
         if rest > 0.0 or next_road == before:
             return road, lane, s
         road = next_road
         lane = next_lane
         s = next_s
-        left = left - OVER_END
+        left = left - STEP_OVER
         if left <= 0.0:
             return road, lane, s
     return road, lane, s

@@ -325,13 +325,8 @@ def _gap(word: Gap, other: int, position: int) -> ConditionRow:
     )
 
 
-def time_headway_row(draft: ProgramDraft, word: TimeHeadwayCondition) -> ConditionRow:
-    """Return the row of a condition on the time gap."""
-    return _gap(word, draft.entities[word.to], op.NONE)
-
-
-def distance_row(draft: ProgramDraft, word: DistanceCondition) -> ConditionRow:
-    """Return the row of a condition on the distance to another entity."""
+def gap_row(draft: ProgramDraft, word: TimeHeadwayCondition | DistanceCondition) -> ConditionRow:
+    """Return the row of a condition on the time gap or the distance to another entity."""
     return _gap(word, draft.entities[word.to], op.NONE)
 
 
@@ -440,9 +435,9 @@ TRAVELED_DISTANCE = Condition(("traveled",), traveled_distance_row, traveled_dis
 STANDSTILL = Condition(("standstill",), standstill_row, standstill_holds)
 END_OF_ROAD = Condition(("end_of_road",), end_of_road_row, end_of_road_holds)
 OFF_ROAD = Condition(("off_road",), off_road_row, off_road_holds)
-TIME_HEADWAY = Condition(("time_gap",), time_headway_row, time_headway_holds, refers=BETWEEN)
+TIME_HEADWAY = Condition(("time_gap",), gap_row, time_headway_holds, refers=BETWEEN)
 TIME_TO_COLLISION = Condition(("time_to_collision",), time_to_collision_row, time_to_collision_holds)
-DISTANCE = Condition(("distance",), distance_row, distance_holds, refers=BETWEEN)
+DISTANCE = Condition(("distance",), gap_row, distance_holds, refers=BETWEEN)
 POSITION_DISTANCE = Condition(("distance_to_position",), position_distance_row, position_distance_holds, refers=AT)
 RELATIVE_SPEED = Condition(("relative_speed",), relative_speed_row, relative_speed_holds, refers=BETWEEN)
 REACH_POSITION = Condition(("reached",), reach_position_row, reach_position_holds, refers=AT)

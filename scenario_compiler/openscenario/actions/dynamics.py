@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 from lxml import etree
 
@@ -10,9 +10,9 @@ from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.spelling import Child, Fields, made, number, regular
 from scenario_compiler.vocabulary.actions import AtRate, Limits, OverDistance
+from scenario_compiler.vocabulary.actions.dynamics import Shape
 
-SHAPES = ("linear", "cubic", "sinusoidal", "step")
-COORDINATES = ("entity", "lane", "road", "trajectory", "world")
+SHAPES: tuple[str, ...] = get_args(Shape)
 
 
 class Transition:

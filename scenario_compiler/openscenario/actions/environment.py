@@ -33,7 +33,7 @@ from scenario_compiler.openscenario.parameters import with_parameters
 from scenario_compiler.openscenario.spelling import Form, made
 from scenario_compiler.vocabulary.actions import EnvironmentAction, WeatherAction
 from scenario_compiler.vocabulary.kept import KEPT
-from scenario_compiler.vocabulary.weather import CLEAR_NOON, complete_weather, weather_numbers
+from scenario_compiler.vocabulary.weather import CLEAR_NOON, WEATHER_NUMBERS, complete_weather, weather_numbers
 
 SNOW = Code(
     "SC784",
@@ -43,13 +43,6 @@ SNOW = Code(
     "In the conflict language, the `coverage` of <markings> describes snow on road marks.",
     Severity.WARNING,
 )
-
-_NUMBERS = (
-    "cloudiness", "precipitation", "precipitation_deposits", "wind_intensity", "sun_azimuth_angle",
-    "sun_altitude_angle", "fog_density", "fog_distance", "fog_falloff", "wetness", "scattering_intensity",
-    "mie_scattering_scale", "rayleigh_scattering_scale", "dust_storm",
-)  # fmt: skip
-"""CARLA's numbers, in the order of a weather."""
 
 _OKTAS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 _CLOUD_STATES = {"free": 0.0, "skyOff": 0.0, "cloudy": 60.0, "overcast": 100.0, "rainy": 100.0}
@@ -177,9 +170,9 @@ def _exact_weather(environment: Node) -> WeatherAction | None:
         one.text("name"): one.number("value", 0.0)
         for group in groups
         for one in group.children("Property")
-        if one.text("name") in (*_NUMBERS, "over_time")
+        if one.text("name") in (*WEATHER_NUMBERS, "over_time")
     }
-    if not numbers.keys() >= set(_NUMBERS):
+    if not numbers.keys() >= set(WEATHER_NUMBERS):
         return None
     environment.read_whole()
     over_time = numbers.pop("over_time", 0.0)
@@ -188,7 +181,7 @@ def _exact_weather(environment: Node) -> WeatherAction | None:
 
 def _write_weather(word: WeatherAction, output: Output) -> etree._Element:
     full = complete_weather(word) or word
-    written = {name: getattr(full, name) for name in _NUMBERS}
+    written = {name: getattr(full, name) for name in WEATHER_NUMBERS}
     numbers = {name: number for name, number in written.items() if number != KEPT}
     _tell_unsaid(numbers, word, output)
     properties = [
@@ -201,7 +194,7 @@ def _write_weather(word: WeatherAction, output: Output) -> etree._Element:
     environment = made("Environment", name="weather")
     if output.version == (1, 0):
         environment.append(made("TimeOfDay", animation="false", dateTime="2020-06-21T12:00:00"))
-        numbers = dict(zip(_NUMBERS, weather_numbers(full), strict=True))
+        numbers = dict(zip(WEATHER_NUMBERS, weather_numbers(full), strict=True))
     weather = _weather_element(numbers, word, output)
     if len(weather) or weather.attrib:
         environment.append(weather)
@@ -225,7 +218,7 @@ def _tell_unsaid(numbers: dict[str, float], word: WeatherAction, output: Output)
 def _weather_element(numbers: dict[str, float], word: WeatherAction, output: Output) -> etree._Element:
     """Return the <Weather> of some of CARLA's numbers; a missing azimuth, and details of fog, are those of noon."""
     weather = made("Weather")
-    noon = dict(zip(_NUMBERS, CLEAR_NOON, strict=True))
+    noon = dict(zip(WEATHER_NUMBERS, CLEAR_NOON, strict=True))
     if "sun_altitude_angle" in numbers:
         weather.append(_sun({**noon, **numbers}, word, output))
     if "fog_density" in numbers:

@@ -6,7 +6,7 @@ from typing import Any
 
 from lxml import etree
 
-from scenario_compiler.openscenario.actions.dynamics import COORDINATES, LIMITS, Transition
+from scenario_compiler.openscenario.actions.dynamics import LIMITS, Transition
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.spelling import (
@@ -27,6 +27,7 @@ from scenario_compiler.vocabulary.actions import (
     SpeedEntry,
     SpeedProfileAction,
 )
+from scenario_compiler.vocabulary.conditions.measuring import COORDINATE_SYSTEMS
 
 _AROUND = ("PrivateAction", "LongitudinalAction")
 _SPEED = Transition("SpeedActionDynamics")
@@ -98,7 +99,7 @@ class Kept:
         """Return the fields."""
         usual = "any" if node.reading.version == (1, 0) else self.usual
         return {
-            "coordinates": node.choice("coordinateSystem", COORDINATES, "entity"),
+            "coordinates": node.choice("coordinateSystem", COORDINATE_SYSTEMS, "entity"),
             "displacement": node.choice("displacement", self.displacements, usual),
         }
 

@@ -13,11 +13,13 @@ from scenario_compiler.expressions import parse_expression
 from scenario_compiler.markup.writing import write_word
 from scenario_compiler.openscenario.actions import read_actions, write_action
 from scenario_compiler.openscenario.conditions import is_by_entity, read_condition, write_condition
+from scenario_compiler.openscenario.element_names import BETWEEN
 from scenario_compiler.openscenario.node import FileContext, Known, Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.own import fingerprint, of_nobody, veiled
 from scenario_compiler.openscenario.scope import Bound, Scope
 from scenario_compiler.openscenario.spelling import made, nested
+from scenario_compiler.openscenario.storyboard import ACTIONS
 from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
 from scenario_compiler.vocabulary.storyboard import (
     Act,
@@ -38,7 +40,6 @@ ALWAYS = Trigger(groups=(ConditionGroup(conditions=(_BEGIN,)),))
 """A trigger that fires at once, for versions that require a trigger."""
 
 _NEVER = SimulationTimeCondition(after=-1.0, rule="lessThan")
-_BETWEEN = "::"
 
 
 @dataclass
@@ -142,7 +143,7 @@ class StoryboardWriter:
 
     def _act(self, act: Act, path: Sequence[str]) -> etree._Element:
         element = made("Act", *(self._maneuvers(one, (*path, one.name)) for one in act.groups), name=act.name)
-        place = _BETWEEN.join(path)
+        place = BETWEEN.join(path)
         start = act.start
         if start is None and self.output.version < (1, 3):
             start = ALWAYS
@@ -177,14 +178,14 @@ class StoryboardWriter:
         for one in event.actions:
             written = write_action(one.action, output)
             written = _command(one.action) if written is None else written
-            keep = made("exact", of="action", element=_BETWEEN.join((*path, one.name)))
+            keep = made("exact", of="action", element=BETWEEN.join((*path, one.name)))
             self._compare(written, one.action, keep, output)
             element.append(made("Action", written, name=one.name))
         start = event.start
         if start is None and output.version == (1, 0):
             start = ALWAYS
         if start is not None:
-            element.append(self.trigger(start, "StartTrigger", "start", _BETWEEN.join(path)))
+            element.append(self.trigger(start, "StartTrigger", "start", BETWEEN.join(path)))
         return element
 
     def _compare(self, element: etree._Element, word: Word, keep: etree._Element, output: Output) -> None:
@@ -210,7 +211,7 @@ class StoryboardWriter:
         }
         reading = FileContext(document, Diagnostics(), output.version, known)
         node = Node(document.root, reading, Scope(bound, dict(output.values)))
-        if node.tag in ("PrivateAction", "GlobalAction", "UserDefinedAction"):
+        if node.tag in ACTIONS:
             return list(read_actions(node))
         found = read_condition(node)
         return [] if found is None else [found]

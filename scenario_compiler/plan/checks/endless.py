@@ -9,6 +9,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import AnimationAction, LimitedLaneOffsetAction
 from scenario_compiler.vocabulary.conditions import ElementStateCondition, EventCondition
+from scenario_compiler.vocabulary.conditions.by_value import ELEMENT_KINDS
 from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.word import Word
 
@@ -22,9 +23,6 @@ NEVER_ENDS = Code(
     'Write continuous="false" if the action should end at its target, or loop="false" for an animation.',
     Severity.WARNING,
 )
-
-KINDS = ("story", "act", "maneuverGroup", "maneuver", "event", "action")
-"""Kinds of the storyboard's elements, from the outermost to the innermost."""
 
 AT_AN_END = frozenset({"completeState", "endTransition", "complete"})
 """States and transitions that an element reaches at its end."""
@@ -67,6 +65,6 @@ def _endless(plan: Plan) -> Iterator[tuple[tuple[str, str], Word]]:
 
 def _named(names: list[str], action: Word) -> Iterator[tuple[tuple[str, str], Word]]:
     """Yield (kind, name) of an action and the elements around it, with names from the last part to the full one."""
-    for depth, kind in enumerate(KINDS, 1):
+    for depth, kind in enumerate(ELEMENT_KINDS, 1):
         for first in range(depth):
             yield (kind, "::".join(names[first:depth])), action

@@ -31,6 +31,7 @@ from scenario_compiler.vocabulary.conditions import (
     UserDefinedValueCondition,
     VariableCondition,
 )
+from scenario_compiler.vocabulary.conditions.by_value import ELEMENT_KINDS
 from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.variables import NUMBERS, WHOLE, VariableType, number_of, seconds_of
 from scenario_compiler.vocabulary.word import Word
@@ -270,7 +271,7 @@ CHECKS_OF: dict[type[Word], Callable[[Plan, Any, Diagnostics], None]] = {
 
 def _paths(plan: Plan) -> Paths:
     """Return the full names of the storyboard's elements by kind."""
-    found: Paths = {kind: set() for kind in ("story", "act", "maneuverGroup", "maneuver", "event", "action")}
+    found: Paths = {kind: set() for kind in ELEMENT_KINDS}
     for kind, path in _elements(plan):
         found[kind].add(path)
     return found

@@ -7,6 +7,10 @@ from scenario_compiler.vocabulary.word import Number, Word, attribute
 Shape = Literal["linear", "cubic", "sinusoidal", "step"]
 """Shape of a transition from its start value to its target: ASAM's DynamicsShape."""
 
+OVER_TIME = "Duration of the change, s; with 0 it is immediate."
+INSTEAD = "A rate or a distance instead of the duration."
+"""Descriptions of the parts of a transition that words of actions have."""
+
 
 class AtRate(Word):
     """The transition has a given rate."""

@@ -2,13 +2,11 @@
 
 from typing import Literal
 
-from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDistance, Shape
+from scenario_compiler.vocabulary.actions.dynamics import INSTEAD, OVER_TIME, AtRate, Limits, OverDistance, Shape
 from scenario_compiler.vocabulary.conditions.measuring import CoordinateSystem
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
-_OVER_TIME = "Duration of the change, s; with 0 it is immediate."
 _SHAPE = "Shape of the lateral motion from one lane to the other."
-_INSTEAD = "A rate or a distance instead of the duration."
 _OFFSET = "Final distance from the new lane's centre, m, along the road's t axis: positive to the left of s."
 
 
@@ -25,7 +23,7 @@ class LaneChangeAction(Word):
         "Number of lanes, positive to the left and negative to the right, in the direction of travel of the entity "
         "from which lanes are counted."
     )
-    over_time: Number = attribute(_OVER_TIME, default=0.0, quantity="time", minimum=0)
+    over_time: Number = attribute(OVER_TIME, default=0.0, quantity="time", minimum=0)
     shape: Shape = attribute(_SHAPE, default="sinusoidal")
     of: str = attribute(
         "Id of the entity from whose lane the lanes are counted; the entity itself if left out.",
@@ -33,7 +31,7 @@ class LaneChangeAction(Word):
         names="entity",
     )
     offset: Number = attribute(_OFFSET, default=0.0, quantity="length")
-    dynamics: AtRate | OverDistance | None = child(_INSTEAD, default=None)
+    dynamics: AtRate | OverDistance | None = child(INSTEAD, default=None)
 
 
 class LaneChangeToAction(Word):
@@ -42,10 +40,10 @@ class LaneChangeToAction(Word):
     word: Literal["lane_change_to"] = "lane_change_to"
 
     lane: int = attribute("Id of the lane.")
-    over_time: Number = attribute(_OVER_TIME, default=0.0, quantity="time", minimum=0)
+    over_time: Number = attribute(OVER_TIME, default=0.0, quantity="time", minimum=0)
     shape: Shape = attribute(_SHAPE, default="sinusoidal")
     offset: Number = attribute(_OFFSET, default=0.0, quantity="length")
-    dynamics: AtRate | OverDistance | None = child(_INSTEAD, default=None)
+    dynamics: AtRate | OverDistance | None = child(INSTEAD, default=None)
 
 
 class LaneOffsetAction(Word):

@@ -2,13 +2,11 @@
 
 from typing import Literal
 
-from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDistance, Shape
+from scenario_compiler.vocabulary.actions.dynamics import INSTEAD, OVER_TIME, AtRate, Limits, OverDistance, Shape
 from scenario_compiler.vocabulary.conditions.measuring import CoordinateSystem
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
-_OVER_TIME = "Duration of the change, s; with 0 it is immediate."
 _SHAPE = "Shape of the change from the present speed to the target."
-_INSTEAD = "A rate or a distance instead of the duration."
 
 Displacement = Literal["any", "trailingReferencedEntity", "leadingReferencedEntity"]
 """Side of the other entity on which a distance is kept: ASAM's longitudinal displacement."""
@@ -25,9 +23,9 @@ class SpeedAction(Word):
     word: Literal["speed"] = "speed"
 
     to: Number = attribute("Target speed, m/s.", quantity="speed")
-    over_time: Number = attribute(_OVER_TIME, default=0.0, quantity="time", minimum=0)
+    over_time: Number = attribute(OVER_TIME, default=0.0, quantity="time", minimum=0)
     shape: Shape = attribute(_SHAPE, default="linear")
-    dynamics: AtRate | OverDistance | None = child(_INSTEAD, default=None)
+    dynamics: AtRate | OverDistance | None = child(INSTEAD, default=None)
 
 
 class RelativeSpeedAction(Word):
@@ -41,9 +39,9 @@ class RelativeSpeedAction(Word):
     )
     kind: Literal["delta", "factor"] = attribute("Meaning of the value: a difference or a factor.", default="delta")
     continuous: bool = attribute("Whether the speed stays relative to the other entity's afterwards.", default=False)
-    over_time: Number = attribute(_OVER_TIME, default=0.0, quantity="time", minimum=0)
+    over_time: Number = attribute(OVER_TIME, default=0.0, quantity="time", minimum=0)
     shape: Shape = attribute(_SHAPE, default="linear")
-    dynamics: AtRate | OverDistance | None = child(_INSTEAD, default=None)
+    dynamics: AtRate | OverDistance | None = child(INSTEAD, default=None)
 
 
 class SpeedEntry(Word):

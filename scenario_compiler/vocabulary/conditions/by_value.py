@@ -1,12 +1,16 @@
 """Conditions on the run as a whole."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 from scenario_compiler.vocabulary.conditions.measuring import Rule
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
 TakeoverState = Literal["automated", "warning", "request", "escalation", "manual", "minimum_risk", "standstill"]
 """States of the takeover, named after who drives and what the automation requests."""
+
+ElementKind = Literal["story", "act", "maneuverGroup", "maneuver", "event", "action"]
+ELEMENT_KINDS: tuple[ElementKind, ...] = get_args(ElementKind)
+"""Kinds of the storyboard's elements, from the outermost to the innermost."""
 
 
 class SimulationTimeCondition(Word):
@@ -63,7 +67,7 @@ class ElementStateCondition(Word):
 
     word: Literal["element_state"] = "element_state"
 
-    kind: Literal["story", "act", "maneuverGroup", "maneuver", "event", "action"] = attribute("Kind of the element.")
+    kind: ElementKind = attribute("Kind of the element.")
     element: str = attribute(
         "Name of the element, preceded by the names of the elements that contain it. The event `brakes` of the entity "
         "`lead` is story::act::lead::lead.whens::brakes; <event> names it more simply."

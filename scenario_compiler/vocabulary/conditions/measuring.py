@@ -1,12 +1,13 @@
 """Measurement and comparison in conditions: ASAM's rules, coordinate systems and directions."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 Rule = Literal["lessThan", "lessOrEqual", "greaterThan", "greaterOrEqual", "equalTo", "notEqualTo"]
 """Comparison of a measured value."""
 
 CoordinateSystem = Literal["entity", "lane", "road", "trajectory", "world"]
-"""Coordinate system in which a distance is measured."""
+COORDINATE_SYSTEMS: tuple[CoordinateSystem, ...] = get_args(CoordinateSystem)
+"""Coordinate systems in which a distance is measured."""
 
 DistanceType = Literal["euclidianDistance", "longitudinal", "lateral"]
 """Kind of distance: the straight one, or its component along or across."""

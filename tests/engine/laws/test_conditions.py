@@ -200,11 +200,9 @@ def test_a_collision_with_any_vehicle(tmp_path: Path) -> None:
     assert seen(tmp_path, told, A=Actor(s=50.2), **B_AHEAD) is None
 
 
-def angle(kind: str, value: float, system: str, tolerance: float = 0.01) -> str:
+def angle(kind: str, value: float, system: str) -> str:
     """Return a condition on an angle."""
-    return (
-        f'<AngleCondition angleType="{kind}" angle="{value}" angleTolerance="{tolerance}" coordinateSystem="{system}"/>'
-    )
+    return f'<AngleCondition angleType="{kind}" angle="{value}" angleTolerance="0.01" coordinateSystem="{system}"/>'
 
 
 CLIMB = -0.09966865249116204

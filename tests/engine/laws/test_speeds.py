@@ -170,11 +170,11 @@ def test_entries_relative_to_an_entity_are_added_to_its_speed(tmp_path: Path) ->
     assert run.at("A", 5.0).v == pytest.approx(12.0)
 
 
-def synchronize(final: str, way: float, masters: float = 100.0, tolerance: str = "") -> str:
-    """Return an arrival of A, which begins at 60 m, after a way, when B, which begins at 208 m, has gone its own."""
+def synchronize(final: str, way: float, tolerance: str = "") -> str:
+    """Return an arrival of A, which begins at 60 m, after a way, when B, which begins at 208 m, has gone 100 m."""
     return (
         f'<SynchronizeAction masterEntityRef="B"{tolerance}>'
-        f"{lane_position(-2, 208.0 + masters, tag='TargetPositionMaster')}"
+        f"{lane_position(-2, 308.0, tag='TargetPositionMaster')}"
         f"{lane_position(-1, 60.0 + way, tag='TargetPosition')}"
         f"{final}</SynchronizeAction>"
     )

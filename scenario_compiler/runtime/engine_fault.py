@@ -1,4 +1,4 @@
-"""Reasons why a run ends early, other than a lost world, a failed controller and a number that is not finite."""
+"""The reason why a run ends early if the engine has no result."""
 
 from __future__ import annotations
 
