@@ -37,6 +37,19 @@ CONFLICT = """\
 """
 
 
+REAR_END = """\
+<scenarios version="1">
+  <scenario name="it" map="town_grid" duration="10">
+    <ego speed="10"><start><lane road="1" lane="-1" s="80"/></start></ego>
+    <dynamic id="behind" model="vehicle.audi.tt" speed="20">
+      <start><lane road="1" lane="-1" s="60"/></start>
+    </dynamic>
+    <takeover><driver><person/></driver></takeover>
+  </scenario>
+</scenarios>
+"""
+
+
 class Scripted:
     """A person who does what a function of time and state says."""
 
@@ -157,7 +170,7 @@ def test_a_vehicle_whose_person_leaves_flashes_and_does_not_blame_an_answered_re
     assert [(event.t, event.value) for event in recording.events if event.kind == "hazard_lights"] == [(begun.t, 1.0)]
 
 
-def when_due(wishes: list[tuple[float | str, Wish]]) -> Callable[[float, str], PersonInput]:
+def when_due(wishes: list[tuple[float | str, Wish]], throttle: float = 0.1) -> Callable[[float, str], PersonInput]:
     """Return a person who wishes one thing after another, each from a time, s, or in a state of the takeover."""
     left = list(wishes)
 
@@ -195,6 +208,24 @@ def test_a_persons_leaving_before_a_request_does_not_hide_how_that_ended(compile
     outcome = judge(compiled.plan, driven(compiled, when_due(LEAVES_AND_RETURNS)))
     assert outcome.resolution == outcome.takeovers[0].resolution == "minimum_risk"
     assert outcome.measures["takeover_time"].value is None
+
+
+@pytest.mark.parametrize(
+    ("before", "wish"),
+    [([], "take_over"), ([], "request"), ([(0.1, "take_over")], "leave"), ([(0.1, "take_over")], "hand_back")],
+)
+def test_nobody_has_wishes_after_a_collision(
+    tmp_path: Path, before: list[tuple[float | str, Wish]], wish: Wish
+) -> None:
+    """A car drives into the car from behind."""
+    file = tmp_path / "it.xml"
+    file.write_text(REAR_END, encoding="utf-8")
+    done = compile_target(file, {}, Diagnostics(), overrides=Overrides(perception="ideal", step=0.02))
+    assert done is not None
+    without = driven(done, when_due(before))
+    crash = first(without, "collision")
+    assert without.t[-1] > crash + 0.2
+    assert driven(done, when_due([*before, (crash + 0.1, wish)])).events == without.events
 
 
 def test_nobody_answers_for_a_person(compiled: Compilation) -> None:

@@ -43,7 +43,8 @@ def heed_person(p: Program, st: State) -> None:
     """Carry out the person's wish: take over at any time, hand back if no cause requests, stop if the person has left.
 
     An experimenter may also wish that the automation requests a takeover now. Nothing is answered by a person who left
-    and takes over again in the minimum-risk manoeuvre that this began: it has no cause, and no request is open.
+    and takes over again in the minimum-risk manoeuvre that this began: it has no cause, and no request is open. After a
+    collision no wish is heeded.
     """
     wish = st.person_wish[0]
     state = st.takeover_state[0]
@@ -58,7 +59,7 @@ def heed_person(p: Program, st: State) -> None:
         elif state in (op.TAKEOVER_REQUEST, op.TAKEOVER_ESCALATION, op.TAKEOVER_MINIMUM_RISK):
             st.answer_at[0] = st.clock[0]
     elif wish == op.WISH_HAND_BACK:
-        if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and nothing_asks(p, st) == 1:
+        if state == op.TAKEOVER_MANUAL and nothing_asks(p, st) == 1:
             hand_back(st)
     elif wish == op.WISH_REQUEST:
         if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):
