@@ -13,7 +13,7 @@ from hashlib import blake2b
 from pathlib import PurePath
 from urllib.parse import quote
 
-from scenario_compiler.diagnostics import CODES, Diagnostic, Place, Severity, as_record, as_text, position_text
+from scenario_compiler.diagnostics import Diagnostic, Place, Severity, as_record, as_text, position_text
 from scenario_compiler.legible import legible_json, legible_line
 
 FORMATS = ("text", "json", "sarif", "github", "gitlab")
@@ -66,8 +66,8 @@ def _gitlab(found: list[Diagnostic]) -> list[dict[str, object]]:
 
 
 def _sarif(found: list[Diagnostic]) -> dict[str, object]:
-    used = sorted({d.code.id for d in found})
-    rules = [{"id": c, "name": CODES[c].name, "fullDescription": {"text": CODES[c].explanation}} for c in used]
+    used = {d.code.id: d.code for d in found}
+    rules = [{"id": c, "name": used[c].name, "fullDescription": {"text": used[c].explanation}} for c in sorted(used)]
     return {
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.diagnostic_formats import FORMATS, formatted
-from scenario_compiler.diagnostics import Diagnostic, FilePlace
+from scenario_compiler.diagnostics import CODES, Diagnostic, FilePlace
 from scenario_compiler.document import MALFORMED
 
 USE = FilePlace("two, three/b.xml", 9, 4, within=FilePlace("c%.xml", 2))
@@ -72,3 +72,12 @@ def test_sarif_says_where_a_finding_ends_and_counts_code_points() -> None:
     regions = [one["locations"][0]["physicalLocation"]["region"] for one in run["results"]]
     assert regions == [{"startLine": 7, "startColumn": 3, "endColumn": 5}, {"startLine": 3, "startColumn": 1}]
     assert run["columnKind"] == "unicodeCodePoints"
+
+
+def test_sarif_describes_a_code_that_only_another_process_has_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The processes that check a folder send findings whose codes this process may never load by their ids."""
+    monkeypatch.delitem(CODES, MALFORMED.id)
+    (run,) = json.loads(formatted([FOUND], "sarif"))["runs"]
+    (rule,) = run["tool"]["driver"]["rules"]
+    assert rule["id"] == "SC102"
+    assert rule["fullDescription"]["text"] == MALFORMED.explanation

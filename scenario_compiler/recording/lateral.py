@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from scenario_compiler.engine.measures.in_lane import JUMP
-from scenario_compiler.engine.measures.lane_keeping import BAND, SETTLED, SETTLING, rows_of_window
+from scenario_compiler.engine.measures.lane_keeping import BAND, LEAST_STEP, SETTLED, SETTLING, rows_of_window
 from scenario_compiler.recording.durations import Timed, after_request, whole_steps
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.totals import RunTotals
@@ -14,8 +14,9 @@ from scenario_compiler.recording.traces import Traces
 
 def left_of_centre(traces: Traces) -> Floats:
     """Return the offset to the left of the centre of the present lane, in the driving direction, m, (..., n)."""
+    step = np.diff(traces.s[..., 0], axis=-1)
     driven = (np.diff(traces.road[..., 0], axis=-1) == 0) & traces.until_collision[..., 1:]
-    step = np.sign(np.where(driven, np.diff(traces.s[..., 0], axis=-1), 0.0))
+    step = np.sign(np.where(driven & (np.abs(step) > LEAST_STEP), step, 0.0))
     none = np.zeros_like(traces.t[..., :1])
     ahead, behind = np.concatenate([step, none], axis=-1), np.concatenate([none, step], axis=-1)
     direction = np.where(ahead != 0, ahead, behind)

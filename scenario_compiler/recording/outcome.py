@@ -119,13 +119,14 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
     broken = recording.stop_reason in BROKEN_OFF or recording.error != 0
     request = next((event for event in recording.events if event.kind == "request"), None)
     crash = next((event for event in recording.events if event.kind == "collision"), None)
+    takeovers = takeovers_of(recording, traces) if automated else ()
     return Outcome.model_construct(
         name=header.plan_name,
         plan_digest=header.plan_digest,
         seed=header.seed,
         variant=header.variant,
         result="error" if broken else "pass" if passed else "fail",
-        resolution=resolutions(traces.times)[0],
+        resolution=takeovers[0].resolution if takeovers else resolutions(traces.times)[0],
         cause=request.cause if request else "",
         collision_with=crash.entity if crash else None,
         stands=standing_place(recording),
@@ -134,7 +135,7 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
         duration=float(recording.t[-1]) if len(recording.t) else 0.0,
         criteria=criteria,
         timeline=timeline(recording) if automated else (),
-        takeovers=takeovers_of(recording, traces) if automated else (),
+        takeovers=takeovers,
         measures=measure_run(traces, measures_of(plan)),
         trajectory_hash=recording.trajectory_hash,
         versions=dict(sorted(header.versions.items())),

@@ -40,6 +40,23 @@ def test_the_other_comes_after_the_ego_has_left(late: float) -> None:
     assert value("minimum_post_encroachment_time", crossing(late)) == pytest.approx(late, abs=STEP + 1e-9)
 
 
+def test_the_time_is_too_long_by_less_than_two_rows() -> None:
+    """Boxes are compared in rows only: one before the ego has left, one after the other has come."""
+    excess = []
+    for shift in np.arange(0.0, 2.0 * STEP, 0.02).tolist():
+        for late in np.arange(0.6, 0.6 + STEP, 0.02).tolist():
+
+            def row(t: float, shift: float = shift, late: float = late) -> Row:
+                across = -4.0 + 10.0 * (t - 4.2 - shift - late)
+                turned = {"h": (0.0, 0.5 * math.pi), "v": (10.0, 10.0)}
+                return {"x": (10.0 * (t - shift), 40.0), "y": (0.0, across), **turned}
+
+            found = value("minimum_post_encroachment_time", record(("ego", "crosser"), 60, row))
+            excess.append(found - late)
+    assert min(excess) > -1e-9
+    assert 1.5 * STEP < max(excess) < 2.0 * STEP
+
+
 @pytest.mark.parametrize("early", [1.0, 2.5])
 def test_the_ego_comes_after_the_other_has_left(early: float) -> None:
     """The other takes 0.6 s for the ego's way (2 m and its own 4 m), the ego 0.6 s for the other's."""

@@ -490,6 +490,22 @@ def test_a_road_that_runs_the_other_way_turns_no_offset_into_a_lane_change() -> 
     assert value("lane_position_deviation", run) == pytest.approx(0.0, abs=1e-12)
 
 
+def test_a_vehicle_that_stands_keeps_its_side_of_the_lane() -> None:
+    """It stands from 4 s on, 0.8 m left of the centre, and is located up to a rounding behind its place."""
+
+    def row(t: float) -> Row:
+        stands = t > 4.0
+        s = 100.0 - 1e-13 * (round(t / STEP) % 7) if stands else 60.0 + 10.0 * t
+        manual = opcodes.TAKEOVER_MANUAL if t > 1.0 else opcodes.TAKEOVER_REQUEST
+        own = {"x": (t,), "v": (0.0 if stands else 10.0,), "s": (s,), "off": (0.8,), "road": (0,), "lane": (-1,)}
+        return {**own, "takeover_state": (manual,)}
+
+    run = record(("ego",), 130, row, [(0.5, "request", "path_blocked"), (1.0, "response", "")])
+    assert value("lane_position_deviation", run) == pytest.approx(0.0, abs=1e-9)
+    assert value("maximum_lateral_offset", run) == pytest.approx(0.8)
+    assert value("stabilisation_time", run) == pytest.approx(0.5)
+
+
 @pytest.mark.parametrize(
     ("x", "y", "h", "distance"),
     [

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
-from scenario_compiler.controllers.person import PersonInput, RecordedPerson
+from scenario_compiler.controllers.person import PersonInput, RecordedPerson, Wish
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.recording.names import SOURCES, WISHES
 from scenario_compiler.recording.outcome import judge
@@ -32,6 +32,19 @@ CONFLICT = """\
     <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="160"/></at></static>
     <takeover><driver><person/></driver></takeover>
     <criteria><no_collision/></criteria>
+  </scenario>
+</scenarios>
+"""
+
+
+REAR_END = """\
+<scenarios version="1">
+  <scenario name="it" map="town_grid" duration="10">
+    <ego speed="10"><start><lane road="1" lane="-1" s="80"/></start></ego>
+    <dynamic id="behind" model="vehicle.audi.tt" speed="20">
+      <start><lane road="1" lane="-1" s="60"/></start>
+    </dynamic>
+    <takeover><driver><person/></driver></takeover>
   </scenario>
 </scenarios>
 """
@@ -155,6 +168,64 @@ def test_a_vehicle_whose_person_leaves_flashes_and_does_not_blame_an_answered_re
     assert begun.t == pytest.approx(6.0, abs=0.11)
     assert begun.cause == ""
     assert [(event.t, event.value) for event in recording.events if event.kind == "hazard_lights"] == [(begun.t, 1.0)]
+
+
+def when_due(wishes: list[tuple[float | str, Wish]], throttle: float = 0.1) -> Callable[[float, str], PersonInput]:
+    """Return a person who wishes one thing after another, each from a time, s, or in a state of the takeover."""
+    left = list(wishes)
+
+    def does(t: float, state: str) -> PersonInput:
+        due = bool(left) and (state == left[0][0] if isinstance(left[0][0], str) else t >= left[0][0])
+        return PersonInput(throttle=0.1, wish=left.pop(0)[1] if due else "")
+
+    return does
+
+
+LEAVES_AND_RETURNS: list[tuple[float | str, Wish]] = [
+    (0.5, "take_over"),
+    (1.0, "leave"),
+    (1.5, "take_over"),
+    (2.0, "hand_back"),
+]
+
+
+def test_a_person_who_returns_without_a_request_does_not_answer_one(compiled: Compilation) -> None:
+    recording = driven(compiled, when_due([*LEAVES_AND_RETURNS, ("request", "take_over")]))
+    kinds = ("override", "minimum_risk", "hazard_lights", "hand_back", "request", "response")
+    happened = [event for event in recording.events if event.kind in kinds]
+    assert [event.kind for event in happened] == [
+        *("override", "minimum_risk", "hazard_lights", "override", "hazard_lights", "hand_back"),
+        *("request", "response"),
+    ]
+    assert [event.value for event in happened if event.kind == "hazard_lights"] == [1.0, 0.0]
+    outcome = judge(compiled.plan, recording)
+    assert outcome.resolution == "driver"
+    assert outcome.measures["takeover_time"].value == pytest.approx(0.02)
+    assert outcome.takeovers[0].takeover_time == outcome.measures["takeover_time"].value
+
+
+def test_a_persons_leaving_before_a_request_does_not_hide_how_that_ended(compiled: Compilation) -> None:
+    outcome = judge(compiled.plan, driven(compiled, when_due(LEAVES_AND_RETURNS)))
+    assert outcome.resolution == outcome.takeovers[0].resolution == "minimum_risk"
+    assert outcome.measures["takeover_time"].value is None
+
+
+@pytest.mark.parametrize(
+    ("before", "wish"),
+    [([], "take_over"), ([], "request"), ([(0.1, "take_over")], "leave"), ([(0.1, "take_over")], "hand_back")],
+)
+def test_nobody_has_wishes_after_a_collision(
+    tmp_path: Path, before: list[tuple[float | str, Wish]], wish: Wish
+) -> None:
+    """A car drives into the car from behind."""
+    file = tmp_path / "it.xml"
+    file.write_text(REAR_END, encoding="utf-8")
+    done = compile_target(file, {}, Diagnostics(), overrides=Overrides(perception="ideal", step=0.02))
+    assert done is not None
+    without = driven(done, when_due(before))
+    crash = first(without, "collision")
+    assert without.t[-1] > crash + 0.2
+    assert driven(done, when_due([*before, (crash + 0.1, wish)])).events == without.events
 
 
 def test_nobody_answers_for_a_person(compiled: Compilation) -> None:

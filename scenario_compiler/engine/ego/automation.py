@@ -147,7 +147,7 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     blocker = sense(n, p, st, i)
     watch_progress(p, st, i)
     notice(p, st, i, blocker)
-    if p.person[0] == 1:
+    if p.person[0] == 1 and st.crashed[0] == 0:
         heed_person(p, st)
     automated = 1 - driven_by_hand(st)
     if st.crashed[0] == 0:

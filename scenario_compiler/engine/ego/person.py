@@ -12,7 +12,7 @@ from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.foresight import LIFT_OFF
-from scenario_compiler.engine.ego.takeover import begin_minimum_risk, hand_back
+from scenario_compiler.engine.ego.takeover import begin_minimum_risk, hand_back, switch_hazard_lights
 from scenario_compiler.marker import compiled
 
 
@@ -42,20 +42,24 @@ def takes_over(p: Program, st: State) -> int:
 def heed_person(p: Program, st: State) -> None:
     """Carry out the person's wish: take over at any time, hand back if no cause requests, stop if the person has left.
 
-    An experimenter may also wish that the automation requests a takeover now.
+    An experimenter may also wish that the automation requests a takeover now. Nothing is answered by a person who left
+    and takes over again in the minimum-risk manoeuvre that this began: it has no cause, and no request is open. After a
+    collision no wish is heeded.
     """
     wish = st.person_wish[0]
     state = st.takeover_state[0]
     if wish == op.WISH_TAKE_OVER:
-        if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):
+        left = 1 if state == op.TAKEOVER_MINIMUM_RISK and st.cause[0] == op.CAUSE_NONE else 0
+        if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING) or left == 1:
             st.takeover_state[0] = op.TAKEOVER_MANUAL
             st.cause[0] = op.CAUSE_NONE
             st.manual_since[0] = st.clock[0]
             log_event(st, op.EVENT_OVERRIDE, 0.0)
+            switch_hazard_lights(st, 0)
         elif state in (op.TAKEOVER_REQUEST, op.TAKEOVER_ESCALATION, op.TAKEOVER_MINIMUM_RISK):
             st.answer_at[0] = st.clock[0]
     elif wish == op.WISH_HAND_BACK:
-        if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and nothing_asks(p, st) == 1:
+        if state == op.TAKEOVER_MANUAL and nothing_asks(p, st) == 1:
             hand_back(st)
     elif wish == op.WISH_REQUEST:
         if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):

@@ -26,6 +26,12 @@ measured for drivers who have settled (0.15 to 0.25 m).
 """
 
 
+LEAST_STEP = 1.0e-6
+"""Step along the road above which it has a direction, m: the place of a vehicle that stands is located again in each
+step, and may differ in the last digits.
+"""
+
+
 @compiled
 def add_position(m: Totals, k: int, position: float) -> None:
     """Add a lateral position to the mean and the sum of squares of a spread (Welford 1962)."""
@@ -83,10 +89,14 @@ def finish_keeping(m: Totals) -> None:
 
 @compiled
 def step_to_last_row(m: Totals) -> int:
-    """Return the sign of the step along the road to the last row; 0 if it led to another road or behind a collision."""
-    if m.before_road[0] != m.row_road[0] or m.before_s[0] == m.row_s[0] or behind_collision(m) == 1:
+    """Return the sign of the step along the road to the last row.
+
+    It is 0 if the vehicle stands, or if the step led to another road or behind a collision.
+    """
+    step = m.row_s[0] - m.before_s[0]
+    if m.before_road[0] != m.row_road[0] or abs(step) <= LEAST_STEP or behind_collision(m) == 1:
         return 0
-    return 1 if m.row_s[0] > m.before_s[0] else -1
+    return 1 if step > 0.0 else -1
 
 
 @compiled
