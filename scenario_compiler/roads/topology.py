@@ -162,6 +162,8 @@ def _nearest_contact(n: RoadTables, road: int, end: int, other: int) -> int:
 
 
 def _read_connections(reader: Reader, junction: PlainElement, index: dict[str, int]) -> Iterator[Connection]:
+    """Yield the connections of a junction; one without lanes, which joins all lanes of its roads, only once."""
+    whole: set[tuple[int, int, int]] = set()
     for element in junction.findall("connection"):
         attribute = "connectingRoad" if element.get("connectingRoad") is not None else "linkedRoad"
         incoming, road = (
@@ -181,7 +183,12 @@ def _read_connections(reader: Reader, junction: PlainElement, index: dict[str, i
             before, after = reader.integer(link, "from"), reader.integer(link, "to")
             if before is not None and after is not None:
                 lanes.append((before, after))
-        yield Connection(incoming, road, AT_START if contact < 0 else contact, lanes)
+        found = Connection(incoming, road, AT_START if contact < 0 else contact, lanes)
+        if lanes:
+            yield found
+        elif (incoming, road, found.contact) not in whole:
+            whole.add((incoming, road, found.contact))
+            yield found
 
 
 def _branches(
