@@ -23,9 +23,7 @@ def _machine_code() -> None:
     assert why_interpreted() == ""
 
 
-def test_loading_takes_at_most_twice_carlas_time(
-    corpus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_loading_takes_at_most_twice_carlas_time(corpus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SCENARIO_COMPILER_CACHE", str(tmp_path))
     found = loading(corpus / TOWN04, REPEATS)
     assert found.cached <= 0.2 * found.file
