@@ -1,4 +1,4 @@
-"""Columns that are computed from the contents of a road file: constants of lanes, and the spatial index."""
+"""Columns that are computed from the contents of a road file: links and constants of lanes, and the spatial index."""
 
 from __future__ import annotations
 
@@ -7,7 +7,22 @@ from array import array
 from scenario_compiler.forms.declaration import Of, columns_of, start_of
 from scenario_compiler.forms.form import Form, form_of
 from scenario_compiler.roads.locate_build import IN_NO_CELL
-from scenario_compiler.roads.tables import CELL, CELL_CHUNK, CHUNK, LANE, WIDE, RoadTables
+from scenario_compiler.roads.tables import (
+    CELL,
+    CELL_CHUNK,
+    CHUNK,
+    EXIT,
+    LANE,
+    LANE_END,
+    LINK,
+    ROAD_END,
+    WIDE,
+    RoadTables,
+)
+from scenario_compiler.roads.topology import StatedLinks
+
+LINKS_A_LANE = 4
+"""Initial room for links, for each lane."""
 
 CHUNKS_A_PART = 2
 """Initial room for chunks, for each piece of a reference line and each lane section."""
@@ -16,13 +31,15 @@ CELLS_A_CHUNK = 6
 """Initial room for entries into cells, for each chunk."""
 
 
-def with_derived_columns(tables: RoadTables) -> RoadTables:
+def with_derived_columns(tables: RoadTables, stated: StatedLinks) -> RoadTables:
     """Return tables as arrays, with the computed columns filled.
 
     Args:
         tables: The contents of a file, as lists; they are consumed.
+        stated: What the file states about links of lanes.
     """
     n: RoadTables = _form(tables).containers["n"]
+    _fill_links(n, stated)
     _resize(n, LANE, len(n.lane_id))
     _resize(n, CHUNK, CHUNKS_A_PART * (len(n.piece_s) + len(n.section_s)))
     _form(n).enter("note_lanes")
@@ -31,6 +48,24 @@ def with_derived_columns(tables: RoadTables) -> RoadTables:
     _resize(n, CHUNK, count)
     _fill_cells(n)
     return n.in_arrays()
+
+
+def _fill_links(n: RoadTables, stated: StatedLinks) -> None:
+    inputs = stated.of_ends, stated.lanes, stated.of_junctions, stated.connections, stated.pairs
+    room = LINKS_A_LANE * len(n.lane_id)
+    ends, others = _ints(room), _ints(room)
+    while (count := _form(n).enter("list_links", *inputs, ends, others)) > len(ends):
+        ends, others = _ints(count), _ints(count)
+    del ends[count:], others[count:]
+    for one, other in stated.branches:
+        ends.extend((one, other))
+        others.extend((other, one))
+    order = array("q", sorted(range(len(ends)), key=ends.tolist().__getitem__))
+    for of, size in ((LANE_END, 2 * len(n.lane_id)), (LINK, len(ends)), (ROAD_END, 2 * len(n.road_length))):
+        _resize(n, of, size)
+    _resize(n, LINK, _form(n).enter("store_links", order, ends, others, count, _ints(2 * len(n.lane_id))))
+    _resize(n, EXIT, len(n.link_lane))
+    _resize(n, EXIT, _form(n).enter("store_exits", _ints(2 * len(n.road_length))))
 
 
 def _fill_cells(n: RoadTables) -> None:

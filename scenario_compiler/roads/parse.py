@@ -18,7 +18,7 @@ from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
 from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 from scenario_compiler.roads.reference_parse import read_reference_line
 from scenario_compiler.roads.tables import NO_SPEED, ParsedNetwork, RoadTables
-from scenario_compiler.roads.topology import build_links
+from scenario_compiler.roads.topology import read_links
 
 NOT_OPENDRIVE = Code(
     "SC301",
@@ -126,8 +126,8 @@ class _Reading:
         junction_ids = [junction.get("id") or "" for junction in root.findall("junction")]
         junctions = {name: i for i, name in reversed(list(enumerate(junction_ids)))}
         n.road_junction.extend(junctions.get(road.get("junction", "-1"), -1) for road in roads)
-        build_links(self.reader, n, root, roads, road_ids, junctions, self._lanes.links, attachments)
-        return ParsedNetwork(with_derived_columns(n), road_ids, junction_ids)
+        stated = read_links(self.reader, n, root, roads, road_ids, junctions, self._lanes.links, attachments)
+        return ParsedNetwork(with_derived_columns(n, stated), road_ids, junction_ids)
 
 
 def _read_road(

@@ -160,6 +160,9 @@ class Reader:
         """
         if not records:
             return len(n.cubic_s), len(n.cubic_s)
+        if len(records) == 1:
+            s, a, b, c, d = self.numbers(records[0], CUBICS[station])
+            return append_cubics(n, (origin + s,), (a,), (b,), (c,), (d,))
         columns = self._cubics_at_once(records, station, origin) or self._cubics_one_by_one(records, station, origin)
         return append_cubics(n, *columns)
 

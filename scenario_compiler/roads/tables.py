@@ -109,10 +109,10 @@ class RoadTables(BothForms):
     road_start_junction: list[int] = column(ROAD, -1, JUNCTION)
     """Junction into which the start leads, or -1."""
     road_end_junction: list[int] = column(ROAD, -1, JUNCTION)
-    road_exit: list[int] = row_starts(ROAD_END, EXIT)
+    road_exit: list[int] = row_starts(ROAD_END, EXIT, written=True)
     """Row starts of the exits, two rows for each road (start, then end): the roads whose lanes are linked there."""
-    exit_road: list[int] = column(EXIT, 0, index(ROAD))
-    exit_contact: list[int] = column(EXIT, 0, CONTACT)
+    exit_road: list[int] = column(EXIT, 0, index(ROAD), written=True)
+    exit_contact: list[int] = column(EXIT, 0, CONTACT, written=True)
     """The end of that road that is touched."""
 
     # Reference lines.
@@ -191,12 +191,12 @@ class RoadTables(BothForms):
     lane_speed: list[int] = row_starts(LANE, SPEED)
     lane_mark: list[int] = row_starts(LANE, MARK)
     """Row starts of the marks on the lane's outer border."""
-    lane_link: list[int] = row_starts(LANE_END, LINK)
+    lane_link: list[int] = row_starts(LANE_END, LINK, written=True)
     """Row starts of the links, two rows for each lane: its end of low s, then that of high s."""
-    link_lane: list[int] = column(LINK, 0, index(LANE))
-    link_contact: list[int] = column(LINK, 0, CONTACT)
+    link_lane: list[int] = column(LINK, 0, index(LANE), written=True)
+    link_contact: list[int] = column(LINK, 0, CONTACT, written=True)
     """The end of that lane that is touched."""
-    link_turn: list[float] = column(LINK)
+    link_turn: list[float] = column(LINK, written=True)
     """Absolute change of heading along the linked road if it lies in a junction, else 0; rad. Pi for a link to a place
     inside another road, so that travel continues on the main road.
     """

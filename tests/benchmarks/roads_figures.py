@@ -149,7 +149,7 @@ def table(town: Path, folder: Path, runs: int, *, short: bool) -> Table:
         found.add_row(what, ours, theirs or "-", "-" if ratio is None else f"{ratio:.2f}x", held)
 
     theirs = None if load.carla is None else f"{load.carla:.3f} s"
-    line("load Town04", f"{load.file:.3f} s", theirs, load.carla and load.file / load.carla, "at most 2.5x")
+    line("load Town04", f"{load.file:.3f} s", theirs, load.carla and load.file / load.carla, "at most 2x")
     line(
         "load it from the cache",
         f"{load.cached:.4f} s",

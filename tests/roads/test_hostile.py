@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -150,6 +151,22 @@ def test_links_in_a_circle_end(tmp_path: Path) -> None:
     assert left > 1e6 - 2e-3 * HOP_LIMIT
     assert distance_to_lane_end(n, 0, -1, 0.0, 1e6, -1) < 2e-3 * HOP_LIMIT
     assert made.route(LanePosition("1", -1, 0.0005), LanePosition("1", -1, 0.0001)) is not None
+
+
+def test_a_connection_that_is_repeated_is_kept_once(tmp_path: Path) -> None:
+    """A connection without lanes joins all lanes of its roads; the memory would be that of a million links."""
+    many = section("", "".join(lane(-k, inside="") for k in range(1, 1001)))
+    first = road("1", lanes=many, link='<successor elementType="junction" elementId="9"/>')
+    connection = '<connection incomingRoad="1" connectingRoad="2" contactPoint="start"/>'
+    path = tmp_path / "hostile.xodr"
+    path.write_text(whole(first, road("2", lanes=many), f'<junction id="9">{connection * 1000}</junction>'))
+    tracemalloc.start()
+    made = load_network(path, cache=False, sink=Diagnostics())
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert made is not None
+    assert len(made.tables.link_lane) == 2 * 1000
+    assert most < 20e6
 
 
 def test_a_road_may_link_to_itself_and_to_junctions_that_are_not_there(tmp_path: Path) -> None:
