@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -14,7 +13,6 @@ from scenario_compiler.batch.codebook import PARAMETER, Column, parameter_column
 from scenario_compiler.batch.distributions import Distribution, SweepError, beyond, misfit, value_of
 from scenario_compiler.batch.finished import read_results
 from scenario_compiler.batch.measuring import Columns
-from scenario_compiler.batch.pool import Pool
 from scenario_compiler.batch.results import ResultStore, tally_of
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant
 from scenario_compiler.batch.sampling import Sample, Sampler, constraints_of, make_sampler
@@ -25,6 +23,7 @@ from scenario_compiler.compiler import declared_parameters, found_target
 from scenario_compiler.diagnostics import CompileError, Diagnostics, Severity
 from scenario_compiler.forms.machine_code import library, why_interpreted
 from scenario_compiler.processes import available_cores
+from scenario_compiler.recording.versions import version_of
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -164,7 +163,7 @@ class Sweep:
             "digest": self.families.base.plan.digest,
             "variants": self.sampler.total,
             "part_size": self.part_size,
-            "version": version("scenario-compiler"),
+            "version": version_of("scenario-compiler"),
         }
 
     def store(self, folder: Path) -> ResultStore:
@@ -263,6 +262,8 @@ def open_executor(sweep: Sweep, workers: int) -> Executor:
         base = sweep.families.base
         runner.add(base.number, base.plan, base.network)
         return Inline(runner)
+    from scenario_compiler.batch.pool import Pool
+
     return Pool(sweep.form, workers, spec.time_limit, trust=sweep.trust)
 
 

@@ -62,7 +62,8 @@ def container(argument: str, place: int, *, written: bool = False) -> Callable[[
 
     def declare(declared: type[Container]) -> type[Container]:
         names = tuple(declared.__annotations__)
-        plain = {name: value for name, value in vars(declared).items() if name not in (*names, *_OF_NO_SLOTS)}
+        replaced = {*names, *_OF_NO_SLOTS}
+        plain = {name: value for name, value in vars(declared).items() if name not in replaced}
         columns: type[Container] = type(declared.__name__, declared.__bases__, {**plain, "__slots__": names})
         _COLUMNS[columns] = MappingProxyType({name: vars(declared)[name] for name in names})
         CONTAINERS[argument] = ContainerDeclaration(columns, place, written)

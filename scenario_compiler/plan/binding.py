@@ -16,7 +16,6 @@ from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_type
-from scenario_compiler.roads.projection import read_projection
 from scenario_compiler.roads.spawn_points import read_spawn_points
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
@@ -261,6 +260,8 @@ class Binder:
         return self._facing(FoundLane(position.road, nearest.lane, s, offset), heading, position)
 
     def _bind_geographic(self, position: GeoPosition) -> FreePosition | None:
+        from scenario_compiler.roads.projection import read_projection
+
         header = self.network.model().header
         projection = read_projection(header.geo_reference)
         if projection is None:

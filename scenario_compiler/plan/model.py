@@ -5,8 +5,6 @@ filled in and every reference resolved. Its digest covers the words, the numbers
 `origins` and `derived` are not part of the digest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Literal
 
@@ -91,7 +89,7 @@ class PlanOrigin(PlanPart):
     column: int = Field(description="Column, counted from 1; 0 when unknown.")
     length: int = Field(default=0, description="Number of characters that it covers; 0 when unknown.")
     source_line: str = Field(default="", description="Text of the line.")
-    within: PlanOrigin | None = Field(default=None, description="The <use> of the template that contains it.")
+    within: "PlanOrigin | None" = Field(default=None, description="The <use> of the template that contains it.")
 
 
 class Plan(PlanPart):

@@ -1,7 +1,5 @@
 """Criteria: whether a run meets those of its plan, and when and why it failed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Events of a run, and their CSV form."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """The outcome of a run: the judged criteria, the takeover's timeline and the measures, as outcome.json."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from pathlib import Path

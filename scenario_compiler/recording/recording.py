@@ -1,13 +1,11 @@
 """The recording: everything that happened in one run, as arrays, and the builder that writes it."""
 
-from __future__ import annotations
-
 import hashlib
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeAlias, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,7 +102,7 @@ class Column(NamedTuple):
         return np.float64 if self.kind == "float" else np.bool_ if self.kind == "flag" else np.int64
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """One run: n rows (t = 0 and one per step) of m entities in OpenDRIVE axes; an automated ego vehicle is entity 0.
 
@@ -245,7 +243,7 @@ class Recording:
                 digest.update(np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).tobytes())
         return digest.hexdigest()
 
-    def to_pandas(self) -> pd.DataFrame:
+    def to_pandas(self) -> "pd.DataFrame":
         """Return the rows as a pandas DataFrame: one row per step for each entity that is present, in document order.
 
         The columns are those of recording.parquet, in SI units. Values of the run are in the first entity's rows and
@@ -290,8 +288,7 @@ class Recording:
 
 
 def _named_columns() -> tuple[Column, ...]:
-    hints = get_type_hints(Recording, include_extras=True)
-    marked = ((name, getattr(hint, "__metadata__", ())) for name, hint in hints.items())
+    marked = ((name, getattr(kind, "__metadata__", ())) for name, kind in Recording.__annotations__.items())
     return tuple(marks[0]._replace(name=name) for name, marks in marked if marks)
 
 

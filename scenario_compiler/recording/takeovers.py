@@ -3,8 +3,6 @@
 Like measures, they are computed in two ways with the same result: from a recording and from the engine's totals.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -92,7 +92,7 @@ class Seen(NamedTuple):
     apart: Singles
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Traces:
     """Arrays with any number of leading axes for runs, written `...` here; n rows, m entities, the ego vehicle first.
 

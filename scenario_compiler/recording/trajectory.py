@@ -13,7 +13,7 @@ import numpy as np
 from scenario_compiler.files import read_file
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.cells import cell_text, text_cell
-from scenario_compiler.recording.decimals import shortest
+from scenario_compiler.recording.decimals import shortest_of
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 
 TRAJECTORY_COLUMNS = ("t", "name", "x", "y", "h", "v", "road", "lane", "s", "off")
@@ -31,19 +31,33 @@ def write_trajectory(recording: Recording, path: Path) -> None:
     Units: s, m, rad in [0, 2 pi), m/s; OpenDRIVE axes; off every road `road,lane,s,off` is `-1,0,0,0`. Numbers are the
     shortest decimals that read back to the same bits.
     """
-    names = [text_cell(name) for name in recording.header.entities]
-    roads = [text_cell(road) for road in (*recording.roads, "-1")]
+    names = [_written(name) for name in recording.header.entities]
+    roads = [_written(road) for road in (*recording.roads, "-1")]
     present = recording.present
     row, entity = np.nonzero(present)
-    t = map(shortest, recording.t[row].tolist())
-    x, y, h, v, s, off = (map(shortest, getattr(recording, name)[present].tolist()) for name in _NUMBERS)
-    named = (names[i] for i in entity.tolist())
-    road = (roads[number] for number in recording.road[present].tolist())
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(TRAJECTORY_COLUMNS)
-    rows.writerows(zip(t, named, x, y, h, v, road, recording.lane[present].tolist(), s, off, strict=True))
-    write_whole(path, text.getvalue())
+    times = shortest_of(recording.t)
+    x, y, h, v, s, off = (shortest_of(getattr(recording, name)[present]) for name in _NUMBERS)
+    rows = zip(
+        map(times.__getitem__, row.tolist()),
+        map(names.__getitem__, entity.tolist()),
+        x,
+        y,
+        h,
+        v,
+        map(roads.__getitem__, recording.road[present].tolist()),
+        map(str, recording.lane[present].tolist()),
+        s,
+        off,
+        strict=True,
+    )
+    write_whole(path, "\n".join((",".join(TRAJECTORY_COLUMNS), *map(",".join, rows), "")))
+
+
+def _written(text: str) -> str:
+    """Return a text as it stands in a CSV file, in quotes if it contains a comma, a quote or a line break."""
+    cell = io.StringIO()
+    csv.writer(cell, lineterminator="").writerow((text_cell(text), ""))
+    return cell.getvalue()[:-1]
 
 
 def read_trajectory(path: Path) -> Recording:

@@ -18,7 +18,6 @@ from scenario_compiler.files import MAX_BYTES, read_file
 from scenario_compiler.garbage_collection import paused
 from scenario_compiler.roads import geometry, lanes, marks, travel
 from scenario_compiler.roads.cache import read_cached, write_cached
-from scenario_compiler.roads.lane_details import LaneDetails
 from scenario_compiler.roads.lane_types import LANE_TYPES, ROAD_TYPES, is_drivable
 from scenario_compiler.roads.locate_many import Locator
 from scenario_compiler.roads.nearest import nearest_lane
@@ -39,6 +38,7 @@ from scenario_compiler.roads.tables import AT_END, AT_START, NO_SPEED, ParsedNet
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from scenario_compiler.roads.lane_details import LaneDetails
     from scenario_compiler.roads.model import RoadModel
 
 CHANGED_FILE = Code(

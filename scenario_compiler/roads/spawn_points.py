@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import filecmp
 import sys
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
 from scenario_compiler.files import read_file
@@ -34,8 +33,7 @@ HEAD = 160
 """Number of bytes at the beginning of a file, including its header, that an export does not change."""
 
 
-@dataclass(frozen=True, slots=True)
-class NamedPosition:
+class NamedPosition(NamedTuple):
     """A named start position: a lane of a road at s, m."""
 
     road: str

@@ -4,8 +4,6 @@ Reading is shallow: names, parameters and includes. The contents of a scenario o
 because the text of an attribute has no value before its parameters have values.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterator, Mapping
