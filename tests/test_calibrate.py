@@ -99,7 +99,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("detector", "digest"),
     [
-        ("classical", "59630a5051daff8dd596e112678b1c019f703087a78097714ef30e914a6e16e2"),
+        ("classical", "2c23106624c8d7f8dc4164430251b59b4b5499a38c95e87bb262c6f33f456c52"),
         ("learned", "2abac4c544933444561ed0b466d965656df907b57de1d2b0392a660fa7276d91"),
     ],
 )
