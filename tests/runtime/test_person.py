@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
-from scenario_compiler.controllers.person import PersonInput, RecordedPerson, Wish
+from scenario_compiler.controllers.person import PersonInput, RecordedPerson
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.recording.names import SOURCES, WISHES
+from scenario_compiler.recording.names import SOURCES, WISHES, Wish
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.store import read_recording, write_recording
