@@ -111,12 +111,12 @@ def test_beside_one_broken_line_the_tilt_stays_near_the_estimate() -> None:
     reference = Reference([(160.0, 0.0, 0.0)])
     strips = [Strip(30.0, -30.0, Material.VERGE), Strip(5.6, -2.2)]
     farthest = []
-    for phase in (0.0, 4.0, 8.0):
-        camera = RoadCamera(make_scene(reference, strips, [Line(1.75, 3.0, 9.0, phase)]))
+    for phase in np.arange(0.0, 12.0, 0.75):
+        camera = RoadCamera(make_scene(reference, strips, [Line(1.75, 3.0, 9.0, float(phase))]))
         state, seen = LaneState(), []
         for frame in range(12):
             found = DETECTOR.detect(camera.frame(reference.pose(40.0 + frame), [], CLEAR, 20.0, frame), state)
             state = state.after(found)
             seen.append(abs(math.degrees(found.tilt.pitch)))
         farthest.append(max(seen))
-    assert np.mean(farthest) < 0.75
+    assert np.mean(farthest) < 0.85
