@@ -1,4 +1,7 @@
-"""Columns that are computed from the contents of a road file: links and constants of lanes, and the spatial index."""
+"""Columns that are computed from the contents of a road file.
+
+They are the knots of curves, the links and constants of lanes, and the spatial index.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,11 @@ from scenario_compiler.roads.tables import (
     CELL_CHUNK,
     CHUNK,
     EXIT,
+    KNOT,
     LANE,
     LANE_END,
     LINK,
+    POLYNOMIAL_PIECE,
     ROAD_END,
     WIDE,
     RoadTables,
@@ -39,6 +44,7 @@ def with_derived_columns(tables: RoadTables, stated: StatedLinks) -> RoadTables:
         stated: What the file states about links of lanes.
     """
     n: RoadTables = _form(tables).containers["n"]
+    _fill_knots(n)
     _fill_links(n, stated)
     _resize(n, LANE, len(n.lane_id))
     _resize(n, CHUNK, CHUNKS_A_PART * (len(n.piece_s) + len(n.section_s)))
@@ -48,6 +54,13 @@ def with_derived_columns(tables: RoadTables, stated: StatedLinks) -> RoadTables:
     _resize(n, CHUNK, count)
     _fill_cells(n)
     return n.in_arrays()
+
+
+def _fill_knots(n: RoadTables) -> None:
+    _resize(n, POLYNOMIAL_PIECE, len(n.poly_last))
+    if len(n.poly_last) > 0:
+        _resize(n, KNOT, _form(n).enter("count_knots"))
+        _form(n).enter("store_knots")
 
 
 def _fill_links(n: RoadTables, stated: StatedLinks) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scenario_compiler.forms.language import Marked
+from scenario_compiler.roads.curve_build import count_knots, store_knots
 from scenario_compiler.roads.link_build import list_links, store_exits, store_links
 from scenario_compiler.roads.locate_build import lay_chunks, list_cells, store_cells
 from scenario_compiler.roads.locate_points import locate_point, locate_points
@@ -10,6 +11,7 @@ from scenario_compiler.roads.steady import note_lanes
 
 ENTRIES: tuple[Marked, ...] = (
     *(list_links, store_links, store_exits),
+    *(count_knots, store_knots),
     *(note_lanes, lay_chunks, list_cells, store_cells),
     *(locate_point, locate_points),
 )

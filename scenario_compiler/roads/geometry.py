@@ -1,9 +1,9 @@
 """Reference line, elevation and lateral profile: from (road, s, t) to a pose.
 
 A line and an arc are evaluated in closed form; a spiral is stored as short pieces (`parse` cuts them) over which the
-three-point Gauss-Legendre rule is exact to 1e-9 m; poly3 and paramPoly3 are evaluated at a parameter that is linear in
-s, as CARLA and esmini do, although the standard's s is the arc length. Curvature is 0 there only if the polynomial is
-straight.
+three-point Gauss-Legendre rule is exact to 1e-9 m; poly3 and paramPoly3 are evaluated at the parameter that belongs to
+the arc length s, to 1 mm (`curve_build`). If the stated length of a paramPoly3 is not its arc length, s runs evenly
+from its start to its end, as in esmini.
 
 The cross-section is rolled by superelevation about the reference line (`lateral_axis`).
 Pitch and roll follow ISO 8855: pitch is positive nose down, roll is positive with the
@@ -67,7 +67,7 @@ def road_piece_at(n: RoadTables, road: int, s: float) -> int:
 def piece_point(n: RoadTables, piece: int, s: float) -> tuple[float, float, float, float, float]:
     """Return (x, y, heading, curvature, speed) at s on a piece.
 
-    Speed is the length of d(x, y)/ds: 1 except on polynomials.
+    Speed is the length of d(x, y)/ds: 1, on polynomials nearly so, unless their stated length is wrong.
     """
     d = s - n.piece_s[piece]
     kind = n.piece_kind[piece]
@@ -97,15 +97,47 @@ def piece_point(n: RoadTables, piece: int, s: float) -> tuple[float, float, floa
 
 
 @compiled
+def polynomial_derivatives(n: RoadTables, q: int, at: float) -> tuple[float, float]:
+    """Return (du/dp, dv/dp) of a parametric polynomial at a parameter."""
+    u = n.poly_bu[q] + at * (2.0 * n.poly_cu[q] + 3.0 * at * n.poly_du[q])
+    v = n.poly_bv[q] + at * (2.0 * n.poly_cv[q] + 3.0 * at * n.poly_dv[q])
+    return u, v
+
+
+@compiled
+def polynomial_parameter(n: RoadTables, q: int, d: float) -> tuple[float, float]:
+    """Return (p, dp/ds) of a parametric polynomial at the distance d from its start; beyond its ends p is linear."""
+    first = n.poly_knot[q]
+    last = n.poly_knot[q + 1] - 2
+    at = d * n.poly_scale[q]
+    k = first
+    if at > 0.0:
+        k = last
+        if at < last - first:
+            k = first + int(at)
+    x = at - (k - first)
+    inside = x
+    if inside < 0.0:
+        inside = 0.0
+    if inside > 1.0:
+        inside = 1.0
+    slope = n.knot_slope[k]
+    rise = n.knot_p[k + 1] - n.knot_p[k]
+    b = 3.0 * rise - 2.0 * slope - n.knot_slope[k + 1]
+    c = slope + n.knot_slope[k + 1] - 2.0 * rise
+    p = n.knot_p[k] + inside * (slope + inside * (b + inside * c))
+    rate = slope + inside * (2.0 * b + 3.0 * inside * c)
+    return p + (x - inside) * rate, rate * n.poly_scale[q]
+
+
+@compiled
 def polynomial_point(n: RoadTables, piece: int, d: float) -> tuple[float, float, float, float, float]:
     """Return the same as `piece_point`, for a parametric polynomial at the distance d from the piece's start."""
     q = n.piece_poly[piece]
-    scale = n.poly_scale[q]
-    p = d * scale
+    p, rate = polynomial_parameter(n, q, d)
     u = n.poly_au[q] + p * (n.poly_bu[q] + p * (n.poly_cu[q] + p * n.poly_du[q]))
     v = n.poly_av[q] + p * (n.poly_bv[q] + p * (n.poly_cv[q] + p * n.poly_dv[q]))
-    u1 = n.poly_bu[q] + p * (2.0 * n.poly_cu[q] + 3.0 * p * n.poly_du[q])
-    v1 = n.poly_bv[q] + p * (2.0 * n.poly_cv[q] + 3.0 * p * n.poly_dv[q])
+    u1, v1 = polynomial_derivatives(n, q, p)
     u2 = 2.0 * n.poly_cu[q] + 6.0 * p * n.poly_du[q]
     v2 = 2.0 * n.poly_cv[q] + 6.0 * p * n.poly_dv[q]
     h = n.piece_h[piece]
@@ -119,7 +151,7 @@ def polynomial_point(n: RoadTables, piece: int, d: float) -> tuple[float, float,
         curvature = (u1 * v2 - v1 * u2) / (speed * speed * speed)
     x = n.piece_x[piece] + u * c - v * w
     y = n.piece_y[piece] + u * w + v * c
-    return x, y, h + turn, curvature, speed * scale
+    return x, y, h + turn, curvature, speed * rate
 
 
 @compiled

@@ -93,12 +93,10 @@ def _append_geometry(
             _append_spiral(reader, n, s, x, y, h, length, shape)
         elif shape.tag == "poly3":
             a, b, c, d = reader.numbers(shape, POLY3)
-            _append_polynomial(n, s, x, y, h, (0.0, 1.0, 0.0, 0.0, a, b, c, d), _poly3_scale(b, c, d, length))
+            _append_polynomial(n, s, x, y, h, (0.0, 1.0, 0.0, 0.0, a, b, c, d), 0.0, length)
         elif shape.tag == "paramPoly3":
-            scale = 1.0
-            if shape.get("pRange") != "arcLength" and length > 0.0:
-                scale = 1.0 / length
-            _append_polynomial(n, s, x, y, h, reader.numbers(shape, PARAM_POLY3), scale)
+            last = length if shape.get("pRange") == "arcLength" else 1.0
+            _append_polynomial(n, s, x, y, h, reader.numbers(shape, PARAM_POLY3), last, length)
         else:
             continue
         return
@@ -165,35 +163,21 @@ def _advance(h: float, k: float, rate: float, step: float) -> tuple[float, float
 
 
 def _append_polynomial(
-    n: RoadTables, s: float, x: float, y: float, h: float, coefficients: Sequence[float], scale: float
+    n: RoadTables,
+    s: float,
+    x: float,
+    y: float,
+    h: float,
+    coefficients: Sequence[float],
+    last: float,
+    length: float,
 ) -> None:
     columns = (n.poly_au, n.poly_bu, n.poly_cu, n.poly_du, n.poly_av, n.poly_bv, n.poly_cv, n.poly_dv)
     for column, value in zip(columns, coefficients, strict=True):
         column.append(value)
-    n.poly_scale.append(scale)
-    _append_piece(n, s, x, y, h, 0.0, 0.0, POLYNOMIAL, len(n.poly_scale) - 1)
-
-
-def _poly3_scale(b: float, c: float, d: float, length: float) -> float:
-    """Return du/ds: the u at which the curve v(u) has the geometry's length, divided by that length.
-
-    The length of the curve is integrated in 200 steps, and u is increased until the length is reached.
-    """
-    if length <= 0.0 or b == c == d == 0.0:
-        return 1.0
-    steps = 200
-    u = done = 0.0
-    for _ in range(2 * steps):
-        slope = b + u * (2.0 * c + 3.0 * d * u)
-        ahead = length / steps / sqrt(1.0 + slope * slope)
-        middle = u + 0.5 * ahead
-        slope = b + middle * (2.0 * c + 3.0 * d * middle)
-        ahead = min(length / steps, length - done) / sqrt(1.0 + slope * slope)
-        u += ahead
-        done += ahead * sqrt(1.0 + slope * slope)
-        if done >= length * (1.0 - 1e-12):
-            break
-    return u / length
+    n.poly_last.append(last)
+    n.poly_length.append(length)
+    _append_piece(n, s, x, y, h, 0.0, 0.0, POLYNOMIAL, len(n.poly_last) - 1)
 
 
 def _append_index(n: RoadTables, first: int, length: float) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from lxml import etree
 
-from scenario_compiler.roads.geometry import road_piece_at, road_reference
+from scenario_compiler.roads.geometry import polynomial_parameter, road_piece_at, road_reference
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.tables import AT_END, RoadTables
 from scenario_compiler.roads.text_edits import TextEdits, number_of
@@ -69,9 +69,9 @@ def shorten_road(
             if one.find("{*}poly3") is None and one.find("{*}paramPoly3") is None:
                 _set(edits, one, "hdg", heading)
         if start > 0.0 or end < span:
-            piece = road_piece_at(n, road, 0.5 * (s + start + min(s + end, limit)))
-            scale = n.poly_scale[n.piece_poly[piece]] if n.piece_poly[piece] >= 0 else 1.0
-            _trim(edits, one, start, end, scale)
+            first = _parameter(n, road, s + start) if start > 0.0 else 0.0
+            last = _parameter(n, road, s + end) if end < span else None
+            _trim(edits, one, start, end, first, last)
     if at_start > 0.0:
         _move_stations(edits, element, at_start)
         _move_offsets(edits, element, at_start)
@@ -83,11 +83,19 @@ def _set(edits: TextEdits, element: etree._Element, attribute: str, value: float
         edits.set(element, attribute, repr(value))
 
 
-def _trim(edits: TextEdits, geometry: etree._Element, start: float, end: float, scale: float) -> None:
+def _parameter(n: RoadTables, road: int, s: float) -> float:
+    """Return the parameter of a poly3 or paramPoly3 at s; 0 on other geometries."""
+    piece = road_piece_at(n, road, s)
+    q = n.piece_poly[piece]
+    return polynomial_parameter(n, q, s - n.piece_s[piece])[0] if q >= 0 else 0.0
+
+
+def _trim(
+    edits: TextEdits, geometry: etree._Element, start: float, end: float, first: float, last: float | None
+) -> None:
     """Keep the part of a piece of the reference line between two distances from its own start, m.
 
-    The parameter u of a poly3 is s times a scale that depends on the whole piece. The scale of the remaining part
-    differs slightly, so that points move along the line by up to the change (for a cut of 0.1 m, millimetres).
+    On a polynomial, it is the part between the parameters `first` and `last`; without `last`, the rest.
     """
     whole = number_of(geometry, "length")
     _set(edits, geometry, "length", end - start)
@@ -98,13 +106,14 @@ def _trim(edits: TextEdits, geometry: etree._Element, start: float, end: float, 
             _set(edits, shape, "curvStart", k0 + (k1 - k0) * start / whole)
             _set(edits, shape, "curvEnd", k0 + (k1 - k0) * end / whole)
         elif name == "poly3":
-            _restate(edits, shape, "abcd", start * scale, 1.0)
+            _restate(edits, shape, "abcd", first, 1.0)
         elif name == "paramPoly3":
             by_length = shape.get("pRange") == "arcLength"
-            stretch = 1.0 if by_length else (end - start) / whole
+            if last is None:
+                last = whole if by_length else 1.0
+            stretch = (last - first) / (end - start if by_length else 1.0)
             for axis in "UV":
-                names = [f"{power}{axis}" for power in "abcd"]
-                _restate(edits, shape, names, start if by_length else start / whole, stretch)
+                _restate(edits, shape, [f"{power}{axis}" for power in "abcd"], first, stretch)
 
 
 def _restate(

@@ -40,7 +40,8 @@ ROAD_END = Of("end of a road", lambda n: 2 * len(n.road_length))
 EXIT = Of("exit", lambda n: len(n.exit_road))
 PIECE = Of("piece of a reference line", lambda n: len(n.piece_s))
 STRETCH = Of("stretch of s", lambda n: len(n.cell_piece))
-POLYNOMIAL_PIECE = Of("polynomial", lambda n: len(n.poly_scale))
+POLYNOMIAL_PIECE = Of("polynomial", lambda n: len(n.poly_last))
+KNOT = Of("knot of a polynomial", lambda n: len(n.knot_p))
 CUBIC = Of("cubic", lambda n: len(n.cubic_s))
 STATION = Of("station of a lateral shape", lambda n: len(n.shape_s))
 TYPE = Of("road type record", lambda n: len(n.type_s))
@@ -142,8 +143,17 @@ class RoadTables(BothForms):
     poly_bv: list[float] = column(POLYNOMIAL_PIECE)
     poly_cv: list[float] = column(POLYNOMIAL_PIECE)
     poly_dv: list[float] = column(POLYNOMIAL_PIECE)
-    poly_scale: list[float] = column(POLYNOMIAL_PIECE)
-    """dp/ds, constant over the piece."""
+    poly_last: list[float] = column(POLYNOMIAL_PIECE)
+    """p at the curve's end; 0 for a poly3, which ends where its length does."""
+    poly_length: list[float] = column(POLYNOMIAL_PIECE)
+    """Length of the curve as the file states it, m."""
+    poly_knot: list[int] = row_starts(POLYNOMIAL_PIECE, KNOT, written=True)
+    """Row starts of the knots of p over s, which are evenly spaced; at least two."""
+    poly_scale: list[float] = column(POLYNOMIAL_PIECE, written=True)
+    """Steps between knots per metre of s."""
+    knot_p: list[float] = column(KNOT, written=True)
+    """p, and its increase in one step at the rate that it has at the knot."""
+    knot_slope: list[float] = column(KNOT, written=True)
 
     # Profiles.
     cubic_s: list[float] = column(CUBIC)

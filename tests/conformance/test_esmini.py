@@ -47,6 +47,13 @@ def test_recorded_runs_agree_or_the_difference_is_explained(compared: Compared) 
     assert differing == set(EXPLAINED), "\n".join(str(one) for _, one in compared if not one.agrees)
 
 
+def test_curves_are_followed_as_in_esmini(compared: Compared) -> None:
+    """The roads of these runs have curves whose parameter is not their arc length."""
+    apart = {run.name: one.position.size for run, one in compared}
+    for name in ("highway_merge", "lane_change", "cut-in", "cut-in_parameter_set"):
+        assert apart[f"esmini/resources/xosc/{name}.xosc"] < 2e-3
+
+
 @pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.slow)])
 def test_features_agree_at_a_finer_step(compared: Compared, every: int) -> None:
     """The laws were found at steps of 0.05 s; the same scenarios were recorded at 0.01 s."""

@@ -3,12 +3,13 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from scenario_compiler.roads.geometry import road_reference, wrap_heading
+from scenario_compiler.roads.geometry import piece_point, polynomial_parameter, road_reference, wrap_heading
 from tests.roads.make import lane, network, road, section
 
 
@@ -43,23 +44,152 @@ def test_arc_is_a_circle(tmp_path: Path) -> None:
     assert made.curvature("1", 3.0) == -0.1
 
 
-@pytest.mark.parametrize(("p_range", "scale"), [("normalized", 1.0), ("arcLength", 40.0)])
-def test_parametric_polynomials_take_both_ranges(tmp_path: Path, p_range: str, scale: float) -> None:
-    shape = (
-        f'<paramPoly3 pRange="{p_range}" aU="0" bU="{40.0 / scale}" cU="0" dU="0" '
-        f'aV="0" bV="0" cV="{4.0 / scale**2}" dV="0"/>'
+PARABOLA = 0.02
+"""The parabola y = 0.02 x^2 to x = 30 m, where its direction is 50 degrees."""
+
+
+def length_of_parabola(x: float) -> float:
+    slope = 2.0 * PARABOLA * x
+    return (math.asinh(slope) + slope * math.sqrt(1.0 + slope * slope)) / (4.0 * PARABOLA)
+
+
+@pytest.mark.parametrize("shape", ["normalized", "arcLength", "poly3"])
+def test_a_parabola_is_followed_by_its_arc_length(tmp_path: Path, shape: str) -> None:
+    length = length_of_parabola(30.0)
+    wide = 30.0 if shape == "normalized" else 30.0 / length
+    text = (
+        f'<paramPoly3 pRange="{shape}" aU="0" bU="{wide!r}" cU="0" dU="0" '
+        f'aV="0" bV="0" cV="{PARABOLA * wide**2!r}" dV="0"/>'
     )
-    pose = network(tmp_path, road(length=40.0, plan=plan(shape, 40.0))).road_pose("1", 20.0, 0.0)
-    assert (pose.x, pose.y) == pytest.approx((20.0, 1.0))
-    assert pose.heading == pytest.approx(math.atan(4.0 / 40.0))
+    if shape == "poly3":
+        text = f'<poly3 a="0" b="0" c="{PARABOLA}" d="0"/>'
+    made = network(tmp_path, road(length=length, plan=plan(text, length)))
+    for at in (0.0, 1.0, 7.7, 15.0, 22.0, 29.9, 30.0):
+        x, y, heading, curvature = road_reference(made.tables, 0, length_of_parabola(at))
+        slope = 2.0 * PARABOLA * at
+        assert math.hypot(x - at, y - PARABOLA * at * at) < 5e-4
+        assert heading == pytest.approx(math.atan(slope), abs=1e-4)
+        assert curvature == pytest.approx(2.0 * PARABOLA / (1.0 + slope * slope) ** 1.5, abs=1e-5)
 
 
-def test_poly3_ends_where_its_arc_length_does(tmp_path: Path) -> None:
-    u = 30.0
-    length = quad(lambda v: math.sqrt(1.0 + (0.02 * v) ** 2), 0.0, u)[0]
-    made = network(tmp_path, road(length=length, plan=plan('<poly3 a="0" b="0" c="0.01" d="0"/>', length)))
-    pose = made.road_pose("1", length, 0.0)
-    assert (pose.x, pose.y) == pytest.approx((u, 9.0), abs=1e-4)
+@pytest.mark.parametrize("b", [1.0, 0.75, 1.5, 0.3])
+def test_a_line_with_a_cubic_parameter_is_a_line(tmp_path: Path, b: float) -> None:
+    """U = 20 m (b p + (3 - 3 b) p^2 + (2 b - 2) p^3); its speeds at the ends are b times the mean, or 4.5 : 1."""
+    shape = (
+        f'<paramPoly3 pRange="normalized" aU="0" bU="{20.0 * b}" cU="{60.0 - 60.0 * b}" dU="{40.0 * b - 40.0}" '
+        'aV="0" bV="0" cV="0" dV="0"/>'
+    )
+    n = network(tmp_path, road(length=20.0, plan=plan(shape, 20.0))).tables
+    for i in range(201):
+        x, y, heading, curvature, speed = piece_point(n, 0, 0.1 * i)
+        assert (x, y, heading, curvature) == pytest.approx((0.1 * i, 0.0, 0.0, 0.0), abs=5e-4)
+        assert speed == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("stated", [20.0, 45.0])
+def test_a_wrong_length_stretches_the_whole_curve_evenly(tmp_path: Path, stated: float) -> None:
+    """As in esmini, the curve ends where the geometry does."""
+    shape = '<paramPoly3 pRange="normalized" aU="0" bU="22.5" cU="22.5" dU="-15" aV="0" bV="0" cV="0" dV="0"/>'
+    n = network(tmp_path, road(length=stated, plan=plan(shape, stated))).tables
+    for share in (0.0, 0.2, 0.5, 0.9, 1.0):
+        x, _, _, _, speed = piece_point(n, 0, stated * share)
+        assert x == pytest.approx(30.0 * share, abs=5e-4)
+        assert speed == pytest.approx(30.0 / stated, rel=1e-3)
+
+
+@pytest.mark.parametrize("shape", ['dU="30" bU="0"', 'dU="-60" bU="90" cU="0"', 'bU="1e200" dU="1e300"', 'bU="0"'])
+def test_curves_that_stand_still_turn_back_or_overflow_are_followed(tmp_path: Path, shape: str) -> None:
+    n = network(tmp_path, road(length=30.0, plan=plan(f'<paramPoly3 pRange="normalized" {shape}/>', 30.0))).tables
+    before = -math.inf
+    for i in range(-20, 321):
+        place, rate = polynomial_parameter(n, 0, 0.1 * i)
+        assert place >= before
+        assert 0.0 <= rate < math.inf
+        before = place
+    assert polynomial_parameter(n, 0, 0.0)[0] == 0.0
+    assert polynomial_parameter(n, 0, 30.0)[0] == pytest.approx(1.0)
+    assert len(n.knot_p) <= 513
+
+
+def test_a_curve_that_starts_from_a_standstill_keeps_its_places(tmp_path: Path) -> None:
+    shape = '<paramPoly3 pRange="normalized" aU="0" bU="0" cU="30" dU="0" aV="0" bV="0" cV="0" dV="0"/>'
+    n = network(tmp_path, road(length=30.0, plan=plan(shape, 30.0))).tables
+    for i in range(301):
+        assert road_reference(n, 0, 0.1 * i)[0] == pytest.approx(0.1 * i, abs=0.03)
+
+
+def test_a_curve_goes_on_beyond_its_ends(tmp_path: Path) -> None:
+    shape = '<paramPoly3 pRange="normalized" aU="0" bU="15" cU="45" dU="-30" aV="0" bV="0" cV="0" dV="0"/>'
+    n = network(tmp_path, road(length=30.0, plan=plan(shape, 30.0))).tables
+    for s in (-1.0, -0.01, 30.01, 31.0):
+        x, _, heading, _, speed = piece_point(n, 0, s)
+        assert x == pytest.approx(s, abs=0.3)
+        assert heading == 0.0
+        assert speed > 0.0
+
+
+@pytest.mark.parametrize("shape", ["paramPoly3", "poly3"])
+@pytest.mark.parametrize("length", ["0", "1e-320"])
+def test_a_curve_without_a_length_is_a_point(tmp_path: Path, shape: str, length: str) -> None:
+    text = f'<geometry s="0" x="2" y="1" hdg="0" length="{length}"><{shape} bU="1"/></geometry>'
+    line = '<geometry s="0" x="2" y="1" hdg="0" length="50"><line/></geometry>'
+    x, y, _, _ = road_reference(network(tmp_path, road(length=50.0, plan=text + line)).tables, 0, 10.0)
+    assert (x, y) == (12.0, 1.0)
+    alone = network(tmp_path, road(length=1.0, plan=text)).tables
+    assert road_reference(alone, 0, 0.0)[:2] == (2.0, 1.0)
+
+
+COORDINATE = st.floats(-60.0, 60.0)
+
+
+@given(st.floats(3.0, 60.0), COORDINATE, COORDINATE, COORDINATE, COORDINATE, st.booleans(), st.floats(0.8, 1.25))
+@settings(suppress_health_check=[HealthCheck.filter_too_much])
+def test_curves_are_followed_at_the_speed_1(
+    tmp_path_factory: pytest.TempPathFactory,
+    ahead: float,
+    x2: float,
+    y2: float,
+    x3: float,
+    y3: float,
+    by_length: bool,
+    stretch: float,
+) -> None:
+    """Bezier curves are compared with a dense numerical integration, with right and wrong lengths."""
+    u = (3.0 * ahead, 3.0 * x2 - 6.0 * ahead, x3 - 3.0 * x2 + 3.0 * ahead)
+    v = (0.0, 3.0 * y2, y3 - 3.0 * y2)
+    at = np.linspace(0.0, 1.0, 20001)
+    speeds = np.hypot(*(b + at * (2.0 * c + 3.0 * at * d) for b, c, d in (u, v)))
+    assume(speeds.min() > 0.3 * speeds.mean())
+    done = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(at))])
+    length = float(done[-1]) * stretch
+    unit = length if by_length else 1.0
+    names = [f"{name}{axis}" for axis in "UV" for name in "bcd"]
+    values = [value / unit ** (i % 3 + 1) for i, value in enumerate((*u, *v))]
+    more = " ".join(f'{name}="{value!r}"' for name, value in zip(names, values, strict=True))
+    text = f'<paramPoly3 pRange="{"arcLength" if by_length else "normalized"}" aU="0" aV="0" {more}/>'
+    n = network(tmp_path_factory.getbasetemp(), road(length=length, plan=plan(text, length))).tables
+    for s in np.linspace(0.0, length, 150):
+        q = np.interp(s / stretch, done, at)
+        x, y, _, _, speed = piece_point(n, 0, s)
+        there = [q * (b + q * (c + q * d)) for b, c, d in (u, v)]
+        assert math.hypot(x - there[0], y - there[1]) < 2e-3
+        assert speed * stretch == pytest.approx(1.0, abs=1e-3)
+
+
+@given(st.floats(-0.5, 0.5), st.floats(-0.02, 0.02), st.floats(-0.0003, 0.0003), st.floats(5.0, 80.0))
+def test_a_poly3_is_followed_at_the_speed_1(
+    tmp_path_factory: pytest.TempPathFactory, b: float, c: float, d: float, length: float
+) -> None:
+    text = f'<poly3 a="0" b="{b!r}" c="{c!r}" d="{d!r}"/>'
+    n = network(tmp_path_factory.getbasetemp(), road(length=length, plan=plan(text, length))).tables
+    u = np.linspace(0.0, length, 20001)
+    speeds = np.hypot(1.0, b + u * (2.0 * c + 3.0 * u * d))
+    done = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(u))])
+    for s in np.linspace(0.0, length, 100):
+        at = np.interp(s, done, u)
+        x, y, _, _, speed = piece_point(n, 0, s)
+        assert math.hypot(x - at, y - at * (b + at * (c + at * d))) < 2e-3
+        assert speed == pytest.approx(1.0, abs=1e-3)
 
 
 def test_elevation_and_superelevation(tmp_path: Path) -> None:
