@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, cos, isfinite, sin, sqrt
+from math import ceil, cos, inf, isfinite, sin, sqrt
 from operator import itemgetter
 
 from scenario_compiler.diagnostics import Code, Severity
@@ -73,16 +73,26 @@ def read_reference_line(reader: Reader, n: RoadTables, road: PlainElement, lengt
         geometries.append((s, length_of_piece, x, y, h, element))
     geometries.sort(key=itemgetter(0))
     first = len(n.piece_s)
-    for geometry in geometries:
-        _append_geometry(reader, n, *geometry)
+    ends = [*(geometry[0] for geometry in geometries[1:]), inf]
+    for geometry, end in zip(geometries, ends, strict=True):
+        _append_geometry(reader, n, *geometry, end)
     n.road_piece.append(len(n.piece_s))
     _append_index(n, first, length)
     return True
 
 
 def _append_geometry(
-    reader: Reader, n: RoadTables, s: float, length: float, x: float, y: float, h: float, element: PlainElement
+    reader: Reader,
+    n: RoadTables,
+    s: float,
+    length: float,
+    x: float,
+    y: float,
+    h: float,
+    element: PlainElement,
+    end: float,
 ) -> None:
+    """Append the pieces of a geometry; `end` is where the next one begins, m."""
     for shape in element:
         if shape.tag == "line":
             _append_piece(n, s, x, y, h, 0.0, 0.0, LINE)
@@ -90,7 +100,7 @@ def _append_geometry(
             k = reader.number(shape, "curvature", 0.0, limit=1e6)
             _append_piece(n, s, x, y, h, k, 0.0, LINE if k == 0.0 else ARC)
         elif shape.tag == "spiral":
-            _append_spiral(reader, n, s, x, y, h, length, shape)
+            _append_spiral(reader, n, s, x, y, h, length, shape, end)
         elif shape.tag == "poly3":
             a, b, c, d = reader.numbers(shape, POLY3)
             _append_polynomial(n, s, x, y, h, (0.0, 1.0, 0.0, 0.0, a, b, c, d), 0.0, length)
@@ -128,8 +138,12 @@ def _append_spiral(
     h: float,
     length: float,
     shape: PlainElement,
+    end: float,
 ) -> None:
-    """Cut a spiral (curvature linear in s) into pieces that are short enough to be evaluated exactly."""
+    """Cut a spiral (curvature linear in s) into pieces that are short enough to be evaluated exactly.
+
+    The stated length may reach beyond the `end`, where the next geometry begins: the road is that one from there on.
+    """
     k0 = reader.number(shape, "curvStart", 0.0, limit=1e6)
     k1 = reader.number(shape, "curvEnd", 0.0, limit=1e6)
     rate = (k1 - k0) / length if length > 0.0 else 0.0
@@ -145,6 +159,8 @@ def _append_spiral(
         count = most
     step = length / count
     for i in range(count):
+        if i and s + step * i >= end:
+            return
         k = k0 + rate * step * i
         _append_piece(n, s + step * i, x, y, h, k, rate, SPIRAL)
         dx, dy = _advance(h, k, rate, step)

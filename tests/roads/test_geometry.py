@@ -35,6 +35,16 @@ def test_spiral_equals_quadrature_over_a_kilometre(tmp_path: Path, k0: float, k1
         assert curvature == pytest.approx(k0 + rate * s, abs=1e-12)
 
 
+def test_the_next_geometry_has_the_road_where_a_spiral_is_stated_too_long(tmp_path: Path) -> None:
+    spiral = plan('<spiral curvStart="0" curvEnd="0.05"/>', 100.0)
+    line = '<geometry s="60" x="0" y="500" hdg="0" length="90"><line/></geometry>'
+    made = network(tmp_path, road(length=150.0, plan=spiral + line))
+    assert (np.diff(made.tables.piece_s) > 0.0).all()
+    for s in (60.0, 75.0, 99.0, 140.0):
+        assert road_reference(made.tables, 0, s) == (s - 60.0, 500.0, 0.0, 0.0)
+    assert road_reference(made.tables, 0, 59.0)[3] == pytest.approx(0.05 * 0.59)
+
+
 def test_arc_is_a_circle(tmp_path: Path) -> None:
     made = network(tmp_path, road(length=50.0, plan=plan('<arc curvature="-0.1"/>', 50.0)))
     for s in (0.0, 7.0, 31.4, 50.0):
