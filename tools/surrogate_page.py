@@ -276,11 +276,11 @@ A second set of such runs, with other numbers, was made after everything else wa
 436 more runs with the camera are on other drawn roads (247) and on lanes of 43 road files of other projects (189),
 among them roundabouts, steep bends and bridges; their numbers were not in the fit, but many of these maps were. They
 were made with the 60 maps' confidence, but before the search for bends was widened: then the surrogate had the camera's
-answer in 93 % of both sets above. It has the camera's answer in 357 of them (82 %: 84 % on drawn roads, 79 % on maps),
-ideal perception in 257 (59 %). Of the 79 others, 25 have a request more than 0.5 s later than with the camera, 27
-earlier, 12 none, and 16 one that the camera does not have; the surrogate's mean error of the confidence is 0.072. These
-runs are too few for a fit of their own: in a cross-validation over maps and roads, its mean error is 0.081, and that of
-a fit that starts from the coefficients is 0.068, with a worse path. So the coefficients were kept.
+answer in 93 % of both sets above. In these runs it had it in 357 (82 %: 84 % on drawn roads, 79 % on maps), ideal
+perception in 257 (59 %). Of the 79 others, 25 have a request more than 0.5 s later than with the camera, 27 earlier, 12
+none, and 16 one that the camera does not have; the surrogate's mean error of the confidence is 0.072. These runs are
+too few for a fit of their own: in a cross-validation over maps and roads, its mean error is 0.081, and that of a fit
+that starts from the coefficients is 0.068, with a worse path. So the coefficients were kept.
 
 What is left was looked for in runs of the fit alone, in a cross-validation over maps and drawn roads: 3429 runs with an
 earlier state of the detector, of which each third was answered by a fit to the other two. With boosted trees in place
