@@ -7,6 +7,7 @@ from math import ceil, cos, inf, isfinite, sin, sqrt
 from operator import itemgetter
 
 from scenario_compiler.diagnostics import Code, Severity
+from scenario_compiler.roads.curve_build import INNER, INNER_WEIGHT, MIDDLE_WEIGHT, OUTER, OUTER_WEIGHT
 from scenario_compiler.roads.elements import PlainElement, grandchildren
 from scenario_compiler.roads.reading import UNSORTED, Numbers, Reader
 from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, SPIRAL, RoadTables
@@ -49,13 +50,13 @@ ALL_PIECES_LIMIT = 200_000
 """
 
 GAUSS = (
-    (-0.9061798459386640, 0.2369268850561891),
-    (-0.5384693101056831, 0.4786286704993665),
-    (0.0, 0.5688888888888889),
-    (0.5384693101056831, 0.4786286704993665),
-    (0.9061798459386640, 0.2369268850561891),
+    (-OUTER, OUTER_WEIGHT),
+    (-INNER, INNER_WEIGHT),
+    (0.0, MIDDLE_WEIGHT),
+    (INNER, INNER_WEIGHT),
+    (OUTER, OUTER_WEIGHT),
 )
-"""Nodes and weights of the five-point Gauss-Legendre rule on [-1, 1] (Abramowitz and Stegun, table 25.4)."""
+"""Nodes and weights of the five-point Gauss-Legendre rule on [-1, 1]."""
 
 
 def read_reference_line(reader: Reader, n: RoadTables, road: PlainElement, length: float) -> bool:
