@@ -32,8 +32,8 @@ STRONGEST = 8.0
 
 ASIDE, ASIDE_FROM = 2, 2.5
 """In a sharp bend a line moves to the side from row to row, and the mean over three rows would wash it out. Columns by
-which the rows of a second mean follow such a line outwards, which is 0.4 m per metre (a bend with a radius of 40 m has
-0.33 at 18 m), and the distance to the side from which this mean is used as well, m.
+which the rows of a second mean follow such a line outwards, which is 0.4 m per metre (a line has that 15 m ahead in a
+bend with a radius of 40 m), and the distance to the side from which this mean is used as well, m.
 """
 
 _GREENNESS = np.array([[-0.5, 1.0, -0.5, 64.0]], np.float32)
@@ -118,7 +118,7 @@ class BirdsEye:
         above = np.asarray(cv2.blur(single, MEAN_OVER), np.float32)
         curve, contrast = self._second_difference(above)
         for outer, following in self._outer:
-            mean = np.asarray(cv2.filter2D(single, -1, following, anchor=(ASIDE + 1, 1)), np.float32)
+            mean = np.asarray(cv2.filter2D(single, -1, following), np.float32)
             contrast[:, outer] = np.maximum(contrast[:, outer], self._second_difference(mean)[1][:, outer])
         contrast *= lookup.seen
         scale = self._deviation(np.abs(curve) * lookup.seen, lookup.count)

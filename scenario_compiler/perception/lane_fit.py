@@ -22,8 +22,8 @@ HEADINGS = np.linspace(-0.12, 0.12, 13)
 SHARP = np.array([0.030, 0.033, 0.036, 0.040])
 CURVATURES = np.concatenate([-SHARP[::-1], np.linspace(-0.028, 0.028, 29), SHARP])
 """The grid of arcs, given at d = x - 5 m = 0 by offset, slope and curvature: m, rad, 1/m (radii down to 25 m). The
-heading is that of the boundary beside the camera, where a car drives along it: slope - 5 m curvature. In bends sharper
-than a radius of about 30 m, the default camera does not see both boundaries as far as 18 m ahead."""
+heading is that of the boundary beside the camera, where a car drives along it: slope - 5 m curvature. In bends with a
+radius below 33 m, the default camera does not see both boundaries as far as 18 m ahead."""
 
 ENOUGH = 3.0
 """Strength at which the vote of a row is clipped, so that a few bright rows do not outvote many."""
