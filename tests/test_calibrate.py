@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
@@ -12,10 +14,13 @@ import pytest
 
 from scenario_compiler.cli import main
 from scenario_compiler.perception.calibration.collect import CONDITIONS, Looks
-from scenario_compiler.perception.calibration.figures import Asked, Figures, worth
+from scenario_compiler.perception.calibration.figures import Asked, Figures, fitted, judged, worth
+from scenario_compiler.perception.calibration.gather import Gathered
 from scenario_compiler.perception.calibration.maps import IMAGES, MapRoads
-from scenario_compiler.perception.confidence import FEATURES
+from scenario_compiler.perception.calibration.truth import Truth
+from scenario_compiler.perception.confidence import FEATURES, Confidence, Fitting
 from scenario_compiler.perception.detectors import DetectorName, create_detector
+from scenario_compiler.perception.lane_detector import Boundary
 from scenario_compiler.report.perception_page import INTRODUCTIONS, LIMITS, PAGES, Measured, write_perception_page
 from scenario_compiler.resources import find_map
 from scenario_compiler.roads import load_network
@@ -35,11 +40,40 @@ def test_the_truth_of_a_clip_is_a_lane() -> None:
     roads = MapRoads(load_network(find_map("highway_loop")))
     for _, conditions, views in roads.clips(2, range(3)):
         for view in views:
-            left, right = view.truth.boundaries
+            left, right = (view.truth.y(side, 6.0) for side in (0, 1))
             assert conditions.curvature < 0.05
-            assert 2.5 < left[0] - right[0] < 4.5
-            assert left[0] > 0.5
-            assert right[0] < -0.5
+            assert 2.5 < left - right < 4.5
+            assert left > 0.5
+            assert right < -0.5
+
+
+def test_an_error_is_a_distance_from_the_true_boundary() -> None:
+    ahead = np.linspace(-20.0, 40.0, 61)
+    slanting, turning = np.stack([ahead, ahead], axis=1), np.stack([np.minimum(ahead, 10.0), ahead], axis=1)
+    truth = Truth((slanting, turning), (1.0, 1.0))
+    beside = Boundary(0.3, 1.0, 0.0, 0.9, 0.9, 0.9, (5.0, 25.0))
+    assert truth.error(0, beside) == pytest.approx(0.3 / math.sqrt(2.0))
+    assert truth.error(1, beside) == pytest.approx(8.0)
+    assert truth.y(0, 6.5) == pytest.approx(6.5)
+    assert math.isinf(truth.y(1, 12.0))
+
+
+def test_a_boundary_that_leaves_the_planned_route_counts_as_the_automation_takes_it() -> None:
+    on_route = looks_of([0.9, 0.9], [0.1, 3.0])
+    leaving = replace(on_route, worth=np.array([1.0, 0.0]))
+    size = len(FEATURES)
+    constant = Confidence(np.zeros(size), np.ones(size), np.zeros((1, size + 1)), np.ones((3, size + 2)))
+    geometry, paint, both = judged(leaving, constant).p.T
+    assert geometry.tolist() == both.tolist() == [paint[0], 0.0]
+    assert paint[0] == paint[1] > 0.5
+
+
+def test_a_fit_uses_the_clips_that_are_for_fits_alone() -> None:
+    draw = np.random.default_rng(1)
+    few = replace(looks_of([0.5] * 40, draw.random(40).tolist()), rows=draw.normal(size=(40, len(FEATURES))))
+    more = Looks.joined([few, replace(few, error=1.0 - few.error, clip=few.clip + 40)])
+    fits = [fitted(Gathered({"made up": looks}, (), few, 40), Fitting(1e-2, 1)) for looks in (few, more)]
+    assert np.array_equal(fits[0].out, fits[1].out)
 
 
 def test_a_map_without_a_lane_to_drive_on_has_no_clips() -> None:
@@ -50,7 +84,8 @@ def looks_of(p: list[float], error: list[float]) -> Looks:
     count = len(p)
     said = np.repeat(np.array(p)[:, None], 3, axis=1)
     conditions = np.zeros((count, len(CONDITIONS)))
-    return Looks(np.zeros((count, len(FEATURES))), said, np.array(error), np.ones(count), np.arange(count), conditions)
+    ones = np.ones(count)
+    return Looks(np.zeros((count, len(FEATURES))), said, np.array(error), ones, ones, np.arange(count), conditions)
 
 
 def test_confident_and_wrong_boundaries_are_counted() -> None:
@@ -99,7 +134,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("detector", "digest"),
     [
-        ("classical", "2c23106624c8d7f8dc4164430251b59b4b5499a38c95e87bb262c6f33f456c52"),
+        ("classical", "c70d578dbb986da13035dc5e01689a4262540e7c775d3eb80dce91f66b3f7d19"),
         ("learned", "2abac4c544933444561ed0b466d965656df907b57de1d2b0392a660fa7276d91"),
     ],
 )

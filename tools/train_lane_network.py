@@ -38,7 +38,7 @@ from scenario_compiler.perception.calibration.collect import CONDITIONS, RIGHT, 
 from scenario_compiler.perception.calibration.figures import CONFIDENT, FITTED, REMEMBERING, fitted_to, judged, worth
 from scenario_compiler.perception.calibration.fit import area_under_curve
 from scenario_compiler.perception.calibration.maps import MapRoads
-from scenario_compiler.perception.calibration.truth import Truth
+from scenario_compiler.perception.calibration.truth import Truth, X
 from scenario_compiler.perception.confidence import Confidence, confidence_text
 from scenario_compiler.perception.lane_detector import LaneState
 from scenario_compiler.perception.learned_detector import (
@@ -54,6 +54,7 @@ from scenario_compiler.perception.learned_detector import (
     Rows,
     ground_of,
 )
+from scenario_compiler.perception.planned_way import Point, shape_of, worth_on_way
 from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.perception.weather_look import look_of
 from scenario_compiler.roads import load_network
@@ -224,7 +225,7 @@ def example(
     """Return an image (HEIGHT, WIDTH, 3), its columns (2, ROWS), and its scaled paint, tilt and lane width (4,)."""
     small = cv2.resize(image, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
     columns = np.stack([columns_of(one) for one in truth.pixels])
-    left, right = (float(one[0]) for one in truth.boundaries)
+    left, right = (truth.y(side, float(X[0])) for side in (0, 1))
     width = left - right if math.isfinite(left) and math.isfinite(right) else 3.5
     rest = [float(truth.there(0)), float(truth.there(1)), truth.tilt / 0.03, width - 3.5]
     return np.asarray(small, np.uint8), columns, np.clip(np.array(rest, np.float32), -3.0, 3.0)
@@ -432,14 +433,22 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
     overlaps: list[tuple[float, ...]] = []
 
     def take(
-        image: NDArray[np.uint8], state: LaneState, truth: Truth, clip: int, about: tuple[float, ...]
+        image: NDArray[np.uint8],
+        state: LaneState,
+        truth: Truth,
+        clip: int,
+        about: tuple[float, ...],
+        way: tuple[Point, ...] = (),
     ) -> LaneState:
-        result, found = detector.look(image, state)
+        result, found = detector.look(image, replace(state, way=shape_of(way)))
         told, _, _, _ = detector.tell(image)
         for side, (row, one) in enumerate(zip(found, (result.left, result.right), strict=True)):
             rows.append(row)
             rest.append(
-                (one.p_geom, one.p_paint, one.p, truth.error(side, one), truth.painted[side], float(clip), *about)
+                (
+                    *(one.p_geom, one.p_paint, one.p, truth.error(side, one), truth.painted[side]),
+                    *(worth_on_way(one, way), float(clip), *about),
+                )
             )
             said, columns = Rows.of(told[side]), columns_of(truth.pixels[side])
             thin = overlap(said, columns, np.full(ROWS, THIN))
@@ -454,7 +463,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
                 contrast = look_of(conditions.weather).contrast
                 about = (contrast, conditions.sigma, conditions.pitch, conditions.leader, float(conditions.beside),
                          conditions.curvature, float(conditions.junction), float(view.number))  # fmt: skip
-                state = take(view.image, replace(state, way=view.way), view.truth, clip, about)
+                state = take(view.image, state, view.truth, clip, about, view.way)
     elif which == "drawn":
         for number in range(first, last):
             draw = np.random.default_rng([seed, number])
@@ -463,9 +472,10 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
     else:
         for number, (image, truth) in enumerate(pictures(BANK[int(which)], seed, last)):
             take(image, LaneState(), truth, number, (0.0,) * len(CONDITIONS))
-    table = np.array(rest).reshape(-1, 6 + len(CONDITIONS))
+    table = np.array(rest).reshape(-1, 7 + len(CONDITIONS))
     features = np.array(rows).reshape(len(table), len(LEARNED_FEATURES))
-    looks = Looks(features, table[:, :3], table[:, 3], table[:, 4], table[:, 5].astype(np.int64), table[:, 6:])
+    error, painted, worth = table[:, 3], table[:, 4], table[:, 5]
+    looks = Looks(features, table[:, :3], error, painted, worth, table[:, 6].astype(np.int64), table[:, 7:])
     return which, looks, np.array(overlaps).reshape(-1, 5)
 
 

@@ -25,7 +25,7 @@ from scenario_compiler.controllers.model import (
     SensorData,
     VehicleState,
 )
-from scenario_compiler.controllers.planned_way import LOOKED_AT, shape_of, worth_on_way
+from scenario_compiler.perception.planned_way import LOOKED_AT, on_way, shape_of
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING, TRUSTED
 
 if TYPE_CHECKING:
@@ -215,7 +215,7 @@ class LaneDetectionController(ControllerModel):
         lanes = self._detector.detect(sensor_data.image, replace(self._prior, way=shape_of(way)))
         self._prior = self._prior.after(lanes)
         health = self._monitor.observe(sensor_data.image, travelled).health
-        left, right = (_on_way(boundary, way) for boundary in (lanes.left, lanes.right))
+        left, right = (on_way(boundary, way) for boundary in (lanes.left, lanes.right))
         self._lanes = replace(
             lanes,
             left=left,
@@ -242,11 +242,6 @@ def _way_of(sensor_data: SensorData, ahead: float) -> list[Point]:
     if junction is None or junction > ahead + LOOKED_AT[1]:
         return []
     return [(x - ahead, y - sensor_data.camera.y) for x, y in sensor_data.route]
-
-
-def _on_way(boundary: Boundary, way: Sequence[Point]) -> Boundary:
-    worth = worth_on_way(boundary, way)
-    return replace(boundary, p_geom=boundary.p_geom * worth, p=boundary.p * worth)
 
 
 class _Middle:

@@ -307,10 +307,10 @@ def _deviations(fit: Fit, known: Circumstances, y: Floats) -> dict[str, float]:
     """Return how far the boundary may be off where it has to be right, by its rows and by the tilt.
 
     A tilt p moves what is seen at x to x (1 - p x / h), y (1 - p x / h), h being the camera's height (see
-    `road_plane`): the boundary at x moves by p x (x dy/dx - y) / h.
+    `road_plane`): with the slope m = dy/dx the boundary moves sideways by p x (x m - y) / (h sqrt(1 + m^2)).
     """
     slope = (arc_y(fit.curve, PLACES - X_FROM + SHORT) - y) / SHORT
-    lever = float(np.abs(PLACES * (PLACES * slope - y)).max()) / known.height
+    lever = float(np.abs(PLACES * (PLACES * slope - y) / np.hypot(1.0, slope)).max()) / known.height
     tilted = lever * known.tilt.deviation
     near, far = fit.deviations
     return {

@@ -39,7 +39,7 @@ def test_made_up_roads_are_valid_and_can_be_driven(roads: ModuleType, tmp_path: 
         clips = MapRoads(load_network(file), texture=100 + seed).clips(1, range(8))
         seen = [next(views).truth for _, _, views in clips]
         assert len(seen) >= 4
-        assert all(np.isfinite(truth.boundaries[0][0]) for truth in seen)
+        assert all(np.isfinite(truth.y(0, 6.0)) for truth in seen)
 
 
 def test_lorries_are_close_ahead_in_the_clips_that_ask_for_them() -> None:

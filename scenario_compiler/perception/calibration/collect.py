@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.calibration.bank import BANK, Situation, drawn_situation, picture, pictures
 from scenario_compiler.perception.calibration.maps import Conditions, MapRoads
-from scenario_compiler.perception.calibration.truth import SEEN_SHARE, Truth
+from scenario_compiler.perception.calibration.truth import Truth
 from scenario_compiler.perception.lane_detector import CalibratedDetector, LaneResult, LaneState
+from scenario_compiler.perception.planned_way import LEAST_SHARE, Point, on_way, shape_of, worth_on_way
 from scenario_compiler.perception.weather_look import look_of
 
 Floats = NDArray[np.float64]
@@ -23,7 +24,7 @@ near, and the image's index in its clip.
 """
 
 RIGHT = 0.25
-"""Largest lateral error of a boundary that counts as right, m."""
+"""Largest distance of a boundary that counts as right from the true one, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +33,11 @@ class Looks:
 
     Attributes:
         rows: (N, features) the features of the confidence.
-        p: (N, 3) the detector's probabilities: that the geometry is right, that paint is there, and of both.
-        error: (N,) largest lateral error, m.
+        p: (N, 3) probabilities, as the automation uses them, that the geometry is right, that paint is there, and of
+            both.
+        error: (N,) largest distance from the true boundary, m.
         painted: (N,) painted share of the stretch.
+        worth: (N,) factor by which the automation lowers the probabilities of a boundary that leaves the planned route.
         clip: (N,) number of the clip; observations of one clip are never separated.
         conditions: (N, len(CONDITIONS)).
     """
@@ -43,6 +46,7 @@ class Looks:
     p: Floats
     error: Floats
     painted: Floats
+    worth: Floats
     clip: NDArray[np.int64]
     conditions: Floats
 
@@ -58,7 +62,7 @@ class Looks:
     @property
     def labels(self) -> Floats:
         """(N, 3) whether the geometry was right, paint was there, and both, as 0 or 1."""
-        right, there = self.error < RIGHT, self.painted > SEEN_SHARE
+        right, there = self.error < RIGHT, self.painted > LEAST_SHARE
         return np.stack([right, there, right & there], axis=1).astype(np.float64)
 
     def condition(self, name: str) -> Floats:
@@ -75,22 +79,30 @@ class _Taker:
         self.rest: list[tuple[float, ...]] = []
 
     def look(
-        self, image: NDArray[np.uint8], state: LaneState, truth: Truth, clip: int, about: tuple[float, ...]
+        self,
+        image: NDArray[np.uint8],
+        state: LaneState,
+        truth: Truth,
+        clip: int,
+        about: tuple[float, ...],
+        way: Sequence[Point] = (),
     ) -> LaneResult:
-        """Run the detector on one image."""
-        result, rows = self.detector.look(image, state)
+        """Run the detector on one image; `way` is the planned route in the camera's ground frame."""
+        result, rows = self.detector.look(image, replace(state, way=shape_of(way)))
         for side, (row, found) in enumerate(zip(rows, (result.left, result.right), strict=True)):
             self.rows.append(row)
-            said = (found.p_geom, found.p_paint, found.p)
-            self.rest.append((*said, truth.error(side, found), truth.painted[side], float(clip), *about))
+            used, worth = on_way(found, way), worth_on_way(found, way)
+            said = (used.p_geom, used.p_paint, used.p)
+            self.rest.append((*said, truth.error(side, found), truth.painted[side], worth, float(clip), *about))
         return result
 
     @property
     def looks(self) -> Looks:
         """Return the recorded observations."""
-        rest = np.array(self.rest).reshape(-1, 6 + len(CONDITIONS))
+        rest = np.array(self.rest).reshape(-1, 7 + len(CONDITIONS))
         rows = np.array(self.rows).reshape(len(rest), len(self.detector.features))
-        return Looks(rows, rest[:, :3], rest[:, 3], rest[:, 4], rest[:, 5].astype(np.int64), rest[:, 6:])
+        error, painted, worth = rest[:, 3], rest[:, 4], rest[:, 5]
+        return Looks(rows, rest[:, :3], error, painted, worth, rest[:, 6].astype(np.int64), rest[:, 7:])
 
 
 def look_at_map(roads: MapRoads, detector: CalibratedDetector, seed: int, numbers: range) -> Looks:
@@ -100,7 +112,7 @@ def look_at_map(roads: MapRoads, detector: CalibratedDetector, seed: int, number
         state = LaneState()
         for view in views:
             about = (*_numbers(conditions), float(view.number))
-            state = state.after(taker.look(view.image, replace(state, way=view.way), view.truth, clip, about))
+            state = state.after(taker.look(view.image, state, view.truth, clip, about, view.way))
     return taker.looks
 
 

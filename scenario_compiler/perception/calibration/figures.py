@@ -94,7 +94,7 @@ def fitted(gathered: Gathered, fitting: Fitting, without: str = "") -> Confidenc
     """Return the confidence fitted to all observations except those on one map."""
     parts = [looks for name, looks in gathered.maps.items() if name != without]
     of_maps = Looks.joined(parts)
-    chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
+    chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED) & (of_maps.clip < gathered.clips))
     return fitted_to(chosen, gathered.drawn, fitting, FIRST_WEIGHT)
 
 
@@ -108,7 +108,8 @@ def fitted_to(of_maps: Looks, drawn: Looks, fitting: Fitting, first_weight: floa
 
 def judged(looks: Looks, confidence: Confidence) -> Looks:
     """Return the observations with the probabilities of another confidence; the memory is unchanged."""
-    return replace(looks, p=confidence.all(looks.rows))
+    factors = np.stack([looks.worth, np.ones_like(looks.worth), looks.worth], axis=1)
+    return replace(looks, p=confidence.all(looks.rows) * factors)
 
 
 def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confidence | None, fitting: Fitting) -> Figures:

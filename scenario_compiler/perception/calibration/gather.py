@@ -24,6 +24,9 @@ PART = 24
 
 SEED, BANK_SEED, DRAWN_SEED = 11, 5, 23
 
+MORE = 4
+"""Factor by which a map that is left out of a fit has more clips: the tables are of such maps alone."""
+
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
@@ -33,11 +36,13 @@ class Gathered:
         maps: Observations of a map's clips, by the map's name.
         bank: Observations of each situation of the bank, in its order.
         drawn: Observations of random situations.
+        clips: Number of clips of each map that are for fits; a map can have more.
     """
 
     maps: dict[str, Looks]
     bank: tuple[Looks, ...]
     drawn: Looks
+    clips: int
 
 
 class _Job(NamedTuple):
@@ -54,6 +59,7 @@ def gather(
     clips: int,
     pictures: int,
     processes: int,
+    left_out: Sequence[str] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Gathered:
     """Run a detector.
@@ -61,15 +67,21 @@ def gather(
     Args:
         detector: Its name.
         maps: Road files; one without a driving lane gives nothing.
-        clips: Number of clips of each map.
+        clips: Number of clips of each map; those that are left out of a fit have `MORE` times as many.
         pictures: Number of pictures of each situation of the bank; there are fifteen times as many random situations.
         processes: Number of worker processes.
+        left_out: Names of the maps that are left out of a fit.
         progress: Called with the number of finished jobs and that of all jobs.
 
     Raises:
         CompileError: A road file cannot be read.
     """
-    jobs = [_Job(detector, "map", str(path), k, min(k + PART, clips)) for path in maps for k in range(0, clips, PART)]
+    counts = {path: clips * (MORE if path.stem in left_out else 1) for path in maps}
+    jobs = [
+        _Job(detector, "map", str(path), k, min(k + PART, count))
+        for path, count in counts.items()
+        for k in range(0, count, PART)
+    ]
     jobs += [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
     jobs += [_Job(detector, "drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]
     done: list[Looks] = []
@@ -88,6 +100,7 @@ def gather(
         {name: Looks.joined(parts) for name, parts in by_map.items()},
         tuple(looks for job, looks in zip(jobs, done, strict=True) if job.kind == "bank"),
         Looks.joined([looks for job, looks in zip(jobs, done, strict=True) if job.kind == "drawn"]),
+        clips,
     )
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.calibration.truth import SEEN, Truth
 from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.planned_way import LOOKED_AT, Point
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.roadside import roadside_of
 from scenario_compiler.perception.scene import Scene, joined_marks
@@ -61,13 +62,14 @@ class View:
     Attributes:
         image: (height, width, 3) uint8, BGR.
         truth: The lane's boundaries and paint.
-        way: Slope below the camera and curvature, 1/m, of the path if a junction is in sight; else None.
+        way: Points of the path in the camera's ground frame if a junction is in sight, as the automation knows it; else
+            none.
         number: Index in the clip.
     """
 
     image: NDArray[np.uint8]
     truth: Truth
-    way: tuple[float, float] | None
+    way: tuple[Point, ...]
     number: int
 
 
@@ -198,18 +200,15 @@ class MapRoads:
             image = camera.frame(pose, moved, conditions.weather, conditions.sigma, number)
             view = camera.view(pose)
             distance = way.distance - at - camera.box_offset - self.camera.x
-            near = (distance >= 6.0) & (distance <= 18.0)
+            near = (distance >= LOOKED_AT[0]) & (distance <= LOOKED_AT[1])
             painted = [
                 float(np.mean(quality[near] * contrast > SEEN)) if near.any() else 0.0
                 for quality in (way.left_paint(lines), way.right_paint(lines))
             ]
-            middle = view.world_to_ground(0.5 * (way.left + way.right))
-            meant = None
-            if way.junction - at < 18.0 + camera.box_offset + self.camera.x:
-                ahead = (middle[:, 0] > 4.0) & (middle[:, 0] < 20.0) & (distance < 25.0)
-                if ahead.sum() >= 5:
-                    half, slope, _ = np.polyfit(middle[ahead, 0], middle[ahead, 1], 2)
-                    meant = (float(slope), 2.0 * float(half))
+            meant: tuple[Point, ...] = ()
+            if way.junction - at < LOOKED_AT[1] + camera.box_offset + self.camera.x:
+                middle = view.world_to_ground(0.5 * (way.left + way.right))
+                meant = tuple((float(x), float(y)) for x, y in middle[way.distance >= at])
             truth = Truth.of(view, way.left, way.right, (painted[0], painted[1]))
             yield View(image, truth, meant, number)
 

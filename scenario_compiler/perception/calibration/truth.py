@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,11 +10,12 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import View, vehicle_axes
 from scenario_compiler.perception.lane_detector import Boundary
+from scenario_compiler.perception.planned_way import LEAST_SHARE
 
 Floats = NDArray[np.float64]
 
 X = np.arange(6.0, 18.5, 1.0)
-"""Distances ahead of the camera at which a boundary has to be right, m."""
+"""Distances ahead of the camera at which a detected boundary has to be near the true one, m."""
 
 TILT_FROM, TILT_TO = 5.0, 22.0
 """Stretch ahead of the camera to which the plane of the road is fitted, m."""
@@ -21,10 +23,8 @@ TILT_FROM, TILT_TO = 5.0, 22.0
 NEAREST, FARTHEST = 2.0, 45.0
 """Depths between which pixels of boundaries are labelled, m."""
 
-SEEN, SEEN_SHARE = 0.15, 0.6
-"""Product of quality and the weather's contrast above which paint counts as visible, and the share of the stretch that
-needs it.
-"""
+SEEN = 0.15
+"""Product of quality and the weather's contrast above which paint counts as visible."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +32,8 @@ class Truth:
     """The lane ahead.
 
     Attributes:
-        boundaries: y(X) of the left and the right boundary in the camera's ground frame, m; infinite where a boundary
-            turns away so much that it never comes as far ahead.
+        boundaries: (n, 2) points of the left and the right boundary in the camera's ground frame, in order of travel,
+            m.
         painted: Share of the stretch with visible paint, of the left and the right boundary.
         pixels: (n, 2) u, v in the image, in order of travel, of points of the left and the right boundary.
         tilt: Upward tilt of the camera relative to its mounting, rad, against a plane through the road ahead.
@@ -53,15 +53,25 @@ class Truth:
         rise = (both - view.foot) @ vehicle_axes(view.pose)[:, 2]
         near = (ahead > TILT_FROM) & (ahead < TILT_TO)
         tilt = -float(rise[near] @ ahead[near]) / max(float(ahead[near] @ ahead[near]), 1e-9)
-        return Truth((_at(flat[0]), _at(flat[1])), painted, (_pixels(view, left), _pixels(view, right)), tilt)
+        return Truth(flat, painted, (_pixels(view, left), _pixels(view, right)), tilt)
 
     def error(self, side: int, boundary: Boundary) -> float:
-        """Return the largest lateral error of a detected boundary, m."""
-        return float(np.abs(boundary.y(X) - self.boundaries[side]).max())
+        """Return the largest distance of a detected boundary from the true one, 6 to 18 m ahead of the camera, m."""
+        detected = np.stack([X, boundary.y(X)], axis=1)
+        return float(_distances(detected, self.boundaries[side]).max())
+
+    def y(self, side: int, x: float) -> float:
+        """Return where the boundary first crosses a distance ahead of the camera; infinite if it never does, m."""
+        ahead, left = self.boundaries[side].T
+        crossed = np.flatnonzero((ahead[:-1] <= x) & (ahead[1:] > x))
+        if not len(crossed):
+            return math.inf
+        k = int(crossed[0])
+        return float(left[k] + (left[k + 1] - left[k]) * (x - ahead[k]) / (ahead[k + 1] - ahead[k]))
 
     def there(self, side: int) -> bool:
         """Return whether the boundary counts as painted."""
-        return self.painted[side] > SEEN_SHARE
+        return self.painted[side] > LEAST_SHARE
 
 
 def _pixels(view: View, points: Floats) -> Floats:
@@ -70,13 +80,11 @@ def _pixels(view: View, points: Floats) -> Floats:
     return view.to_image(seen[(depth > NEAREST) & (depth < FARTHEST)])
 
 
-def _at(points: Floats) -> Floats:
-    ahead, last = [], -np.inf
-    for x, y in points.tolist():
-        if x > last:
-            ahead.append((x, y))
-            last = x
-        elif last > 0.0:
-            break
-    along = np.array(ahead)
-    return np.asarray(np.interp(X, along[:, 0], along[:, 1], right=np.inf))
+def _distances(points: Floats, line: Floats) -> Floats:
+    """Return the distances (m,) of points (m, 2) from a line through points (n, 2)."""
+    along = np.diff(line, axis=0)
+    from_starts = points[:, None] - line[:-1]
+    share = (from_starts * along).sum(axis=2) / np.maximum((along * along).sum(axis=1), 1e-12)
+    away = from_starts - np.clip(share, 0.0, 1.0)[..., None] * along
+    nearest: Floats = np.hypot(away[..., 0], away[..., 1]).min(axis=1)
+    return nearest

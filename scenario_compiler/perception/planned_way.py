@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import dropwhile, pairwise
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,12 @@ LEAST_SHARE = 0.6
 
 OFF_THE_WAY = 1.75
 """Distance from the route's shape at which a boundary belongs to another lane, m: half a lane."""
+
+
+def on_way(boundary: Boundary, way: Sequence[Point]) -> Boundary:
+    """Return the boundary with the probabilities that it has beside the planned route (see `worth_on_way`)."""
+    worth = worth_on_way(boundary, way)
+    return replace(boundary, p_geom=boundary.p_geom * worth, p=boundary.p * worth)
 
 
 def worth_on_way(boundary: Boundary, way: Sequence[Point]) -> float:

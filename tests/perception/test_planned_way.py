@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from scenario_compiler.controllers.planned_way import Point, shape_of, worth_on_way
 from scenario_compiler.perception.lane_detector import Boundary
+from scenario_compiler.perception.planned_way import Point, shape_of, worth_on_way
 
 STRAIGHT = Boundary(1.75, 0.0, 0.0, 0.9, 0.9, 0.9, (5.0, 25.0))
 
