@@ -76,6 +76,9 @@ MARK_COLUMNS = (
 )
 """The columns with what a mark looks like."""
 
+TRUE = frozenset({"true", "1"})
+"""The texts of a true attribute."""
+
 LANE_DIRECTIONS = {"standard": 0, "reversed": 1, "both": 2}
 
 
@@ -91,8 +94,11 @@ MarkLook = tuple[int, int, int, float, float, float, int, int]
 Side = tuple[PlainElement | None, float]
 """The side's element and the s from which its records count."""
 
-Lane = tuple[int, PlainElement | None, float]
+Lane = tuple[int, PlainElement, float]
 """The lane's id and element, and the s from which its records count."""
+
+NO_CENTRE = PlainElement("lane")
+"""Stands for the centre lane of a section without one."""
 
 
 class LaneReader:
@@ -127,14 +133,16 @@ class LaneReader:
         for i, (s, element) in enumerate(sections):
             end = sections[i + 1][0] if i + 1 < len(sections) else length
             new_left, new_right = element.find("left"), element.find("right")
-            one_sided = element.get("singleSide") in {"true", "1"} and i > 0
+            one_sided = i > 0 and element.get("singleSide") in TRUE
             keep_left = one_sided and new_left is None
             keep_right = one_sided and new_right is None
-            left = left[:2] if keep_left else (new_left, s)
-            right = right[:2] if keep_right else (new_right, s)
-            for k, span in enumerate(pairwise((s, *self._inside(element, s, end, cuts), end))):
+            left = left if keep_left else (new_left, s)
+            right = right if keep_right else (new_right, s)
+            inside = self._inside(element, s, end, cuts) if cuts else ()
+            for k, span in enumerate(pairwise((s, *inside, end))):
                 self._section(element, road, span, s, left, right)
-                self._continue(keep_left or k > 0, keep_right or k > 0)
+                if one_sided or k > 0:
+                    self._continue(keep_left or k > 0, keep_right or k > 0)
 
     def _inside(self, section: PlainElement, start: float, end: float, cuts: Sequence[float]) -> list[float]:
         """Return the cuts inside a section, as many as `COPY_LIMIT` allows."""
@@ -169,18 +177,13 @@ class LaneReader:
         n.section_s.append(span[0])
         n.section_end.append(span[1])
         n.section_road.append(road)
-        lefts = self._side(left, 1)
-        centre = next(iter(grandchildren(element, "center", "lane")), None)
-        n.section_left.append(len(lefts))
-        lanes = [*lefts, (0, centre, origin), *self._side(right, -1)]
-        first = len(n.lane_id)
-        for lane, one, start in lanes:
-            self._lane(lane, one, start, span[1])
-            n.lane_height.append(len(n.height_s))
-            n.lane_speed.append(len(n.speed_s))
-            n.lane_mark.append(len(n.mark_s))
+        lanes = self._side(left, 1)
+        n.section_left.append(len(lanes))
+        centre = next(iter(grandchildren(element, "center", "lane")), NO_CENTRE)
+        lanes.append((0, centre, origin))
+        lanes += self._side(right, -1)
+        self._lanes(lanes, span[1])
         n.section_lane.append(len(n.lane_id))
-        self._widths(lanes, first)
 
     def _side(self, side: Side, sign: int) -> list[Lane]:
         """Return the usable lanes of a side from left to right."""
@@ -196,38 +199,42 @@ class LaneReader:
                 found[lane] = element
         return [(lane, found[lane], origin) for lane in sorted(found, reverse=True)]
 
-    def _lane(self, lane: int, element: PlainElement | None, origin: float, end: float) -> None:
+    def _lanes(self, lanes: list[Lane], end: float) -> None:
+        """Append the lanes of the last section, which ends at `end`."""
         n = self._n
-        n.lane_id.append(lane)
-        n.lane_section.append(len(n.section_s) - 1)
-        if element is None:
-            n.lane_type.append(NONE)
-            n.lane_level.append(0)
-            n.lane_direction.append(0)
-            return
-        name = element.get("type", "none")
-        code = LANE_TYPE_CODES.get(name, -1)
-        if code < 0:
-            code = NONE
-            self._reader.report(UNKNOWN_LANE_WORD, f"unknown lane type '{name[:40]}'; 'none' is used", element, "type")
-        n.lane_type.append(code)
-        n.lane_level.append(int(element.get("level") in {"true", "1"}))
-        direction = LANE_DIRECTIONS.get(element.get("direction", "standard"), 0)
-        n.lane_direction.append(direction)
-        if direction == 1:
-            n.road_directions[n.section_road[-1]] = 1
-        for link in element.findall("link"):
-            self._links(link, len(n.lane_id) - 1)
-        for speed in element.findall("speed"):
-            n.speed_s.append(origin + self._reader.number(speed, "sOffset", 0.0, limit=LENGTH_LIMIT))
-            n.speed_max.append(self._reader.speed(speed))
-        for height in element.findall("height"):
-            n.height_s.append(origin + self._reader.number(height, "sOffset", 0.0, limit=LENGTH_LIMIT))
-            n.height_inner.append(self._reader.number(height, "inner", 0.0))
-            n.height_outer.append(self._reader.number(height, "outer", 0.0))
-        marks = element.findall("roadMark")
-        if marks:
-            self._marks(marks, origin, end)
+        first = len(n.lane_id)
+        n.lane_section.extend([len(n.section_s) - 1] * len(lanes))
+        for lane, element, origin in lanes:
+            n.lane_id.append(lane)
+            code = LANE_TYPE_CODES.get(element.get("type", "none"), -1)
+            n.lane_type.append(code if code >= 0 else self._unknown_type(element))
+            n.lane_level.append(1 if element.get("level") in TRUE else 0)
+            direction = LANE_DIRECTIONS.get(element.get("direction", "standard"), 0)
+            n.lane_direction.append(direction)
+            if direction == 1:
+                n.road_directions[n.section_road[-1]] = 1
+            for link in element.findall("link"):
+                self._links(link, len(n.lane_id) - 1)
+            for speed in element.findall("speed"):
+                n.speed_s.append(origin + self._reader.number(speed, "sOffset", 0.0, limit=LENGTH_LIMIT))
+                n.speed_max.append(self._reader.speed(speed))
+            for height in element.findall("height"):
+                n.height_s.append(origin + self._reader.number(height, "sOffset", 0.0, limit=LENGTH_LIMIT))
+                n.height_inner.append(self._reader.number(height, "inner", 0.0))
+                n.height_outer.append(self._reader.number(height, "outer", 0.0))
+            marks = element.findall("roadMark")
+            if marks:
+                self._marks(marks, origin, end)
+            n.lane_height.append(len(n.height_s))
+            n.lane_speed.append(len(n.speed_s))
+            n.lane_mark.append(len(n.mark_s))
+        self._widths(lanes, first)
+
+    def _unknown_type(self, element: PlainElement) -> int:
+        """Report that a lane's type is unknown, and return the code of the type that is used."""
+        message = f"unknown lane type '{element.get('type', '')[:40]}'; 'none' is used"
+        self._reader.report(UNKNOWN_LANE_WORD, message, element, "type")
+        return NONE
 
     def _links(self, link: PlainElement, row: int) -> None:
         for one in link:
@@ -240,8 +247,6 @@ class LaneReader:
     def _continue(self, left: bool, right: bool) -> None:
         """Link a side that continues over a one-sided section or a cut to itself in the previous section."""
         n = self._n
-        if not (left or right):
-            return
         section = len(n.section_s) - 1
         for at, end in ((section - 1, AT_END), (section, AT_START)):
             for row in range(n.section_lane[at], n.section_lane[at + 1]):
@@ -255,7 +260,7 @@ class LaneReader:
         bordered = False
         for lane, element, origin in lanes:
             span = 0, 0
-            if element is not None and lane != 0:
+            if lane != 0:
                 widths = element.findall("width")
                 if widths:
                     span = self._reader.cubics(n, widths, "sOffset", origin)
@@ -274,8 +279,6 @@ class LaneReader:
         edge: list[Cubic] = [(-LENGTH_LIMIT, 0.0, 0.0, 0.0, 0.0)]
         for i, (lane, element, origin) in enumerate(lanes):
             at = row + i * step
-            if element is None:
-                continue
             borders = element.findall("border")
             if borders and element.find("width") is None:
                 sign = 1.0 if lane > 0 else -1.0
@@ -291,19 +294,21 @@ class LaneReader:
 
     def _marks(self, elements: list[PlainElement], origin: float, end: float) -> None:
         n = self._n
-        starts = [origin + s for s in self._reader.lengths(elements, "sOffset")]
-        if starts != sorted(starts):
+        starts = self._reader.stations(elements, "sOffset", origin)
+        if len(starts) > 1 and starts != sorted(starts):
             self._reader.report(UNSORTED, "the lane's road marks are not in ascending order", elements[0])
             elements = [elements[i] for i in sorted(range(len(elements)), key=starts.__getitem__)]
             starts.sort()
-        n.mark_s.extend(starts)
-        n.mark_end.extend(starts[1:])
+        n.mark_s += starts
+        n.mark_end += starts[1:]
         n.mark_end.append(max(starts[-1], end))
-        for s, element in zip(starts, elements, strict=True):
+        for element in elements:
             get = element.get
             written = get("type"), get("color"), get("laneChange"), get("width"), get("weight")
             look = self._plain_marks.get(written) or self._plain_mark(element, written)
-            self._marks_of_road.append(self._detailed_mark(look, element, s) if len(element) else look)
+            if len(element):
+                look = self._detailed_mark(look, element, n.mark_s[len(n.mark_line) - 1])
+            self._marks_of_road.append(look)
             n.mark_line.append(len(n.line_length))
 
     def _plain_mark(self, element: PlainElement, written: tuple[str | None, ...]) -> MarkLook:

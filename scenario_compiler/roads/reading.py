@@ -139,15 +139,15 @@ class Reader:
             return NO_SPEED
         return value * SPEED_UNITS.get(element.get("unit", "m/s"), 1.0)
 
-    def lengths(self, records: Sequence[PlainElement], name: str) -> list[float]:
-        """Return an attribute of records as lengths, 0 where it is missing; see `number`."""
+    def stations(self, records: Sequence[PlainElement], name: str, origin: float) -> list[float]:
+        """Return an attribute of records, a length that is 0 where it is missing, plus an origin; see `number`."""
         try:
-            found = [float(one.get(name, 0.0)) for one in records]
-            if hypot(*found) < LENGTH_LIMIT:
+            found = [origin + float(one.get(name, 0.0)) for one in records]
+            if hypot(origin, *found) < 0.5 * LENGTH_LIMIT:  # none of the lengths is larger than the limit, or NaN
                 return found
         except ValueError:
             pass
-        return [self.number(one, name, 0.0, limit=LENGTH_LIMIT) for one in records]
+        return [origin + self.number(one, name, 0.0, limit=LENGTH_LIMIT) for one in records]
 
     def cubics(self, n: RoadTables, records: Sequence[PlainElement], station: str, origin: float) -> tuple[int, int]:
         """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere.
@@ -158,13 +158,19 @@ class Reader:
             station: Name of the attribute for a record's start: "s", "t", "sOffset" or "ds".
             origin: Value to which that attribute is relative.
         """
-        if not records:
-            return len(n.cubic_s), len(n.cubic_s)
+        first = len(n.cubic_s)
         if len(records) == 1:
             s, a, b, c, d = self.numbers(records[0], CUBICS[station])
-            return append_cubics(n, (origin + s,), (a,), (b,), (c,), (d,))
-        columns = self._cubics_at_once(records, station, origin) or self._cubics_one_by_one(records, station, origin)
-        return append_cubics(n, *columns)
+            if a or b or c or d:
+                n.cubic_s.append(origin + s)
+                n.cubic_a.append(a)
+                n.cubic_b.append(b)
+                n.cubic_c.append(c)
+                n.cubic_d.append(d)
+        elif records:
+            found = self._cubics_at_once(records, station, origin) or self._cubics_one_by_one(records, station, origin)
+            append_cubics(n, *found)
+        return first, len(n.cubic_s)
 
     def _cubics_at_once(
         self, records: Sequence[PlainElement], station: str, origin: float
