@@ -73,10 +73,10 @@ def _fill_links(n: RoadTables, stated: StatedLinks) -> None:
     for one, other in stated.branches:
         ends.extend((one, other))
         others.extend((other, one))
-    order = array("q", sorted(range(len(ends)), key=ends.tolist().__getitem__))
     for of, size in ((LANE_END, 2 * len(n.lane_id)), (LINK, len(ends)), (ROAD_END, 2 * len(n.road_length))):
         _resize(n, of, size)
-    _resize(n, LINK, _form(n).enter("store_links", order, ends, others, count, _ints(2 * len(n.lane_id))))
+    memory = _ints(2 * len(n.lane_id)), _ints(len(ends)), _ints(len(ends))
+    _resize(n, LINK, _form(n).enter("store_links", ends, others, count, *memory))
     _resize(n, EXIT, len(n.link_lane))
     _resize(n, EXIT, _form(n).enter("store_exits", _ints(2 * len(n.road_length))))
 
@@ -86,11 +86,10 @@ def _fill_cells(n: RoadTables) -> None:
     keys, chunks = _ints(room), _ints(room)
     while (count := _form(n).enter("list_cells", keys, chunks)) > len(keys):
         keys, chunks = _ints(count), _ints(count)
-    order = array("q", sorted(range(count), key=keys.tolist().__getitem__))
     wide = keys[:count].count(IN_NO_CELL)
     for of, size in ((CELL, count), (CELL_CHUNK, count - wide), (WIDE, wide)):
         _resize(n, of, size)
-    _resize(n, CELL, _form(n).enter("store_cells", order, keys, chunks))
+    _resize(n, CELL, _form(n).enter("store_cells", keys, chunks, _ints(count), _ints(count)))
 
 
 def _resize(n: RoadTables, of: Of, size: int) -> None:

@@ -9,6 +9,7 @@ from math import pi
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_heading, wrap_angle
 from scenario_compiler.roads.lanes import lane_row_in
+from scenario_compiler.roads.ordering import order_by_key
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 
 
@@ -188,18 +189,26 @@ def road_turn(n: RoadTables, road: int) -> float:
 
 @compiled
 def store_links(
-    n: RoadTables, order: list[int], ends: list[int], others: list[int], branches: int, places: list[int]
+    n: RoadTables,
+    ends: list[int],
+    others: list[int],
+    branches: int,
+    places: list[int],
+    order: list[int],
+    merged: list[int],
 ) -> int:
     """Fill the columns of links from listed ones, each once; return their number.
 
     Args:
         n: The tables.
-        order: The numbers of the entries, ordered by end.
         ends: One end of each link.
         others: The other one.
         branches: Number of the first entry that is a link to a place inside another road.
         places: A 0 for each end of a lane.
+        order: Working memory, a number for each entry.
+        merged: The same.
     """
+    order_by_key(ends, order, merged)
     count = 0
     at_end = 0
     for k in range(len(order)):

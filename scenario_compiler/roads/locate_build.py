@@ -5,6 +5,7 @@ from math import ceil, cos, sin, sqrt
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import piece_point, road_grade, wrap_angle
 from scenario_compiler.roads.locate import cell_key_of, cell_number
+from scenario_compiler.roads.ordering import order_by_key
 from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, RoadTables
 
 CHUNK_LENGTH = 25.0
@@ -330,8 +331,17 @@ def list_cells(n: RoadTables, keys: list[int], chunks: list[int]) -> int:
 
 
 @compiled
-def store_cells(n: RoadTables, order: list[int], keys: list[int], chunks: list[int]) -> int:
-    """Fill the columns of cells from the entries of `list_cells`, ordered by key; return the number of cells."""
+def store_cells(n: RoadTables, keys: list[int], chunks: list[int], order: list[int], merged: list[int]) -> int:
+    """Fill the columns of cells from the entries of `list_cells`; return the number of cells.
+
+    Args:
+        n: The tables; there is room for the cells.
+        keys: The key of each entry.
+        chunks: Its chunk.
+        order: Working memory, a number for each entry.
+        merged: The same.
+    """
+    order_by_key(keys, order, merged)
     wide = 0
     cells = 0
     held = 0
