@@ -81,6 +81,12 @@ TRUE = frozenset({"true", "1"})
 
 LANE_DIRECTIONS = {"standard": 0, "reversed": 1, "both": 2}
 
+LINK_ENDS = {"predecessor": AT_START, "successor": AT_END}
+"""The ends of a lane by the tags of its links."""
+
+RARE_PARTS = frozenset({"speed", "height", "border"})
+"""The tags of records that few lanes have."""
+
 
 LaneLinks = dict[int, list[int]]
 """The lane ids to which the file links an end of a lane, if there are any; the end's number is 2 x its row + `AT_START`
@@ -110,6 +116,7 @@ class LaneReader:
         self._n = tables
         self._copies = COPY_LIMIT
         self._plain_marks: dict[tuple[str | None, ...], MarkLook] = {}
+        self._plain_lanes: dict[tuple[str | None, ...], tuple[int, int, int]] = {}
         self._marks_of_road: list[MarkLook] = []
         self._mark_columns = [getattr(tables, name) for name in MARK_COLUMNS]
         self.links = LaneLinks()
@@ -187,7 +194,7 @@ class LaneReader:
 
     def _side(self, side: Side, sign: int) -> list[Lane]:
         """Return the usable lanes of a side from left to right."""
-        found: dict[int, PlainElement] = {}
+        found: dict[int, Lane] = {}
         parent, origin = side
         if parent is None:
             return []
@@ -196,52 +203,80 @@ class LaneReader:
             if lane is None or lane * sign <= 0 or lane in found:
                 self._reader.report(BAD_LANE, f"the lane '{element.get('id')}' is left out", element, "id")
             else:
-                found[lane] = element
-        return [(lane, found[lane], origin) for lane in sorted(found, reverse=True)]
+                found[lane] = lane, element, origin
+        return sorted(found.values(), key=itemgetter(0), reverse=True)
 
     def _lanes(self, lanes: list[Lane], end: float) -> None:
         """Append the lanes of the last section, which ends at `end`."""
         n = self._n
-        first = len(n.lane_id)
         n.lane_section.extend([len(n.section_s) - 1] * len(lanes))
+        widths_of = []
+        bordered = False
         for lane, element, origin in lanes:
             n.lane_id.append(lane)
-            code = LANE_TYPE_CODES.get(element.get("type", "none"), -1)
-            n.lane_type.append(code if code >= 0 else self._unknown_type(element))
-            n.lane_level.append(1 if element.get("level") in TRUE else 0)
-            direction = LANE_DIRECTIONS.get(element.get("direction", "standard"), 0)
-            n.lane_direction.append(direction)
-            if direction == 1:
-                n.road_directions[n.section_road[-1]] = 1
-            for link in element.findall("link"):
-                self._links(link, len(n.lane_id) - 1)
-            for speed in element.findall("speed"):
-                n.speed_s.append(origin + self._reader.number(speed, "sOffset", 0.0, limit=LENGTH_LIMIT))
-                n.speed_max.append(self._reader.speed(speed))
-            for height in element.findall("height"):
-                n.height_s.append(origin + self._reader.number(height, "sOffset", 0.0, limit=LENGTH_LIMIT))
-                n.height_inner.append(self._reader.number(height, "inner", 0.0))
-                n.height_outer.append(self._reader.number(height, "outer", 0.0))
-            marks = element.findall("roadMark")
-            if marks:
-                self._marks(marks, origin, end)
+            written = element.get("type"), element.get("level"), element.get("direction")
+            kind = self._plain_lanes.get(written) or self._plain_lane(element, written)
+            n.lane_type.append(kind[0])
+            n.lane_level.append(kind[1])
+            n.lane_direction.append(kind[2])
+            if kind[2] == 1:
+                n.road_directions[-1] = 1
+            marks, widths = [], []
+            rare = False
+            for part in element:
+                tag = part.tag
+                if tag == "roadMark":
+                    marks.append(part)
+                elif tag == "width":
+                    widths.append(part)
+                elif tag == "link":
+                    self._links(part, len(n.lane_id) - 1)
+                elif tag in RARE_PARTS:
+                    rare = True
+            if rare:
+                self._speeds_and_heights(element, origin)
+                bordered = bordered or (lane != 0 and not widths and element.find("border") is not None)
             n.lane_height.append(len(n.height_s))
             n.lane_speed.append(len(n.speed_s))
+            if marks:
+                self._marks(marks, origin, end)
             n.lane_mark.append(len(n.mark_s))
-        self._widths(lanes, first)
+            widths_of.append(widths)
+        for (lane, _, origin), widths in zip(lanes, widths_of, strict=True):
+            first, last = self._reader.cubics(n, widths, "sOffset", origin) if widths and lane != 0 else (0, 0)
+            n.lane_width_first.append(first)
+            n.lane_width_last.append(last)
+        if bordered:
+            self._widths_of_borders(lanes)
 
-    def _unknown_type(self, element: PlainElement) -> int:
-        """Report that a lane's type is unknown, and return the code of the type that is used."""
+    def _plain_lane(self, element: PlainElement, written: tuple[str | None, ...]) -> tuple[int, int, int]:
+        """Return type, level and direction of a lane by its attributes, and keep them unless the type is reported."""
+        name, level, direction = written
+        code = LANE_TYPE_CODES.get("none" if name is None else name, -1)
+        found = code, 1 if level in TRUE else 0, LANE_DIRECTIONS.get(direction or "", 0)
+        if code >= 0:
+            self._plain_lanes[written] = found
+            return found
         message = f"unknown lane type '{element.get('type', '')[:40]}'; 'none' is used"
         self._reader.report(UNKNOWN_LANE_WORD, message, element, "type")
-        return NONE
+        return NONE, *found[1:]
+
+    def _speeds_and_heights(self, element: PlainElement, origin: float) -> None:
+        n, number = self._n, self._reader.number
+        for speed in element.findall("speed"):
+            n.speed_s.append(origin + number(speed, "sOffset", 0.0, limit=LENGTH_LIMIT))
+            n.speed_max.append(self._reader.speed(speed))
+        for height in element.findall("height"):
+            n.height_s.append(origin + number(height, "sOffset", 0.0, limit=LENGTH_LIMIT))
+            n.height_inner.append(number(height, "inner", 0.0))
+            n.height_outer.append(number(height, "outer", 0.0))
 
     def _links(self, link: PlainElement, row: int) -> None:
         for one in link:
-            if one.tag in {"predecessor", "successor"}:
+            end = LINK_ENDS.get(one.tag)
+            if end is not None:
                 lane = self._reader.integer(one, "id")
                 if lane is not None:
-                    end = AT_START if one.tag == "predecessor" else AT_END
                     self.links.setdefault(2 * row + end, []).append(lane)
 
     def _continue(self, left: bool, right: bool) -> None:
@@ -254,24 +289,12 @@ class LaneReader:
                 if (lane > 0 and left) or (lane < 0 and right):
                     self.links[2 * row + end] = [lane]
 
-    def _widths(self, lanes: list[Lane], first: int) -> None:
-        """Append the widths of a section's lanes; borders become widths by subtracting the next border inside."""
-        n = self._n
-        bordered = False
-        for lane, element, origin in lanes:
-            span = 0, 0
-            if lane != 0:
-                widths = element.findall("width")
-                if widths:
-                    span = self._reader.cubics(n, widths, "sOffset", origin)
-                elif element.find("border") is not None:
-                    bordered = True
-            n.lane_width_first.append(span[0])
-            n.lane_width_last.append(span[1])
-        if bordered:
-            centre = next(i for i, (lane, _, _) in enumerate(lanes) if lane == 0)
-            self._borders(lanes[centre + 1 :], first + centre + 1, 1)
-            self._borders(lanes[:centre][::-1], first + centre - 1, -1)
+    def _widths_of_borders(self, lanes: list[Lane]) -> None:
+        """Compute the widths of the last section's lanes that have borders, from the next borders inside."""
+        first = len(self._n.lane_width_first) - len(lanes)
+        centre = next(i for i, (lane, _, _) in enumerate(lanes) if lane == 0)
+        self._borders(lanes[centre + 1 :], first + centre + 1, 1)
+        self._borders(lanes[:centre][::-1], first + centre - 1, -1)
 
     def _borders(self, lanes: list[Lane], row: int, step: int) -> None:
         """Compute widths of the lanes with borders on one side (from the centre outwards); `row` is the first one's."""
@@ -302,14 +325,16 @@ class LaneReader:
         n.mark_s += starts
         n.mark_end += starts[1:]
         n.mark_end.append(max(starts[-1], end))
+        lines = len(n.line_length)
         for element in elements:
             get = element.get
             written = get("type"), get("color"), get("laneChange"), get("width"), get("weight")
             look = self._plain_marks.get(written) or self._plain_mark(element, written)
             if len(element):
                 look = self._detailed_mark(look, element, n.mark_s[len(n.mark_line) - 1])
+                lines = len(n.line_length)
             self._marks_of_road.append(look)
-            n.mark_line.append(len(n.line_length))
+            n.mark_line.append(lines)
 
     def _plain_mark(self, element: PlainElement, written: tuple[str | None, ...]) -> MarkLook:
         """Return the look of a mark by its attributes, and keep it for marks with the same unless one is reported."""
