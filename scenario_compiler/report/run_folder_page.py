@@ -98,9 +98,10 @@ events that concern no entity, such as messages and the stop.
 
 _OF_MEASURES = """The `value` of a measure is null if it is not defined; `undefined` gives the reason. A run without
 an automated vehicle has only the measures that do not concern a takeover. Rows after the first collision do not change
-a measure, except `final_speed`. On five recordings, commonroad-crime 0.4.5
-finds the same times to collision and decelerations to avoid a crash within 1 %. On five others, its post-encroachment
-times are shorter by two steps, because it measures between steps in which the vehicles are outside the conflict area
+a measure, except `final_speed`. On ten recordings, commonroad-crime 0.4.5
+finds the same times to collision and decelerations to avoid a crash within 1 %. On ten others, its post-encroachment
+times are shorter by up to two steps, because it measures between steps in which the vehicles are outside the conflict
+area, and this program between the moments at which they leave and reach it
 (`tests/recording/test_against_commonroad.py`).
 
 Measures converge as the time step becomes shorter. The 62 conflicts of the library were run with three seeds and ideal
