@@ -338,6 +338,9 @@ class Execution:
             self._pose_ego(ego, moved)
         for event in self.world.events():
             self.builder.event(event.t, event.kind, entity=event.entity, message=event.message)
+            if event.kind == "world_collision":
+                ids = [entity.id for entity in self.plan.entities]
+                self.simulation.crash(ids.index(event.entity) if event.entity in ids else None)
 
     def _pose_ego(self, ego: int, moved: EgoState) -> None:
         st = self.state
