@@ -6,11 +6,12 @@ import math
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE, IMPULSES_AT_ONE
 from scenario_compiler.engine.ego.failures import severity_of
-from scenario_compiler.engine.motion.watching import farthest_without_leap
+from scenario_compiler.engine.motion.watching import STEEPEST, farthest_without_leap
 from scenario_compiler.engine.moves.appearance import LIGHTS
 from scenario_compiler.perception.faults import FAULTLESS, CameraFaults
 from scenario_compiler.roads import Pose
@@ -43,8 +44,12 @@ def entities_of(state: State, step: float) -> Entities:
         x, y, z = pose.x - before[0][i], pose.y - before[1][i], pose.z - before[2][i]
         if math.hypot(x, y) <= farthest_without_leap(speed[i], step):
             return x / step, y / step, z / step
-        level = speed[i] * math.cos(pose.pitch)
-        return level * math.cos(pose.heading), level * math.sin(pose.heading), -speed[i] * math.sin(pose.pitch)
+        v = speed[i]  # in the plane
+        return (
+            v * math.cos(pose.heading),
+            v * math.sin(pose.heading),
+            -v * math.tan(clip(pose.pitch, -STEEPEST, STEEPEST)),
+        )
 
     def state_of(i: int) -> EntityState:
         pose = Pose(*(column[i] for column in poses))
