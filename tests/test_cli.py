@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.cli import GROUPS, Parser, make_parser
+from scenario_compiler.worlds import WORLDS
 from tests.command import call
 
 CONFLICT = """\
@@ -372,3 +373,31 @@ def test_commands_start_no_threads_for_linear_algebra() -> None:
     )
     fresh = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
     subprocess.run([sys.executable, "-c", "\n".join(steps)], check=True, env=fresh)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            "run fade.xml --forse",
+            "scenario-compiler run: error: there is no option '--forse' (did you mean '--force'?)",
+        ),
+        ("run fade.xml --sede=3", "scenario-compiler run: error: there is no option '--sede' (did you mean '--seed'?)"),
+        ("map info a.xodr --vrbose", "scenario-compiler map info: error: there is no option '--vrbose'"),
+        ("run fade.xml other.xml", "scenario-compiler run: error: unrecognized arguments: other.xml"),
+        ("--vrsion list", "scenario-compiler: error: there is no option '--vrsion' (did you mean '--version'?)"),
+    ],
+)
+def test_an_unknown_option_is_an_error_of_its_command(
+    words: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(*words.split()) == 2
+    assert capsys.readouterr().err.splitlines()[-1].startswith(said)
+
+
+@pytest.mark.parametrize("command", ["run", "drive", "study"])
+def test_the_help_names_every_world(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(command, "--help") == 0
+    text = " ".join(capsys.readouterr().out.split())
+    described = text.partition("--world NAME ")[2].partition(" --")[0]
+    assert [name for name in WORLDS if name not in described] == []

@@ -40,6 +40,7 @@ ROWS = (
     ("forms",),
 )
 HALL = (
+    "addresses",
     "diagnostic_formats",
     "diagnostics",
     "document",

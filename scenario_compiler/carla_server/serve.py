@@ -8,15 +8,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from scenario_compiler.addresses import bracketed
 from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.protocol import Protocol
 from scenario_compiler.carla_server.stage import Stage
 from scenario_compiler.carla_server.towns import Town, load_town
 from scenario_compiler.carla_server.transport import Calls
-
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
-"""Hosts that only this machine can reach."""
 
 
 class CannotServeError(Exception):
@@ -78,11 +76,11 @@ async def serve(service: Service, ready: Callable[[str], None], log: Callable[[s
         host.port = streams.sockets[0].getsockname()[1]
         calls = await loop.create_server(lambda: Calls(protocol.answer, connections, log), service.host, service.port)
     except OSError as fault:
-        raise CannotServeError(f"cannot listen on {service.host}:{service.port}: {fault.strerror}") from None
+        raise CannotServeError(f"cannot listen on {bracketed(service.host)}:{service.port}: {fault.strerror}") from None
     await asyncio.to_thread(town.prepare)
     clock = asyncio.ensure_future(host.run_freely())
     clock.add_done_callback(lambda one: ended.set())
-    ready(f"{service.host}:{calls.sockets[0].getsockname()[1]}")
+    ready(f"{bracketed(service.host)}:{calls.sockets[0].getsockname()[1]}")
     try:
         await ended.wait()
     finally:

@@ -14,7 +14,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, NoReturn
 
-from scenario_compiler.cli.options import WRONG_USE, WrongUse, existing_target, reason_of
+from scenario_compiler.cli.options import WRONG_USE, WrongUse, existing_target, reason_of, suggestion
 from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams, put, put_raw
 from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
@@ -112,6 +112,16 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         super().__init__(**{"formatter_class": HelpFormatter, **settings})
         self.register("action", "parsers", Subcommands)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
+        """Return the arguments; unknown ones are an error of the command to which they were given."""
+        found, unknown = super().parse_known_args(args, namespace)
+        option = next((one.partition("=")[0] for one in unknown if one.startswith("-")), "")
+        if option:
+            self.error(f"there is no option '{option}'{suggestion(option, self._option_string_actions)}")
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return found, unknown
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong with the arguments and exit with 2."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from scenario_compiler.addresses import LOOPBACK
 from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, suggestion, whole_number
 from scenario_compiler.cli.terminal import complain, flush_streams, put
 from scenario_compiler.garbage_collection import stay_small
@@ -52,7 +53,7 @@ def serve_command(options: argparse.Namespace) -> int:
     import asyncio
 
     try:
-        from scenario_compiler.carla_server.serve import LOOPBACK, CannotServeError, Service, serve
+        from scenario_compiler.carla_server.serve import CannotServeError, Service, serve
         from scenario_compiler.carla_server.towns import known_towns
     except ModuleNotFoundError as missing:
         if missing.name != "msgpack":

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from scenario_compiler.recording.recording import Recording
     from scenario_compiler.worlds import WorldFinding
 
+BUILT_IN = "kinematic"
+"""The world that needs no other program."""
+
 CARLA_OPTIONS = {
     "carla_host": "host",
     "carla_port": "port",
@@ -29,8 +32,11 @@ CARLA_OPTIONS = {
 
 def add_world(parser: argparse.ArgumentParser) -> None:
     """Add the choice of a world, and the options of the CARLA world."""
+    from scenario_compiler.worlds import WORLDS
+
+    others = " or ".join(sorted(set(WORLDS) - {BUILT_IN}))
     parser.add_argument(
-        "--world", default="kinematic", metavar="NAME", help="world of the run: kinematic (built in) or carla"
+        "--world", default=BUILT_IN, metavar="NAME", help=f"world of the run: {BUILT_IN} (built in) or {others}"
     )
     carla = parser.add_argument_group("with --world carla (needs the extra 'carla')")
     carla.add_argument("--carla-host", metavar="HOST", help="address of the CARLA server (default: 127.0.0.1)")

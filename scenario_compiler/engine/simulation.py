@@ -153,7 +153,8 @@ class Simulation:
             steer_rate: Greatest rate of its front wheels' angle, rad/s.
 
         Raises:
-            IndexError: There is no entity with this index; so also `remove`, `command`, `pose` and `touched`.
+            IndexError: There is no entity with this index; so also `remove`, `command`, `pose`, `touched` and
+                `crash`.
         """
         program = self.program
         block = program.entity_const[self._index(entity)]
@@ -214,6 +215,14 @@ class Simulation:
         """Return an entity whose box overlaps that of the given one at the present poses, or None."""
         found: int = self.form.enter("find_touched", self._index(entity))
         return None if found == op.NONE else found
+
+    def crash(self, other: int | None) -> None:
+        """Report, between `move` and `end`, a collision that the world's own physics found of the reported vehicle.
+
+        Args:
+            other: The other entity; None if it is something of the world that the program does not know.
+        """
+        self.form.enter("note_world_collision", op.NONE if other is None else self._index(other))
 
     def contacts(self) -> list[tuple[int, int]]:
         """Return the pairs of entities whose boxes overlap, lower index first, each pair once."""

@@ -14,6 +14,7 @@ from starlette.applications import Starlette
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 
+from scenario_compiler.addresses import LOOPBACK, bracketed
 from scenario_compiler.live.sounds import SOUNDS, sound_files
 from scenario_compiler.report.embedding import FOLDER as PAGES
 
@@ -28,8 +29,6 @@ TYPES = {".js": "text/javascript", ".css": "text/css", ".opus": "audio/ogg"}
 
 LARGEST = 16_384
 """Greatest size of a message from a page, bytes."""
-
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 ANYWHERE = {"0.0.0.0": (socket.AF_INET, "192.0.2.1"), "::": (socket.AF_INET6, "2001:db8::1")}
 """Addresses that stand for all those of this machine, with an address elsewhere, reserved for documentation."""
@@ -149,11 +148,6 @@ def own_address(host: str) -> str:
             return str(outward.getsockname()[0])
     except OSError:
         return socket.gethostname()
-
-
-def bracketed(host: str) -> str:
-    """Return a host in the notation of URLs."""
-    return f"[{host}]" if ":" in host else host
 
 
 class Server(uvicorn.Server):

@@ -56,7 +56,7 @@ DUPLICATE_NAME = Code(
     "Two things of one kind have the same name, so a reference to that name is ambiguous. This concerns entities, "
     "scenarios or templates of a file, parameters of one scenario or template, uses, entries of a catalog, levels of a "
     "study's factors, items of a questionnaire, parameters that a <setting> sets, and questionnaires that a study asks "
-    "at one place; and of the properties of a controller only one can count. Rename or remove one of them.\n\n"
+    "twice in a row; and of the properties of a controller only one can count. Rename or remove one of them.\n\n"
     '    <static id="van">...</static>\n'
     '    <static id="van">...</static>     which one would `ahead_of entity="van"` mean?',
 )

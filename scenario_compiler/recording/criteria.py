@@ -257,6 +257,8 @@ def _collision_found(recording: Recording, traces: Traces, when: float | None, l
     if when is None:
         return "nothing was touched"
     whom = next((event.entity for event in recording.events if event.kind == "collision"), "")
+    if not whom:
+        whom = next((event.message for event in recording.events if event.kind == "world_collision"), "")
     return f"collision{f' with {whom}' if whom else ''} at {when:.2f} s"
 
 

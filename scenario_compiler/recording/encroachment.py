@@ -1,6 +1,6 @@
 """The least post-encroachment time, from recordings and from the engine's totals.
 
-The engine looks back from each row; here each row is compared with the row one lag before, for one lag after the other.
+The engine looks back from each row; here all rows are compared with those one lag before, for one lag after the other.
 """
 
 from __future__ import annotations
@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.engine.measures.encroachment import rows_between, rows_looked_at
+from scenario_compiler.engine.measures.encroachment import LONGEST, rows_between, rows_looked_at
+from scenario_compiler.recording.between_rows import rows_too_many
 from scenario_compiler.recording.boxes import touching
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.totals import RunTotals
@@ -20,19 +21,21 @@ def least_encroachment(traces: Traces) -> Floats:
     every = rows_between(traces.step)
     limit = rows_looked_at(traces.step)
     kept = _Kept(traces, every)
-    found = np.full(traces.t.shape[:-1], np.nan)
     for lag in range(1, min(limit, kept.x.shape[-2])):
-        open_runs = np.isnan(found)
-        if traces.x.shape[-1] < 2 or not open_runs.any():
+        if traces.x.shape[-1] < 2 or not kept.compare(lag):
             break
-        found = np.where(open_runs & kept.meets(lag), lag * every * traces.step, found)
-    return np.where(touching(traces).any(axis=-1), 0.0, found)
+    return np.where(touching(traces).any(axis=-1), 0.0, _in_seconds(kept.least, every * traces.step))
 
 
 def least_encroachment_total(totals: RunTotals) -> Floats:
     """Return the same as `least_encroachment`, (runs,)."""
-    rows = totals.column("encroachment_rows") * rows_between(totals.step) * totals.step
-    return np.where(totals.raw("touched") > 0, 0.0, rows)
+    time = _in_seconds(totals.column("encroachment_rows"), rows_between(totals.step) * totals.step)
+    return np.where(totals.raw("touched") > 0, 0.0, time)
+
+
+def _in_seconds(rows: Floats, apart: float) -> Floats:
+    time = rows * apart
+    return np.where(time < LONGEST, time, np.nan)
 
 
 Places = tuple[NDArray[np.intp], ...]
@@ -55,19 +58,39 @@ class _Kept:
         moved: Booleans = np.logical_or.accumulate(np.concatenate([first, stepped], axis=-2), axis=-2)
         self.counts: Booleans = moved & self.present & self.present[..., :1]
         self.counts[..., 0] = False
+        self.cos, self.sin = np.cos(self.h), np.sin(self.h)
+        self.least = np.full(self.x.shape[:-2], np.inf)
+        self._open = {True: self.counts.copy(), False: self.counts.copy()}
 
-    def meets(self, lag: int) -> Booleans:
-        """Return in which runs the ego is where another entity was `lag` kept rows before, or vice versa, (...)."""
-        met = np.zeros(self.x.shape[:-2], dtype=bool)
-        for ego_was_there in (True, False):
-            *runs, then, others = np.nonzero(self._near(lag, ego_was_there=ego_was_there))
+    def compare(self, lag: int) -> bool:
+        """Compare all rows with those of `lag` kept rows before; return whether a longer lag can give a smaller time.
+
+        Of a row, only the last earlier row in which the other was at this place counts.
+        """
+        worth = lag < self.least + 2.0
+        for ego_was_there, still in self._open.items():
+            near = self._near(lag, ego_was_there=ego_was_there) & still[..., lag:, :] & worth[..., None, None]
+            *runs, then, others = np.nonzero(near)
             if others.size == 0:
                 continue
             i, j = (np.zeros_like(others), others) if ego_was_there else (others, np.zeros_like(others))
             hit = self._overlap((*runs, then, i), (*runs, then + lag, j))
-            if hit.any():
-                met[tuple(run[hit] for run in runs)] = True
-        return met
+            at, places = tuple(run[hit] for run in runs), (then[hit], i[hit], j[hit])
+            rows = np.full(still.shape, np.inf)
+            now = (*at, places[0] + lag, others[hit])
+            rows[now] = np.maximum(lag - self._rows_too_many(at, *places, lag), 0.0)
+            still[now] = False
+            self.least = np.minimum(self.least, rows.min(axis=(-2, -1)))
+        return bool((lag + 1 < self.least + 2.0).any())
+
+    def _rows_too_many(
+        self, runs: Places, then: NDArray[np.intp], i: NDArray[np.intp], j: NDArray[np.intp], lag: int
+    ) -> Floats:
+        """Return what `between_rows.rows_too_many` returns for k earlier boxes of i and later ones of j, (k,)."""
+        ends = (*runs, then, i), (*runs, then + 1, i), (*runs, then + lag - 1, j), (*runs, then + lag, j)
+        poses = np.array([[values[at] for values in (self.x, self.y, self.cos, self.sin)] for at in ends])
+        there = self.present[ends[1]], self.present[ends[2]]
+        return rows_too_many(poses, there, (self.long[i], self.wide[i]), (self.long[j], self.wide[j]))
 
     def _near(self, lag: int, *, ego_was_there: bool) -> Booleans:
         """Return in which earlier rows a box is so near to the other's later one that they may overlap, (..., k, m)."""

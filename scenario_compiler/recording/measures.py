@@ -472,10 +472,10 @@ MEASURES: tuple[Measure, ...] = (
         "minimum_post_encroachment_time",
         "s",
         "Least time between the moment at which one vehicle leaves a place and the moment at which the other "
-        "one reaches it, over the run, for the vehicle and any entity that has moved. It is the time between "
-        f"overlapping boxes of both in rows at most {APART:g} s apart, which is too long by less than twice the time "
-        "between two of these rows, and 0 if the boxes overlap at the same time. An entity that is followed on the "
-        f"same way has one too: its time gap. Values of {LONGEST:g} s or more are ignored.",
+        "one reaches it, over the run, for the vehicle and any entity that has moved. It is the least time between "
+        f"overlapping boxes of both, whose poses are interpolated between rows at most {APART:g} s apart, and 0 if the "
+        "boxes overlap at the same time. An entity that is followed on the same way has one too: its time gap. Values "
+        f"of {LONGEST:g} s or more are ignored.",
         f"no place was reached by both within {LONGEST:g} s",
         least_encroachment,
         least_encroachment_total,

@@ -52,7 +52,8 @@ CAUSES: dict[int, str] = {
 EVENT_TEXTS: dict[EventKind, str] = {
     **dict(EVENTS.values()),
     **{entry.told.event: entry.told.text for entry in ACTIONS if entry.told is not None},
-    "world_collision": "The world's own physics reports a collision of the ego vehicle with `entity`.",
+    "world_collision": "The world's own physics reports a collision of the ego vehicle with `entity`, which also "
+    "causes the event `collision`; `message` is the world's name of the other one.",
     "lane_invasion": "The world's own sensor reports that the ego vehicle crosses a mark; `message` is its type.",
     "message_over": "The message has ended, together with its reason: `message` is its text, `cause` its modality.",
     "message_given": "How the page gave the driver a message of the modality `cause`: `message` is `file` (a recorded "

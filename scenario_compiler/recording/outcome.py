@@ -72,7 +72,9 @@ class Outcome(_Part):
     )
     cause: str = Field(default="", description="Cause of the first request; empty without a request.")
     collision_with: str | None = Field(
-        default=None, description="Id of the first entity with which the ego vehicle collided."
+        default=None,
+        description="Id of the first entity with which the ego vehicle collided; empty if the world's own physics "
+        "reported a collision with something that the scenario does not have.",
     )
     stands: StandingPlace = Field(
         default="",

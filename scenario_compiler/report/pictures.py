@@ -22,7 +22,7 @@ from scenario_compiler.report.blocked import Blocks, blocks_of
 from scenario_compiler.report.replay import Picture, starts_of
 from scenario_compiler.report.run import Run
 from scenario_compiler.roads.positions import Pose
-from scenario_compiler.runtime.loop import BRAKE_LIGHTS
+from scenario_compiler.runtime.snapshot import BRAKE_LIGHTS
 from scenario_compiler.vocabulary.weather import Weather, weather_of
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ header) are read by `model` on request.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import nan
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.roads.attachments import Attachment, cuts_of, read_attachments
@@ -138,13 +139,15 @@ def _read_road(
     cuts: Sequence[float],
 ) -> bool:
     """Append one road to the tables; return False if it cannot be used."""
-    length = reader.number(element, "length", -1.0, limit=LENGTH_LIMIT)
-    if length <= 0.0:
-        if element.get("length") is not None:
-            reader.report(UNUSABLE_ROAD, "the road's length is not positive; it is left out", element, "length")
-            return False
+    if element.get("length") is None:
         geometries = grandchildren(element, "planView", "geometry")
         length = sum(reader.number(one, "length", 0.0, limit=LENGTH_LIMIT) for one in geometries)
+    else:
+        length = reader.number(element, "length", nan, limit=LENGTH_LIMIT, otherwise="the road is left out")
+        if length <= 0.0:
+            reader.report(UNUSABLE_ROAD, "the road's length is not positive; it is left out", element, "length")
+        if not length > 0.0:
+            return False
     if length <= 0.0 or not read_reference_line(reader, n, element, length):
         reader.report(UNUSABLE_ROAD, "the road has no reference line of positive length; it is left out", element)
         return False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import chain
-from math import hypot, inf
+from math import hypot, inf, isfinite
 from operator import attrgetter, itemgetter
 from typing import Any, Protocol
 
@@ -87,10 +87,13 @@ class Reader:
         """Report a finding at an element or at one of its attributes."""
         self.sink.add(code, message, self.document.origin(element, attribute))
 
-    def number(self, element: Element, name: str, default: float, *, limit: float = NUMBER_LIMIT) -> float:
+    def number(
+        self, element: Element, name: str, default: float, *, limit: float = NUMBER_LIMIT, otherwise: str = ""
+    ) -> float:
         """Return an attribute as a finite number within +-limit, or the default (with a finding) for any other text.
 
-        A missing attribute is not reported here: whether it is required is a matter of structure.
+        A missing attribute is not reported here: whether it is required is a matter of structure. `otherwise` is what
+        the finding says of the consequence, if it is not that the default is used.
         """
         text = element.get(name)
         if text is None:
@@ -98,11 +101,14 @@ class Reader:
         try:
             value = float(text)
         except ValueError:
-            self.report(BAD_NUMBER, f"{name} is '{text[:40]}', not a number; {default:g} is used", element, name)
-            return default
-        if -limit <= value <= limit:
-            return value
-        self.report(BAD_NUMBER, f"{name} is {value:g}; {default:g} is used", element, name)
+            found = f"'{text[:40]}', not a number"
+        else:
+            if -limit <= value <= limit:
+                return value
+            found = (
+                f"{value:g}, beyond the limit of {limit:g}" if isfinite(value) else f"{value:g}, not a finite number"
+            )
+        self.report(BAD_NUMBER, f"{name} is {found}; {otherwise or f'{default:g} is used'}", element, name)
         return default
 
     def numbers(self, record: PlainElement, read: Numbers) -> tuple[float, ...]:

@@ -96,7 +96,8 @@ class EventLog:
             one, other = divmod(int(value), len(entities))
             return EventRow.model_construct(t=t, kind=kind, entity=entities[one].id, message=entities[other].id)
         if code == op.EVENT_COLLISION:
-            return EventRow.model_construct(t=t, kind=kind, entity=entities[int(value)].id)
+            touched = "" if value < 0.0 else entities[int(value)].id
+            return EventRow.model_construct(t=t, kind=kind, entity=touched)
         if code == op.EVENT_STANDSTILL:
             place, by_hand = divmod(int(value), 2)
             cause = BY_HAND if by_hand else ""

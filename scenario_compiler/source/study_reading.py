@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import groupby
 from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
@@ -82,8 +83,9 @@ def read_study(document: Document, sink: Diagnostics) -> StudyFile:
         (study.after, "after the trials"),
     )
     for part, when in parts:
-        asks = [step for step in (() if part is None else part.steps) if isinstance(step, Ask)]
-        _report_repeated(asks, "file", f"'{{}}' is asked {when} already", sink)
+        for _, steps in groupby(() if part is None else part.steps, type):
+            asks = [step for step in steps if isinstance(step, Ask)]
+            _report_repeated(asks, "file", f"'{{}}' is asked {when} already, with nothing in between", sink)
     probe = study.probe
     if probe is not None and probe.latest < probe.earliest:
         _report_empty("the probe", probe.earliest, probe.latest, probe.place_of("to"), sink)

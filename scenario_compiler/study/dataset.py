@@ -140,7 +140,8 @@ def questionnaire_columns(asked: QuestionnaireElement) -> tuple[Column, ...]:
     found.append(
         Column("run", "integer", "", "Number of the run after which it was asked.", "asked before or after all trials")
     )
-    found.append(Column("when", "text", "", "Time of asking: before the trials, after a trial, or after all trials."))
+    when = "Time of asking: before the trials (`before`, the second time `before_2`), after a `trial`, or `after` all."
+    found.append(Column("when", "text", "", when))
     for item in asked.items:
         if isinstance(item, ScaleItem):
             scale = asked.scale_of(item)
@@ -382,9 +383,22 @@ def _answered(seat: Seat, steps: Sequence[Step], records: Iterable[Record]) -> I
         step = steps[one["step"]]
         if one["kind"] == "done" and step.kind == "ask":
             run = None if step.about is None else step.about.number
-            when = ("before" if step.number < first else "after") if run is None else "trial"
+            when = "trial" if step.about is not None else _place_of(step, steps, first)
             seated = {"participant_id": seat.sub, "session_id": seat.ses}
             yield step.file, {**seated, "run": run, "when": when, **one["answers"]}
+
+
+def _place_of(step: Step, steps: Sequence[Step], first: int) -> str:
+    """Return where a questionnaire is asked that is about no trial; a number follows where it was asked there before.
+
+    Args:
+        step: The step that asks it.
+        steps: The steps of the session.
+        first: Number of the first step that is no longer before the trials.
+    """
+    place, before = ("before", 0) if step.number < first else ("after", first)
+    times = sum(one.kind == "ask" and one.file == step.file for one in steps[before : step.number] if one.about is None)
+    return f"{place}_{times + 1}" if times else place
 
 
 BOOK_COLUMNS = (

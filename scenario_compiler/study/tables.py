@@ -14,9 +14,6 @@ from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.study.folder import StudyError, kept_manifest
 
-PLACES = ("", "before.", "trial.", "after.")
-"""Prefixes for the columns of a questionnaire in the tidy table, if it is asked at several places."""
-
 KEYS = ("participant_id", "session_id", "run")
 """Columns that say to which run a row belongs."""
 
@@ -73,7 +70,7 @@ def tidy_rows(root: Path) -> list[dict[str, str]]:
 
     The columns of a questionnaire begin with its name and a point. Answers after a run are in the run's row; those
     given once in a session are in each of its rows. If a questionnaire is asked at several places, the place follows,
-    as in `sickness.before.nausea`.
+    as in `sickness.before.nausea`, or `sickness.before_2.nausea` of the second time before the trials.
 
     Raises:
         StudyError: The folder contains no study, or a damaged one.
@@ -129,9 +126,9 @@ def write_tidy(root: Path, output: Path) -> int:
     for one in read_table(root / "codebook.tsv", ("table", "column", "kind", "unit", "definition", "missing")):
         task = one["table"].removeprefix("task-").removesuffix("_beh")
         column = one["column"]
-        names = (column,) if task == own else (f"{task}.{place}{column}" for place in PLACES)
-        for name in names:
-            if name in rows[0]:
+        for name in rows[0]:
+            parts = name.split(".")
+            if name == column if task == own else (parts[0], parts[-1]) == (task, column):
                 book[name] = {key: one[key] for key in ("kind", "unit", "definition", "missing") if one[key] != MISSING}
     write_whole(output, text.getvalue())
     write_whole(output.with_suffix(".json"), json.dumps(book, indent=1, ensure_ascii=False) + "\n")

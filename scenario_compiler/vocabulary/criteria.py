@@ -10,7 +10,7 @@ from scenario_compiler.vocabulary.word import Number, Word, attribute
 
 
 class NoCollision(Word):
-    """The ego vehicle touches no other entity."""
+    """The ego vehicle touches no other entity, and the world's own physics, if it has any, reports no collision."""
 
     word: Literal["no_collision"] = "no_collision"
 

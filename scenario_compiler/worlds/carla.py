@@ -238,6 +238,8 @@ class CarlaWorld:
         sensor.listen(listen)
 
     def _note_collision(self, event: Any) -> None:
+        if "sidewalk" in event.other_actor.type_id:
+            return  # a wheel or the body grazes a kerb
         other = event.other_actor.id
         number = next((k for k, actor in self._actors.items() if actor.id == other), -1)
         entity = self.plan.entities[number].id if number > 0 else ""

@@ -89,6 +89,22 @@ def test_a_driver_passes_on_the_free_lane_beside_and_comes_back() -> None:
     assert run.st.lane[0] == -1
 
 
+@pytest.mark.parametrize("gap", [30.0, 40.0])
+def test_a_driver_does_not_come_back_where_the_lane_is_too_narrow_for_a_safe_distance(gap: float) -> None:
+    """After the vehicle across the lane, others stand at its left edge, 15 cm beside the way in its centre."""
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0})
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.ego(speed=20.0)
+    draft.parked(250.0, turn=math.pi / 2)
+    for k in range(6):
+        draft.parked(250.0 + gap + 5.0 * k, offset=1.95)
+    run = draft.start().go()
+    assert run.time_of(op.EVENT_EVADE) > 0.0
+    assert run.time_of(op.EVENT_BRAKE) == -1.0
+    assert run.st.crashed[0] == 0
+    assert run.st.x[0] > 350.0
+
+
 def test_nothing_changes_before_the_driver_answers() -> None:
     early, late = blocked(3.0), blocked(5.0)
     response = -1.0

@@ -35,7 +35,8 @@ class Served:
         """Return a connection to the page's socket, as a page of an origin opens it; of the server's own when None."""
         here = f"127.0.0.1:{self.host.rpartition(':')[2]}"
         named = Origin(f"http://{here}" if origin is None else origin) if origin != "" else None
-        return connect(f"ws://{here}/socket", origin=named, additional_headers={"Cookie": cookie} if cookie else None)
+        sent = {"Cookie": cookie} if cookie else None
+        return connect(f"ws://{here}/socket", origin=named, additional_headers=sent, open_timeout=60)
 
 
 @contextmanager

@@ -13,8 +13,9 @@ from scenario_compiler.recording.store import read_recording
 from scenario_compiler.study.tables import tidy_rows
 from tests.browser import opened_browser, opened_page
 from tests.carla_server import conftest
+from tests.live.scenarios import SOON
 from tests.live.serving import served
-from tests.live.test_drive import SOON, begun, driven, ended, kinds
+from tests.live.test_drive import begun, driven, ended, kinds
 from tests.study import made
 from tests.study.test_live import answered, consented, left, ordered, probed, serving, started
 from tests.study.test_live import begun as begun_in_study

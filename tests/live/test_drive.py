@@ -16,44 +16,10 @@ from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.store import read_recording
 from tests.browser import SLOW, opened_page
 from tests.command import call
+from tests.live.scenarios import SOON
 from tests.live.serving import COARSELY, Served, served, waited_for
 
 FLAGSHIPS = ("obstacle_ahead", "road_narrows", "markings_missing", "sensor_failure", "ramp_blocked")
-
-SOON = """\
-<scenarios version="1">
-  <scenario name="soon" map="town_grid" duration="600">
-    <ego speed="6"><start><lane road="3" lane="-1" s="20"/></start><forward_sensor range="300"/></ego>
-    <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="125"/></at></static>
-    <takeover budget="40" escalate_after="600" minimum_risk_after="600">
-      <cause kind="path_blocked"/>
-      <driver><person/></driver>
-      <message modality="text icon" content="what why"/>
-    </takeover>
-    <criteria><no_collision/></criteria>
-  </scenario>
-</scenarios>
-"""
-"""A request that waits for an answer longer than any machine takes to show it."""
-
-OPEN = """\
-<scenarios version="1">
-  <scenario name="open" map="motorway" duration="600">
-    <ego speed="4"><start><spawn_point name="right_lane"/></start></ego>
-    <takeover><driver><person/></driver></takeover>
-    <criteria><no_collision/></criteria>
-  </scenario>
-</scenarios>
-"""
-"""Nothing ahead that could refuse the automation, however late a press arrives, and soon at a standstill."""
-
-TOLD = SOON.replace(
-    '<message modality="text icon" content="what why"/>',
-    """<message modality="tone vibration"/>
-      <message modality="speech" content="what why" language="fi"/>
-      <message modality="speech" after="1" language="fi"><say at="request" text="Kädet rattiin!"/></message>""",
-)
-"""A request that is sounded, spoken from files, and spoken in the author's own words."""
 
 GAMEPAD = """
 globalThis.pad = {id: "test pad", connected: true, axes: [0, 0, 0, 0],
@@ -76,20 +42,6 @@ UNEVEN = """
 }
 """
 """Every third picture takes long to decode: one that overtook it would tell of a message twice."""
-
-
-@pytest.fixture
-def soon(tmp_path: Path) -> Path:
-    file = tmp_path / "soon.xml"
-    file.write_text(SOON, encoding="utf-8")
-    return file
-
-
-@pytest.fixture
-def open_road(tmp_path: Path) -> Path:
-    file = tmp_path / "open.xml"
-    file.write_text(OPEN, encoding="utf-8")
-    return file
 
 
 @pytest.fixture(scope="module")
@@ -307,11 +259,10 @@ def test_a_run_that_cannot_be_written_has_no_report_and_says_why(
         page.wait_for_function("page.role === 'driver'")
 
 
-def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path, browser: Browser) -> None:
-    file, out = tmp_path / "soon.xml", tmp_path / "out"
-    file.write_text(TOLD, encoding="utf-8")
+def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(told: Path, tmp_path: Path, browser: Browser) -> None:
+    out = tmp_path / "out"
     with (
-        served("drive", file, *COARSELY, "-o", out) as server,
+        served("drive", told, *COARSELY, "-o", out) as server,
         page_with_gamepad(browser, server) as page,
     ):
         page.evaluate("pad.vibrationActuator = {playEffect: (...what) => (globalThis.shaken = what)}")

@@ -10,23 +10,9 @@ from playwright.sync_api import Browser, Page, Route, expect
 
 from tests.browser import free_page, opened_page
 from tests.live.serving import COARSELY, served
-from tests.live.test_drive import OPEN, TOLD, begun, driven, ended
+from tests.live.test_drive import begun, driven, ended
 
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture
-def open_road(tmp_path: Path) -> Path:
-    file = tmp_path / "open.xml"
-    file.write_text(OPEN, encoding="utf-8")
-    return file
-
-
-@pytest.fixture
-def told(tmp_path: Path) -> Path:
-    file = tmp_path / "told.xml"
-    file.write_text(TOLD, encoding="utf-8")
-    return file
 
 
 def given(folder: Path, number: int) -> list[tuple[str, str]]:

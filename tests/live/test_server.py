@@ -14,8 +14,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
 from tests.command import call
+from tests.live.scenarios import OPEN
 from tests.live.serving import COARSELY, Served, seated, served
-from tests.live.test_drive import OPEN
 from tests.test_cli import CONFLICT
 
 
@@ -123,7 +123,7 @@ def test_on_another_address_a_page_needs_the_token(foreign: Served) -> None:
     with pytest.raises(InvalidStatus), foreign.connected():
         pass
     with foreign.connected(cookie=f"token={token}") as one:
-        assert json.loads(one.recv(timeout=30)) == {"role": "driver"}
+        seated(one)
 
 
 @pytest.mark.parametrize(
@@ -152,14 +152,13 @@ def picture(page: ClientConnection, seconds: int) -> dict[str, Any]:
     raise TimeoutError
 
 
-def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(tmp_path: Path) -> None:
-    file, out = tmp_path / "open.xml", tmp_path / "out"
-    file.write_text(OPEN, encoding="utf-8")
-    with served("drive", file, *COARSELY, "-o", out) as server, server.connected() as page:
+def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(open_road: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with served("drive", open_road, *COARSELY, "-o", out) as server, server.connected() as page:
         seated(page)
         page.send('{"kind": "reports"}')
         page.send('{"kind": "start"}')
-        waiting = [picture(page, 60)]
+        waiting = [picture(page, 60), picture(page, 60)]
         while time_of_run(out / "drive-001" / "inputs.jsonl") < waiting[-1]["t"] + 2.0:
             with suppress(TimeoutError):
                 waiting.append(picture(page, 1))
@@ -194,7 +193,7 @@ def test_the_page_that_waits_drives_when_the_one_that_drove_is_gone(own: Served)
     with own.connected() as one:
         seated(one)
         with own.connected() as other:
-            assert json.loads(other.recv(timeout=30)) == {"role": "viewer"}
+            assert json.loads(other.recv(timeout=60)) == {"role": "viewer"}
             one.close()
             seated(other)
             other.send('{"kind": "start"}')
@@ -205,7 +204,7 @@ def test_a_second_page_watches(own: Served) -> None:
     with own.connected() as one:
         seated(one)
         with own.connected() as other:
-            assert json.loads(other.recv(timeout=30)) == {"role": "viewer"}
+            assert json.loads(other.recv(timeout=60)) == {"role": "viewer"}
             other.send('{"kind": "start"}')
             assert closes(other)
 
@@ -237,13 +236,12 @@ class Mine(ControllerModel):
 """
 
 
-def test_a_controller_that_fails_while_a_person_drives_is_reported(tmp_path: Path) -> None:
-    file, controller = tmp_path / "open.xml", tmp_path / "mine.py"
-    file.write_text(OPEN, encoding="utf-8")
+def test_a_controller_that_fails_while_a_person_drives_is_reported(open_road: Path, tmp_path: Path) -> None:
+    controller = tmp_path / "mine.py"
     controller.write_text(FAILING, encoding="utf-8")
     words = ("--perception", "camera", "--dt", "0.1", "--controller", f"{controller}:Mine", "-o", tmp_path / "out")
     said = f"controller '{controller}:Mine', mine.py:7: RuntimeError: lost"
-    with served("drive", file, *words) as server:
+    with served("drive", open_road, *words) as server:
         with server.connected() as page:
             seated(page)
             page.send('{"kind": "reports"}')

@@ -16,7 +16,7 @@ from scenario_compiler.live.session import SLOWEST, Drive, Given, Picture, Sessi
 from scenario_compiler.report.run import Run
 from scenario_compiler.worlds import WorldError
 from scenario_compiler.worlds.kinematic import KinematicWorld
-from tests.live.test_drive import OPEN
+from tests.live.scenarios import OPEN
 
 
 @pytest.fixture(scope="module")

@@ -57,6 +57,23 @@ def test_a_missing_file_is_an_error(tmp_path: Path) -> None:
         load_network(tmp_path / "none.xodr")
 
 
+@pytest.mark.parametrize(
+    ("length", "said"),
+    [
+        ("1e300", "length is 1e+300, beyond the limit of 1e+07; the road is left out"),
+        ("nan", "length is nan, not a finite number; the road is left out"),
+        ("long", "length is 'long', not a number; the road is left out"),
+        ("-3", "the road's length is not positive; it is left out"),
+    ],
+)
+def test_a_road_without_a_usable_length_is_left_out_with_the_reason(tmp_path: Path, length: str, said: str) -> None:
+    path = tmp_path / "hostile.xodr"
+    path.write_text(whole(road().replace('length="100.0"', f'length="{length}"', 1), road("2")), encoding="utf-8")
+    sink = Diagnostics()
+    assert load_network(path, cache=False, sink=sink) is not None
+    assert [one.message for one in sink] == [said]
+
+
 @pytest.mark.parametrize("number", ["NaN", "inf", "-inf", "1e300", "1e400", "x", ""])
 def test_invalid_numbers_are_replaced(tmp_path: Path, number: str) -> None:
     good = road()

@@ -262,6 +262,22 @@ def test_answers_before_and_after_are_distinguished(asked_twice: Path) -> None:
     assert "sickness.before.nausea" in json.loads((asked_twice / "table.json").read_text(encoding="utf-8"))
 
 
+def test_answers_before_and_after_a_practice_drive_are_distinguished(tmp_path: Path) -> None:
+    study = made.study(tmp_path)
+    (tmp_path / "sickness.xml").write_text(SICKNESS, encoding="utf-8")
+    ask = '<ask file="sickness.xml"/>'
+    practised = f'{ask}<practice target="obstacle_ahead"/>{ask}</before>'
+    study.write_text(study.read_text(encoding="utf-8").replace("</before>", practised), encoding="utf-8")
+    data = tmp_path / "data"
+    assert call("study", study, "--pilot", "--perception", "ideal", "-o", data) == 0
+    given = read_table(data / "sub-01/ses-01/beh/sub-01_ses-01_task-sickness_beh.tsv")
+    assert [(one["when"], one["run"]) for one in given] == [("before", "n/a"), ("before_2", "n/a")]
+    for row in tidy_rows(data)[:4]:
+        assert [row[f"sickness.{one['when']}.nausea"] for one in given] == [one["nausea"] for one in given]
+    assert call("study", "export", data, "-o", data / "table.csv") == 0
+    assert "sickness.before_2.nausea" in json.loads((data / "table.json").read_text(encoding="utf-8"))
+
+
 @pytest.mark.slow
 def test_the_validator_of_bids_finds_no_error(asked_twice: Path) -> None:
     validator = shutil.which("bids-validator-deno", path=str(Path(sys.executable).parent))

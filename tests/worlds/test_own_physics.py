@@ -14,6 +14,8 @@ from scenario_compiler.compiler import Overrides
 from scenario_compiler.recording.outcome import OtherPlanError
 from scenario_compiler.recording.store import read_recording, write_recording
 from scenario_compiler.roads import Network, Pose
+from scenario_compiler.vocabulary.conditions.by_entity import CollisionCondition
+from scenario_compiler.vocabulary.storyboard import ConditionGroup, Trigger, TriggerCondition
 from scenario_compiler.worlds import EgoCommand, EgoState, Snapshot, WorldError, WorldEvent
 from scenario_compiler.worlds.kinematic import KinematicWorld
 
@@ -130,6 +132,51 @@ def test_a_world_that_is_lost_at_once_leaves_the_first_row(plan: Plan) -> None:
 
     recording = recorded(plan, NeverThere)
     assert (recording.stop_reason, list(recording.t)) == ("world_lost", [0.0])
+
+
+class WorldWithPole(KinematicWorld):
+    """A world in which the ego touches something at 2 s and 2.1 s that its boxes do not show."""
+
+    touched = ("", "static.pole")
+
+    def __init__(self, plan: Plan, network: Network) -> None:
+        super().__init__(plan, network)
+        self.clock = 0.0
+
+    def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
+        """Note the time."""
+        self.clock = snapshot.t
+        return super().step(snapshot, command)
+
+    def events(self) -> Sequence[WorldEvent]:
+        """Report the contact."""
+        touches = any(abs(self.clock - t) < 1e-6 for t in (2.0, 2.1))
+        return [WorldEvent("world_collision", self.clock, *self.touched)] if touches else []
+
+
+def test_a_collision_that_only_the_world_finds_is_judged_as_one(plan: Plan) -> None:
+    recording = recorded(plan, WorldWithPole)
+    outcome = judge(plan, recording)
+    (criterion,) = (one for one in outcome.criteria if one.criterion == "no_collision")
+    assert (criterion.passed, criterion.when) == (False, 2.0)
+    assert criterion.why == "collision with static.pole at 2.00 s"
+    assert (outcome.result, outcome.stop_reason, outcome.collision_with) == ("fail", "collision", "")
+    assert outcome.measures["collision_time"].value == 2.0
+    assert recording.v[-1, 0] == 0.0
+    crashes = [(event.t, event.entity) for event in recording.events if event.kind == "collision"]
+    assert crashes == [(2.0, "")]
+    assert "request" not in {event.kind for event in recording.events}
+
+
+def test_a_collision_that_the_world_finds_with_an_entity_names_it(plan: Plan) -> None:
+    world = type("WithBlocker", (WorldWithPole,), {"touched": (plan.entities[1].id, "vehicle.audi.tt")})
+    touched = TriggerCondition(condition=CollisionCondition(entity="ego", with_entity=plan.entities[1].id))
+    trigger = Trigger(groups=(ConditionGroup(conditions=(touched,)),))
+    stopping = plan.model_copy(update={"storyboard": plan.storyboard.model_copy(update={"stop": trigger})})
+    recording = recorded(stopping, world)
+    assert judge(plan, recording).collision_with == plan.entities[1].id
+    assert recording.stop_reason == "trigger"
+    assert recording.t[-1] == pytest.approx(2.0)
 
 
 def test_events_of_a_world_are_recorded(plan: Plan) -> None:

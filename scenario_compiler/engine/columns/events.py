@@ -51,7 +51,8 @@ EVENTS: dict[int, tuple[str, str]] = {
     ),
     op.EVENT_COLLISION: (
         "collision",
-        "The box of the automated vehicle, or of the first entity, touches that of `entity`.",
+        "The box of the automated vehicle, or of the first entity, touches that of `entity`, or the world's own "
+        "physics reports a collision, of which `entity` is empty if the scenario does not have the other one.",
     ),
     op.EVENT_MERGE: (
         "merge",

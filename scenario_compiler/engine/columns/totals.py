@@ -18,6 +18,12 @@ PAIR = fixed("waiting pair", WAITING)
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
 
+INTERVALS = 6
+"""Number of conditions on two moments between rows: one for each moment, and one for each axis of two boxes."""
+INTERVAL = fixed("condition on two moments", INTERVALS)
+
+PLANE = fixed("coordinate in the plane", 2)
+
 SPREAD = fixed("spread of the lateral position", 3)
 
 VARIANT = fixed("variant of the steering reversal rate", 2)
@@ -83,8 +89,8 @@ class Totals(Columns):
     """Twice the gap divided by the square of the closing speed, s2/m: the inverse of the deceleration that would
     suffice.
     """
-    encroachment_rows: list[int] = column(RUN)
-    """Least number of kept rows between the presence of one vehicle at a place and that of the ego, in either order."""
+    encroachment_rows: list[float] = column(RUN, op.FAR)
+    """Least time between the presence of one vehicle at a place and that of the ego, in either order, in kept rows."""
     touched: list[int] = column(RUN)
     """1 once the ego's box has overlapped that of another entity; then all these least values are 0."""
     least_confidence: list[float] = column(RUN, op.FAR)
@@ -311,6 +317,18 @@ class Totals(Columns):
     strip_for: list[float] = column(ENTITY)
     """Distance that both may still travel together while `free_before` and `free_behind` leave out the rows since which
     the ego has been beside that strip, m; 0 if they leave out none."""
+    place_apart: list[float] = column(PLANE)
+    """Of two boxes at one place at different times: the way from the earlier centre to the later one, and what each of
+    them moves from one row to the next, m.
+    """
+    place_first: list[float] = column(PLANE)
+    place_second: list[float] = column(PLANE)
+    allowed_middle: list[float] = column(INTERVAL)
+    """Intervals of the moment, as parts of the time between two rows: the middle, what it gains with the sum of both
+    parts, and half the length.
+    """
+    allowed_lean: list[float] = column(INTERVAL)
+    allowed_half: list[float] = column(INTERVAL)
     trail_every: list[int] = column(RUN, 1)
     """Number of steps from one kept row to the next."""
     trail_limit: list[int] = column(RUN, 1)

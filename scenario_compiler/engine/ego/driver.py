@@ -27,6 +27,7 @@ from scenario_compiler.engine.ego.passing import (
     MEETING_TIME,
     PASSING_SIGHT,
     RETURN_ACCELERATION,
+    half_with_clearance,
     is_beside,
     is_clear_of,
     meets_oncoming,
@@ -392,11 +393,11 @@ def is_past(p: Program, st: State, i: int, j: int) -> int:
 
 @compiled
 def way_back_free(p: Program, st: State, i: int) -> int:
-    """Return 1 if the move back to the lane's centre hits nothing that stands."""
+    """Return 1 if the move back to the lane's centre passes everything that stands at the driver's clearance."""
     base = p.entity_const[i]
     front = front_of(p, i)
     rear = front - p.const[base + slot.E_LENGTH]
-    half = 0.5 * p.const[base + slot.E_WIDTH]
+    half = half_with_clearance(p, i)
     off = st.path_off[0]
     end = front + shift_distance(st.v[i], off, RETURN_ACCELERATION)
     for j in range(p.entity_count[0]):

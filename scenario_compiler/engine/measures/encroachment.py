@@ -1,10 +1,12 @@
 """The least post-encroachment time: from when one vehicle leaves a place until the other arrives there.
 
-Two vehicles were at the same place if the box of one overlaps the box that the other had some rows before. The poses of
-all entities in the last seconds are kept in columns that are not cleared between runs; `trail_count` says how many of
-them are valid. The search backwards skips the rows in which the other vehicle was too far away, and returns how far
-both may travel before there can be a result. A vehicle that drives straight on stays in one strip of the plane; the
-rows since which the ego has been beside that strip are skipped too, and while it stays there only earlier rows count.
+Two vehicles were at the same place if the box of one overlaps the box that the other had some rows before. Of the last
+row in which it did, `between_rows` finds the moments at which the one left the place and the other arrived; the time
+between them is shorter than that between the rows by less than two rows. The poses of all entities in the last seconds
+are kept in columns that are not cleared between runs; `trail_count` says how many of them are valid. The search
+backwards skips the rows in which the other vehicle was too far away, and returns how far both may travel before there
+can be a result. A vehicle that drives straight on stays in one strip of the plane; the rows since which the ego has
+been beside that strip are skipped too, and while it stays there only earlier rows count.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from scenario_compiler.engine.columns.numbers import clip, length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import TRAIL_ROWS, Totals
+from scenario_compiler.engine.measures.between_rows import rows_too_many
 from scenario_compiler.marker import compiled
 
 ASK_AGAIN = 50.0
@@ -45,10 +48,13 @@ def rows_between(step: float) -> int:
 
 @compiled
 def rows_looked_at(step: float) -> int:
-    """Return the number of earlier kept rows that are compared with the present one, plus one."""
+    """Return the number of earlier kept rows that are compared with the present one, plus one.
+
+    The time may be shorter than that between two rows by less than two rows.
+    """
     if not step > 0.0:
         return 1
-    return int(clip(LONGEST / max(step * rows_between(step), 1.0e-9) + 0.5, 1.0, 1.0 * TRAIL_ROWS))
+    return int(clip(LONGEST / max(step * rows_between(step), 1.0e-9) + 3.0, 1.0, 1.0 * TRAIL_ROWS))
 
 
 @compiled
@@ -223,21 +229,40 @@ def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int, apar
 
 
 @compiled
+def rows_worth(m: Totals) -> int:
+    """Return the number of earlier kept rows, plus one, from which a smaller least time is possible."""
+    return min(m.trail_limit[0], int(clip(m.encroachment_rows[0], 0.0, 1.0 * TRAIL_ROWS)) + 3)
+
+
+@compiled
+def note_place(p: Program, st: State, m: Totals, i: int, j: int, k: int) -> int:
+    """Note the time since i, whose last box there is that of k kept rows ago, was where j is; return `rows_worth`."""
+    before = kept_at(m, j, 1)
+    rows = k - rows_too_many(p, st, m, i, kept_at(m, i, k), kept_at(m, i, k - 1), j, before)
+    m.encroachment_rows[0] = min(m.encroachment_rows[0], max(rows, 0.0))
+    return rows_worth(m)
+
+
+@compiled
 def look_back_twice(p: Program, st: State, m: Totals, j: int, ego: int, limit: int, apart: int) -> int:
-    """Look back with both as the one that comes later, where the free distance is used up; return the least result."""
-    found = limit
+    """Look back with both as the one that comes later, where the free distance is used up; return `rows_worth`."""
+    worth = limit
     if m.free_before[j] <= 0.0:
-        found, free = look_back(p, st, m, ego, j, found, apart)
+        rows, free = look_back(p, st, m, ego, j, worth, apart)
         m.free_before[j] = free
+        if rows < worth:
+            worth = note_place(p, st, m, ego, j, rows)
     if m.free_behind[j] <= 0.0:
-        found, free = look_back(p, st, m, j, ego, found, apart)
+        rows, free = look_back(p, st, m, j, ego, worth, apart)
         m.free_behind[j] = free
-    return found
+        if rows < worth:
+            worth = note_place(p, st, m, j, ego, rows)
+    return worth
 
 
 @compiled
 def look_back_where_due(p: Program, st: State, m: Totals, j: int, ego: int, limit: int) -> int:
-    """Return the least number of kept rows between the presence of the ego and of j at one place, at most `limit`.
+    """Note the least time between the presence of the ego and of j at one place; return `rows_worth`.
 
     If no distance is free, because one of them is where the other passed close by, the rows since which the ego has
     been beside j's strip are left out. No result with those is possible while it stays beside the same strip; once it
@@ -258,13 +283,13 @@ def look_back_where_due(p: Program, st: State, m: Totals, j: int, ego: int, limi
             m.free_behind[j] = 0.0
     if m.free_before[j] > 0.0 and m.free_behind[j] > 0.0:
         return limit
-    found = look_back_twice(p, st, m, j, ego, limit, apart)
+    worth = look_back_twice(p, st, m, j, ego, limit, apart)
     if apart == 0 and (m.free_before[j] <= 0.0 or m.free_behind[j] <= 0.0):
         apart = rows_beside(p, st, m, ego, j, last)
         if apart > 1:
             m.strip_for[j] = ASK_AGAIN
-            found = look_back_twice(p, st, m, j, ego, found, apart)
-    return found
+            worth = look_back_twice(p, st, m, j, ego, worth, apart)
+    return worth
 
 
 @compiled
@@ -279,12 +304,10 @@ def add_encroachment(p: Program, st: State, m: Totals, ego: int) -> None:
     for i in range(p.entity_count[0]):
         if p.entity_motion[i] != op.MOTION_STATIC:
             keep_place(st, m, i)
-    limit = m.encroachment_rows[0] if m.encroachment_rows[0] > 0 else m.trail_limit[0]
+    limit = rows_worth(m)
     if st.present[ego] == 1:
         for j in range(p.entity_count[0]):
             if j != ego and m.trail_square[j] > 0.0 and st.present[j] == 1:
                 limit = look_back_where_due(p, st, m, j, ego, limit)
-    if limit < m.trail_limit[0]:
-        m.encroachment_rows[0] = limit
     m.trail_count[0] += 1
     m.trail_at[0] = m.trail_at[0] + 1 if m.trail_at[0] < TRAIL_ROWS - 1 else 0

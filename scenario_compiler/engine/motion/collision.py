@@ -163,6 +163,29 @@ def note_collision(p: Program, st: State, i: int, j: int) -> None:
 
 
 @compiled
+def note_world_collision(p: Program, st: State, other: int) -> None:
+    """Log a collision of the reported vehicle that the world's own physics found, as one that the boxes show.
+
+    `other` is the other entity, NONE for something else in the world, of which only the first collision is logged.
+    """
+    if other < 0:
+        if st.crashed[0] == 0:
+            log_event(st, op.EVENT_COLLISION, 1.0 * op.NONE)
+        st.crashed[0] = 1
+    elif other != reported_entity(p):
+        note_collision(p, st, reported_entity(p), other)
+
+
+@compiled
+def in_contact(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 if two present entities touch: their boxes overlap, or the world's physics reported it in this step."""
+    ego = reported_entity(p)
+    if ego in (i, j) and st.present[i] == 1 and st.present[j] == 1 and st.contact[j if i == ego else i] == 1:
+        return 1
+    return overlap(p, st, i, j)
+
+
+@compiled
 def check_collisions(p: Program, st: State) -> None:
     """Find all overlapping pairs."""
     count = p.entity_count[0]

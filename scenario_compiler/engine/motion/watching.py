@@ -7,9 +7,10 @@ esmini 3.6; at the start and after a leap they are computed from the speed along
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import cos, sin, sqrt, tan
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import compiled
@@ -23,6 +24,9 @@ WATCH_STILL = 4
 WATCH_OFF_ROAD = 8
 WATCH_AT_END = 16
 """Bits of `Program.watches`: quantities that conditions use. The acceleration needs the motion; the times come last."""
+
+STEEPEST = 1.0
+"""Greatest pitch that counts as that of the ground, rad; chosen."""
 
 LEAP = 3.0
 """A displacement of more than this many times the speed times the step is a leap: the entity was put somewhere else."""
@@ -52,10 +56,9 @@ def is_off_road(n: RoadTables, st: State, i: int) -> int:
 
 @compiled
 def heads_at_speed(st: State, i: int) -> tuple[float, float, float]:
-    """Return the velocity (x, y, z) of an entity that moves with its speed along its heading, m/s."""
-    slope = st.pitch[i] - st.body_pitch[i]
-    level = st.v[i] * cos(slope)
-    return level * cos(st.h[i]), level * sin(st.h[i]), -st.v[i] * sin(slope)
+    """Return the velocity (x, y, z) of an entity that moves with its speed, in the plane, along its heading, m/s."""
+    slope = clip(st.pitch[i] - st.body_pitch[i], -STEEPEST, STEEPEST)
+    return st.v[i] * cos(st.h[i]), st.v[i] * sin(st.h[i]), -st.v[i] * tan(slope)
 
 
 @compiled

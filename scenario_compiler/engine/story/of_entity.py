@@ -16,7 +16,7 @@ from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ConditionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.closing import approach_speed
-from scenario_compiler.engine.motion.collision import overlap
+from scenario_compiler.engine.motion.collision import in_contact
 from scenario_compiler.engine.motion.distances import distance_between, distance_to, place_now
 from scenario_compiler.engine.motion.on_tracks import point_at
 from scenario_compiler.engine.motion.tracks import track_followed, track_height, track_pose
@@ -257,14 +257,14 @@ def reach_position_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -
 
 @compiled
 def collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 if the box of i overlaps that of the given entity, or of any entity of the given kind."""
+    """Return 1 if i touches the given entity, or any entity of the given kind."""
     del n
     other = p.condition_other[c]
     if other >= 0:
-        return overlap(p, st, i, other)
+        return in_contact(p, st, i, other)
     kind = p.condition_mode[c]
     for j in range(p.entity_count[0]):
-        if j != i and (kind == 0 or p.entity_type[j] == kind) and overlap(p, st, i, j) == 1:
+        if j != i and (kind == 0 or p.entity_type[j] == kind) and in_contact(p, st, i, j) == 1:
             return 1
     return 0
 

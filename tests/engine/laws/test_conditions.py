@@ -179,6 +179,12 @@ def test_an_acceleration(tmp_path: Path, direction: str) -> None:
     assert seen(tmp_path, told, Event("A", speed(20.0, by("linear", "rate", 2.0)))) == pytest.approx(1.1)
 
 
+def test_a_constant_speed_on_a_slope_is_no_acceleration(tmp_path: Path) -> None:
+    """Also in the first step, before which no two rows show how the entity moves."""
+    told = '<AccelerationCondition value="0.01" rule="greaterThan"/>'
+    assert seen(tmp_path, told, A=Actor(s=1100.0)) is None
+
+
 @pytest.mark.law("AccelerationCondition", "longitudinal")
 def test_a_deceleration_is_negative(tmp_path: Path) -> None:
     told = '<AccelerationCondition value="-1.9" rule="lessThan" direction="longitudinal"/>'

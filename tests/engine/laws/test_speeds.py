@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sqrt
+from math import atan, cos, pi, sqrt
 from pathlib import Path
 
 import pytest
@@ -280,3 +280,11 @@ def test_a_deleted_entity_keeps_its_speed(tmp_path: Path) -> None:
 def test_a_peak_rate_above_the_vehicles_limit_takes_longer(tmp_path: Path) -> None:
     run = changed(tmp_path, speed(40.0, by("sinusoidal", "time", 1.0)))
     assert run.acts("A", 40.0) == pytest.approx(1.0 + 30.0 * pi / (2.0 * 10.0), abs=0.05 + 1e-9)
+
+
+def test_on_a_slope_a_speed_counts_in_the_plane(tmp_path: Path) -> None:
+    """As s of OpenDRIVE does, and as in esmini: here the road climbs by 0.1."""
+    run = play(tmp_path, {"A": Actor(s=1100.0)}, [])
+    first, last = run.at("A", 0.0), run.at("A", 4.0)
+    assert last.pitch == pytest.approx(-atan(0.1))
+    assert (last.x - first.x, last.v) == pytest.approx((40.0, 10.0))
