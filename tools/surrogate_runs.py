@@ -7,9 +7,8 @@ The number of a run determines everything that is random in it. There are three 
     conflict   a variant of one of the library's five conflicts, on the maps that come with the program
 
 Runs of the fit are on random roads and on maps. The runs for evaluation are variants of the conflicts, random roads of
-other numbers, and maps that no run of the fit is on. Of their two sets the first is also made a little faster: no
-function of the place can agree with the camera much better than the camera agrees with itself. The second is only
-looked at after the last fit.
+other numbers, and maps that no run of the fit is on. The first half of them is also made a little faster: no function
+of the place can agree with the camera much better than the camera agrees with itself.
 """
 
 from __future__ import annotations
@@ -67,10 +66,10 @@ The numbers -1 to -5040 are not used: those runs evaluated earlier features.
 """
 
 SECOND: dict[Kind, tuple[int, int]] = {"conflict": (-16001, 100), "road": (-17001, 60), "map": (-18001, 40)}
-"""The same for a second set of runs for evaluation, which nobody looks at before the last fit."""
+"""The same for the second half of the runs for evaluation."""
 
 SECOND_FROM = -10000
-"""Runs for evaluation with numbers below this belong to the second set."""
+"""Runs for evaluation with numbers below this belong to the second half."""
 
 FASTER = 0.01
 """Share by which the runs for evaluation are faster the second time."""
@@ -116,7 +115,7 @@ class Case(NamedTuple):
 
     @property
     def set(self) -> Literal["fit", "first", "second"]:
-        """The runs of the fit, or the set of runs for evaluation, that the run belongs to."""
+        """The runs of the fit, or the half of the runs for evaluation, that the run belongs to."""
         return "fit" if self.number >= 0 else "first" if self.number > SECOND_FROM else "second"
 
     def on(self, maps: Path) -> Case:
@@ -156,7 +155,7 @@ out its features (`views_of`): they are not stored, so that a change of the feat
 
 
 def cases(maps: Sequence[Path], first: int, fitted: int) -> list[Case]:
-    """Return both sets of judged runs, the first also a little faster, and the runs of the fit, from a number on."""
+    """Return both halves of judged runs, the first also a little faster, and the runs of the fit, from a number on."""
     unseen = sorted(str(one) for one in maps if one.stem in UNSEEN_MAPS)
     seen = sorted(str(one) for one in maps if one.stem not in UNSEEN_MAPS)
     known, fresh = (
