@@ -367,10 +367,10 @@ def heavy_packages_of(*arguments: str) -> list[str]:
     return sorted(set(loaded) & set(HEAVY))
 
 
-ONE_FILE_PROBE = """
+WORDS_PROBE = """
 import sys
 from scenario_compiler.cli import main
-sys.argv = ["scenario-compiler", "validate", *sys.argv[1:]]
+sys.argv = ["scenario-compiler", *sys.argv[1:]]
 try:
     main()
 except SystemExit as end:
@@ -387,6 +387,16 @@ print("built:", *sorted(built), file=sys.stderr)
 
 @pytest.mark.parametrize("file", ["library/conflicts/obstacle_ahead.xml", "tests/benchmarks/scripted.xosc"])
 def test_validate_builds_no_validator_of_words(repository: Path, file: str) -> None:
-    probe = [sys.executable, "-c", ONE_FILE_PROBE, str(repository / file)]
+    assert words_built_by("validate", str(repository / file)) == "built:"
+
+
+def test_a_sweep_builds_no_validator_of_words(tmp_path: Path) -> None:
+    wanted = ("--perception", "ideal", "--duration", "1", "--vary", "distance=uniform(100, 300)", "--no-report")
+    assert words_built_by("sweep", "obstacle_ahead", *wanted, "-o", str(tmp_path / "sweep")) == "built:"
+
+
+def words_built_by(*arguments: str) -> str:
+    """Return the last line of the probe, on the words whose validators a command builds."""
+    probe = [sys.executable, "-c", WORDS_PROBE, *arguments]
     done = subprocess.run(probe, capture_output=True, text=True, check=True, timeout=120)
-    assert done.stderr.splitlines()[-1] == "built:"
+    return done.stderr.splitlines()[-1]

@@ -159,7 +159,7 @@ class Sweep:
         """Return everything that determines the rows; it identifies the sweep to which a folder belongs."""
         return {
             "target": Path(self.target).name,
-            "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit", "errors", "allowed", "trust"}),
+            "spec": self.spec.of_rows,
             "digest": self.families.base.plan.digest,
             "variants": self.sampler.total,
             "part_size": self.part_size,

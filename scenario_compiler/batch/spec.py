@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
-
-from pydantic import BaseModel, ConfigDict, Field
+from typing import Any, Literal, get_args
 
 from scenario_compiler.batch.distributions import Distribution, SweepError, parse_distribution
 from scenario_compiler.compiler import Overrides
@@ -19,38 +19,75 @@ Method = Literal["random", "grid", "latin", "sobol"]
 MOST_SEED = 2**62
 """Greatest seed of a sweep: the seeds of all its runs are numbers of 64 bits in its table."""
 
+MAY_CHANGE = frozenset(("traces", "time_limit", "errors", "allowed", "trust"))
+"""Options that may differ when a sweep is resumed; the others determine its rows."""
 
-class SweepSpec(BaseModel):
-    """A sweep: which parameters vary, how they are sampled, and how the variants run."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+@dataclass(frozen=True)
+class SweepSpec:
+    """A sweep: which parameters vary, how they are sampled, and how the variants run.
 
-    vary: tuple[str, ...] = Field(description="NAME=DISTRIBUTION of each parameter that varies.")
-    method: Method = Field(default="random", description="Way to sample the distributions.")
-    samples: int = Field(default=1, ge=1, description="Number of samples; at each point of the grid axes, if any.")
-    repeat: int = Field(
-        default=1, ge=1, le=MOST_SEED, description="Number of runs of each sample, each with the next seed."
-    )
-    seed: int = Field(
-        default=1,
-        ge=-MOST_SEED,
-        le=MOST_SEED,
-        description="Seed of the samples and, with a variant's index, of its first run.",
-    )
-    where: tuple[str, ...] = Field(default=(), description="Expressions that every variant fulfils.")
-    settings: dict[str, str] = Field(default={}, description="Fixed values of other parameters.")
-    perception: Perception | None = Field(
-        default=None, description="Lane confidence's source, in place of the scenario's."
-    )
-    controller: str | None = Field(default=None, description="Controller, in place of the scenario's.")
-    step: float | None = Field(default=None, description="Time step, in place of the scenario's, s.")
-    duration: float | None = Field(default=None, description="Duration, in place of the scenario's, s.")
-    trust: tuple[str, ...] = Field(default=(), description="Code that the scenario may name; see `Trust`.")
-    traces: str = Field(default="", description="Variants whose traces are kept: worst:K, random:K, all or none.")
-    errors: tuple[str, ...] = Field(default=(), description="Codes of warnings that are errors; `all`: every warning.")
-    allowed: tuple[str, ...] = Field(default=(), description="Codes of warnings that stay warnings nevertheless.")
-    time_limit: float | None = Field(default=None, gt=0, description="Greatest time that a variant may take, s.")
-    interpreted: bool = Field(default=False, description="Run variants without a camera in the interpreted engine.")
+    Attributes:
+        vary: NAME=DISTRIBUTION of each parameter that varies.
+        method: Way to sample the distributions.
+        samples: Number of samples; at each point of the grid axes, if any.
+        repeat: Number of runs of each sample, each with the next seed.
+        seed: Seed of the samples and, with a variant's index, of its first run.
+        where: Expressions that every variant fulfils.
+        settings: Fixed values of other parameters.
+        perception: Lane confidence's source, in place of the scenario's.
+        controller: Controller, in place of the scenario's.
+        step: Time step, in place of the scenario's, s.
+        duration: Duration, in place of the scenario's, s.
+        trust: Code that the scenario may name; see `Trust`.
+        traces: Variants whose traces are kept: worst:K, random:K, all or none.
+        errors: Codes of warnings that are errors; `all`: every warning.
+        allowed: Codes of warnings that stay warnings nevertheless.
+        time_limit: Greatest time that a variant may take, s.
+        interpreted: Whether to run variants without a camera in the interpreted engine.
+
+    Raises:
+        SweepError: The method is unknown, or a number is beyond its limits.
+    """
+
+    vary: tuple[str, ...]
+    method: Method = "random"
+    samples: int = 1
+    repeat: int = 1
+    seed: int = 1
+    where: tuple[str, ...] = ()
+    settings: Mapping[str, str] = field(default_factory=dict)
+    perception: Perception | None = None
+    controller: str | None = None
+    step: float | None = None
+    duration: float | None = None
+    trust: tuple[str, ...] = ()
+    traces: str = ""
+    errors: tuple[str, ...] = ()
+    allowed: tuple[str, ...] = ()
+    time_limit: float | None = None
+    interpreted: bool = False
+
+    def __post_init__(self) -> None:
+        if self.method not in get_args(Method):
+            raise SweepError(f"method is one of {', '.join(get_args(Method))}, not {self.method!r}")
+        if self.samples < 1:
+            raise SweepError(f"samples is at least 1, not {self.samples}")
+        if not 1 <= self.repeat <= MOST_SEED:
+            raise SweepError(f"repeat is from 1 to {MOST_SEED}, not {self.repeat}")
+        if not -MOST_SEED <= self.seed <= MOST_SEED:
+            raise SweepError(f"seed is from {-MOST_SEED} to {MOST_SEED}, not {self.seed}")
+        if self.time_limit is not None and not self.time_limit > 0.0:
+            raise SweepError(f"time_limit is above 0 s, not {self.time_limit}")
+
+    @property
+    def of_rows(self) -> dict[str, Any]:
+        """The options that determine the rows, as JSON has them."""
+        return {
+            name: list(value) if isinstance(value, tuple) else value
+            for name, value in vars(self).items()
+            if name not in MAY_CHANGE
+        }
 
     @property
     def overrides(self) -> Overrides:

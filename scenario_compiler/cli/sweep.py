@@ -139,8 +139,6 @@ def _add_search(parser: argparse.ArgumentParser) -> None:
 
 def sweep_command(options: argparse.Namespace) -> int:
     """Run a sweep, or a search, into its folder."""
-    from pydantic import ValidationError
-
     from scenario_compiler.batch.distributions import SweepError
     from scenario_compiler.batch.folder import MANIFEST
     from scenario_compiler.languages import ScenarioNameNeededError
@@ -155,9 +153,6 @@ def sweep_command(options: argparse.Namespace) -> int:
         return AT_FAULT
     except ScenarioNameNeededError as needed:
         raise WrongUse(f"the file has several scenarios; name one as FILE#name: {', '.join(needed.names)}") from None
-    except ValidationError as error:
-        faults = error.errors(include_url=False)
-        raise WrongUse("; ".join(f"{fault['loc'][0]}: {fault['msg']}" for fault in faults)) from None
     except SweepError as error:
         raise WrongUse(str(error)) from None
     except OSError as error:
@@ -272,13 +267,14 @@ def _first(*numbers: int | None) -> int:
 
 
 def _written(options: argparse.Namespace) -> Vary:
-    """Return the variation that the scenario itself declares."""
+    """Return the variation that the scenario itself declares, or one without axes."""
     from scenario_compiler.compiler import variation_of
     from scenario_compiler.vocabulary.variation import Vary
 
+    nothing = Vary.model_construct(axes=())
     if options.target.endswith(".json"):
-        return Vary(axes=())
-    return variation_of(options.target, settings_of(options.settings), Diagnostics()) or Vary(axes=())
+        return nothing
+    return variation_of(options.target, settings_of(options.settings), Diagnostics()) or nothing
 
 
 EVERY = 30.0

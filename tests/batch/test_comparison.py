@@ -26,9 +26,9 @@ from tests.batch.conftest import conflict_in
 LISTED = ("distance=grid(30, 330, 7)", "speed=values(8, 13.9, 20)")
 
 
-def swept(conflict: Path, folder: Path, workers: int = 1, **settings: object) -> Path:
+def swept(conflict: Path, folder: Path, workers: int = 1, **settings: Any) -> Path:
     """Return the folder of a sweep of 21 variants."""
-    spec = SweepSpec.model_validate({"vary": LISTED, "perception": "ideal", **settings})
+    spec = SweepSpec(**{"vary": LISTED, "perception": "ideal", **settings})
     run_sweep(conflict, spec, folder, workers=workers, report=False)
     return folder
 

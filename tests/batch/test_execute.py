@@ -7,6 +7,7 @@ import shlex
 import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
@@ -37,8 +38,8 @@ LIBRARY = Path(__file__).parents[2] / "library" / "conflicts"
 VARY = ("distance=uniform(20, 350)", "speed=choice(8, 13.9, 20)")
 
 
-def _spec(**settings: object) -> SweepSpec:
-    return SweepSpec.model_validate({"vary": VARY, "samples": 40, "perception": "ideal", **settings})
+def _spec(**settings: Any) -> SweepSpec:
+    return SweepSpec(**{"vary": VARY, "samples": 40, "perception": "ideal", **settings})
 
 
 @pytest.mark.parametrize("interpreted", [True, False])

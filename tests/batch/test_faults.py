@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -55,9 +56,9 @@ class Misbehaving(ControllerModel):
 '''
 
 
-def _spec(**settings: object) -> SweepSpec:
+def _spec(**settings: Any) -> SweepSpec:
     base = {"vary": ("distance=uniform(20, 350)",), "samples": 64, "perception": "ideal"}
-    return SweepSpec.model_validate({**base, **settings})
+    return SweepSpec(**{**base, **settings})
 
 
 def _in_parts(**settings: object) -> SweepSpec:

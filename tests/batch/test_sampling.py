@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import statistics
+from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -182,9 +184,9 @@ def test_sobol_points_are_more_even_than_random_ones() -> None:
 
 
 @pytest.mark.parametrize("method", ["random", "latin", "sobol"])
-def test_every_sample_fulfils_the_constraints(method: str) -> None:
+def test_every_sample_fulfils_the_constraints(method: Method) -> None:
     vary = ("a=uniform(0, 10)", "b=uniform(0, 10)")
-    spec = SweepSpec.model_validate({"vary": vary, "samples": 64, "method": method, "where": ("a < b", "a + c > 3")})
+    spec = SweepSpec(vary, method, samples=64, where=("a < b", "a + c > 3"))
     sampler = make_sampler(spec, {"c": 1.0})
     assert (sampler.total == 64) == (method == "random")
     for index in range(sampler.total):
@@ -195,18 +197,18 @@ def test_every_sample_fulfils_the_constraints(method: str) -> None:
 
 def test_listed_points_that_no_draw_can_save_are_left_out() -> None:
     vary = ("a=values(1, 2, 3)", "b=grid(0, 2, 3)", "c=uniform(0, 1)")
-    spec = SweepSpec.model_validate({"vary": vary, "samples": 4, "where": ("a > b", "c > 0.5"), "seed": 3})
+    spec = SweepSpec(vary, samples=4, where=("a > b", "c > 0.5"), seed=3)
     sampler = make_sampler(spec)
     rows = [sampler.sample(index) for index in range(sampler.total)]
     pairs = [(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (3.0, 0.0), (3.0, 1.0), (3.0, 2.0)]
     assert [(row["a"], row["b"]) for row in rows] == 4 * pairs
     assert all(float(row["c"]) > 0.5 for row in rows)
-    shorter = make_sampler(spec.model_copy(update={"samples": 2}))
+    shorter = make_sampler(replace(spec, samples=2))
     assert [shorter.sample(index) for index in range(shorter.total)] == rows[: shorter.total]
 
 
 def test_a_listed_value_that_no_draw_can_match_is_named() -> None:
-    spec = SweepSpec.model_validate({"vary": ("a=values(3, 1)", "c=uniform(0, 1)"), "where": ("a > 2 + c",)})
+    spec = SweepSpec(vary=("a=values(3, 1)", "c=uniform(0, 1)"), where=("a > 2 + c",))
     sampler = make_sampler(spec)
     assert sampler.sample(0)["a"] == 3.0
     with pytest.raises(SweepError, match=r"draws for a = 1$"):
@@ -217,6 +219,22 @@ def test_a_listed_value_that_no_draw_can_match_is_named() -> None:
 def test_an_impossible_constraint_is_refused(where: str) -> None:
     with pytest.raises(SweepError, match=r"constraint|no sample"):
         make_sampler(SweepSpec(vary=("a=uniform(0, 10)",), samples=8, where=(where,))).sample(0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("method", "halton"),
+        ("samples", 0),
+        ("repeat", 0),
+        ("seed", 2**63),
+        ("time_limit", 0.0),
+        ("time_limit", math.nan),
+    ],
+)
+def test_options_beyond_their_limits_are_refused(name: str, value: Any) -> None:
+    with pytest.raises(SweepError, match=f"^{name} is .*, not "):
+        SweepSpec(vary=(), **{name: value})
 
 
 @pytest.mark.parametrize("vary", [("gap",), ("=uniform(1,2)",), ("a=uniform(0,1)", "a=uniform(0,1)")])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,8 +14,8 @@ from scenario_compiler.batch.search import find_boundary, minimise
 from scenario_compiler.batch.spec import SweepSpec
 
 
-def _spec(*vary: str, **settings: object) -> SweepSpec:
-    return SweepSpec.model_validate({"vary": vary, "perception": "ideal", **settings})
+def _spec(*vary: str, **settings: Any) -> SweepSpec:
+    return SweepSpec(vary, perception="ideal", **settings)
 
 
 def test_the_distance_at_which_collisions_begin_is_found(conflict: Path, tmp_path: Path) -> None:

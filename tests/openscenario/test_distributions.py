@@ -74,14 +74,11 @@ def _vary(file: Path) -> Vary:
     return found
 
 
-def _samples(vary: Vary, **others: object) -> list[dict[str, object]]:
-    spec = SweepSpec.model_validate(
-        {
-            "vary": [axis.spelling() for axis in vary.axes],
-            "where": [one.holds for one in vary.constraints],
-            "samples": vary.samples or 1,
-            **others,
-        }
+def _samples(vary: Vary) -> list[dict[str, object]]:
+    spec = SweepSpec(
+        vary=tuple(axis.spelling() for axis in vary.axes),
+        where=tuple(one.holds for one in vary.constraints),
+        samples=vary.samples or 1,
     )
     sampler = make_sampler(spec)
     return [dict(sampler.sample(index)) for index in range(sampler.total)]
