@@ -118,10 +118,18 @@ class Parser(argparse.ArgumentParser):
         found, unknown = super().parse_known_args(args, namespace)
         option = next((one.partition("=")[0] for one in unknown if one.startswith("-")), "")
         if option:
-            self.error(f"there is no option '{option}'{suggestion(option, self._option_string_actions)}")
+            self.error(f"there is no option '{option}'{self._likely(option)}")
         if unknown:
             self.error(f"unrecognized arguments: {' '.join(unknown)}")
         return found, unknown
+
+    def _likely(self, option: str) -> str:
+        """Return the likely spelling of an unknown option; dashes, which all options have, make none alike."""
+        import difflib  # only a mistake needs it
+
+        names = {one.lstrip("-"): one for one in self._option_string_actions}
+        near = difflib.get_close_matches(option.lstrip("-"), names, n=1)
+        return suggestion(option, [names[one] for one in near])
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong with the arguments and exit with 2."""
