@@ -14,10 +14,9 @@ def collect_seldom() -> None:
     """Turn off most rounds of the collector.
 
     A command keeps nearly everything that it loads until it ends, so collecting garbage frees little, and takes a
-    noticeable part of the time of `validate` for one file. The first round is due after more objects than `run` and
-    `sweep` load, which are 0.11 to 0.15 million: it would take 27 ms and free some hundreds of them.
+    noticeable part of the time of `validate` for one file.
     """
-    gc.set_threshold(200_000, 50, 50)
+    gc.set_threshold(100_000, 50, 50)
 
 
 @contextmanager
