@@ -25,10 +25,19 @@ PATIENCE = 60.0
 
 
 def free_port() -> int:
-    """Return a port that nobody listens on: Traffic Managers of other tests may run at that time."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
+    """Return a port that nobody listens on, nor on the next one, on which a server sends its pictures.
+
+    Other servers and Traffic Managers of other tests may run at that time.
+    """
+    while True:
+        with socket.socket() as one, socket.socket() as other:
+            one.bind(("127.0.0.1", 0))
+            port = int(one.getsockname()[1])
+            try:
+                other.bind(("127.0.0.1", port + 1))
+            except (OSError, OverflowError):  # it is taken, or there is none
+                continue
+            return port
 
 
 @dataclass
