@@ -81,7 +81,7 @@ def write_page(runs: Sequence[Made], folder: Path) -> None:
         RuntimeError: A run can no longer be compiled.
     """
     faster = {one.case.number: one for one in runs if one.case.faster}
-    judged = [one for one in runs if one.case.number < 0 and not one.case.faster]
+    judged = [one for one in runs if one.case.set != "fit" and not one.case.faster]
     judged.sort(key=lambda one: one.case.number not in faster)
     pairs = {perception: _repeated(judged, perception) for perception in PERCEPTIONS[1:]}
     itself = _driven_again(judged[: len(faster)], faster)

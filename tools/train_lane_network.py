@@ -19,7 +19,7 @@ import json
 import math
 import multiprocessing
 import time
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import lru_cache
 from itertools import islice
 from pathlib import Path
@@ -34,7 +34,7 @@ from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 from training_roads import made_up, repainted
 
 from scenario_compiler.perception.calibration.bank import BANK, drawn_situation, picture, pictures
-from scenario_compiler.perception.calibration.collect import CONDITIONS, RIGHT, Looks
+from scenario_compiler.perception.calibration.collect import CONDITIONS, RIGHT, Looks, Taker, numbers_of
 from scenario_compiler.perception.calibration.figures import CONFIDENT, FITTED, REMEMBERING, fitted_to, judged, worth
 from scenario_compiler.perception.calibration.fit import area_under_curve
 from scenario_compiler.perception.calibration.maps import MapRoads
@@ -54,9 +54,8 @@ from scenario_compiler.perception.learned_detector import (
     Rows,
     ground_of,
 )
-from scenario_compiler.perception.planned_way import Point, shape_of, worth_on_way
+from scenario_compiler.perception.planned_way import Point
 from scenario_compiler.perception.textures import GROUND_SEED
-from scenario_compiler.perception.weather_look import look_of
 from scenario_compiler.roads import load_network
 
 UNSEEN, TEST = ("Town05", "fabriksgatan"), ("Town03", "soderleden")
@@ -428,8 +427,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
     """
     which, seed, first, last, network = job
     detector = LearnedLaneDetector(network=network, confidence=of_paint_alone())
-    rows: list[NDArray[np.float64]] = []
-    rest: list[tuple[float, ...]] = []
+    taker = Taker(detector)
     overlaps: list[tuple[float, ...]] = []
 
     def take(
@@ -440,16 +438,9 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
         about: tuple[float, ...],
         way: tuple[Point, ...] = (),
     ) -> LaneState:
-        result, found = detector.look(image, replace(state, way=shape_of(way)))
+        result = taker.look(image, state, truth, clip, about, way)
         told, _, _, _ = detector.tell(image)
-        for side, (row, one) in enumerate(zip(found, (result.left, result.right), strict=True)):
-            rows.append(row)
-            rest.append(
-                (
-                    *(one.p_geom, one.p_paint, one.p, truth.error(side, one), truth.painted[side]),
-                    *(worth_on_way(one, way), float(clip), *about),
-                )
-            )
+        for side in (0, 1):
             said, columns = Rows.of(told[side]), columns_of(truth.pixels[side])
             thin = overlap(said, columns, np.full(ROWS, THIN))
             wide = overlap(said, columns, as_wide_as_right(truth.tilt))
@@ -460,9 +451,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
         for clip, conditions, views in _roads(which, seed).clips(seed, range(first, last)):
             state = LaneState()
             for view in views:
-                contrast = look_of(conditions.weather).contrast
-                about = (contrast, conditions.sigma, conditions.pitch, conditions.leader, float(conditions.beside),
-                         conditions.curvature, float(conditions.junction), float(view.number))  # fmt: skip
+                about = (*numbers_of(conditions), float(view.number))
                 state = take(view.image, state, view.truth, clip, about, view.way)
     elif which == "drawn":
         for number in range(first, last):
@@ -472,11 +461,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
     else:
         for number, (image, truth) in enumerate(pictures(BANK[int(which)], seed, last)):
             take(image, LaneState(), truth, number, (0.0,) * len(CONDITIONS))
-    table = np.array(rest).reshape(-1, 7 + len(CONDITIONS))
-    features = np.array(rows).reshape(len(table), len(LEARNED_FEATURES))
-    error, painted, worth = table[:, 3], table[:, 4], table[:, 5]
-    looks = Looks(features, table[:, :3], error, painted, worth, table[:, 6].astype(np.int64), table[:, 7:])
-    return which, looks, np.array(overlaps).reshape(-1, 5)
+    return which, taker.looks, np.array(overlaps).reshape(-1, 5)
 
 
 def overlap(told: Rows, columns: NDArray[np.float32], half: NDArray[np.float64]) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from scenario_compiler.perception.calibration.bank import BANK, Situation, drawn
 from scenario_compiler.perception.calibration.maps import Conditions, MapRoads
 from scenario_compiler.perception.calibration.truth import Truth
 from scenario_compiler.perception.lane_detector import CalibratedDetector, LaneResult, LaneState
-from scenario_compiler.perception.planned_way import LEAST_SHARE, Point, on_way, shape_of, worth_on_way
+from scenario_compiler.perception.planned_way import LEAST_SHARE, Point, shape_of, worth_on_way
 from scenario_compiler.perception.weather_look import look_of
 
 Floats = NDArray[np.float64]
@@ -70,10 +70,11 @@ class Looks:
         return np.asarray(self.conditions[:, CONDITIONS.index(name)])
 
 
-class _Taker:
+class Taker:
     """Records the output of a detector."""
 
     def __init__(self, detector: CalibratedDetector) -> None:
+        """Begin without observations."""
         self.detector = detector
         self.rows: list[Floats] = []
         self.rest: list[tuple[float, ...]] = []
@@ -91,9 +92,9 @@ class _Taker:
         result, rows = self.detector.look(image, replace(state, way=shape_of(way)))
         for side, (row, found) in enumerate(zip(rows, (result.left, result.right), strict=True)):
             self.rows.append(row)
-            used, worth = on_way(found, way), worth_on_way(found, way)
-            said = (used.p_geom, used.p_paint, used.p)
-            self.rest.append((*said, truth.error(side, found), truth.painted[side], worth, float(clip), *about))
+            said = (found.p_geom, found.p_paint, found.p)
+            seen = (truth.error(side, found), truth.painted[side], worth_on_way(found, way))
+            self.rest.append((*said, *seen, float(clip), *about))
         return result
 
     @property
@@ -102,23 +103,29 @@ class _Taker:
         rest = np.array(self.rest).reshape(-1, 7 + len(CONDITIONS))
         rows = np.array(self.rows).reshape(len(rest), len(self.detector.features))
         error, painted, worth = rest[:, 3], rest[:, 4], rest[:, 5]
-        return Looks(rows, rest[:, :3], error, painted, worth, rest[:, 6].astype(np.int64), rest[:, 7:])
+        p = as_used(rest[:, :3], worth)
+        return Looks(rows, p, error, painted, worth, rest[:, 6].astype(np.int64), rest[:, 7:])
+
+
+def as_used(p: Floats, worth: Floats) -> Floats:
+    """Return a detector's probabilities (N, 3) as the automation uses them (see `planned_way.on_way`)."""
+    return p * np.stack([worth, np.ones_like(worth), worth], axis=1)
 
 
 def look_at_map(roads: MapRoads, detector: CalibratedDetector, seed: int, numbers: range) -> Looks:
     """Return the observations of clips with the given numbers, whose images are seen in order with memory."""
-    taker = _Taker(detector)
+    taker = Taker(detector)
     for clip, conditions, views in roads.clips(seed, numbers):
         state = LaneState()
         for view in views:
-            about = (*_numbers(conditions), float(view.number))
+            about = (*numbers_of(conditions), float(view.number))
             state = state.after(taker.look(view.image, state, view.truth, clip, about, view.way))
     return taker.looks
 
 
 def look_at_bank(detector: CalibratedDetector, situation: int, seed: int, count: int) -> Looks:
     """Return the observations of `count` pictures of one situation of the bank, without memory."""
-    taker = _Taker(detector)
+    taker = Taker(detector)
     for number, (image, truth) in enumerate(pictures(BANK[situation], seed, count)):
         taker.look(image, LaneState(), truth, number, _of_situation(BANK[situation]))
     return taker.looks
@@ -126,7 +133,7 @@ def look_at_bank(detector: CalibratedDetector, situation: int, seed: int, count:
 
 def look_at_drawn(detector: CalibratedDetector, seed: int, numbers: range) -> Looks:
     """Return the observations of pictures of random situations, without memory."""
-    taker = _Taker(detector)
+    taker = Taker(detector)
     for number in numbers:
         draw = np.random.default_rng([seed, number])
         situation = drawn_situation(draw)
@@ -135,7 +142,8 @@ def look_at_drawn(detector: CalibratedDetector, seed: int, numbers: range) -> Lo
     return taker.looks
 
 
-def _numbers(conditions: Conditions) -> tuple[float, ...]:
+def numbers_of(conditions: Conditions) -> tuple[float, ...]:
+    """Return the conditions of a clip in the order of `CONDITIONS`, without the image's index."""
     return (
         look_of(conditions.weather).contrast,
         conditions.sigma,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.calibration.bank import BANK
-from scenario_compiler.perception.calibration.collect import RIGHT, Looks
+from scenario_compiler.perception.calibration.collect import RIGHT, Looks, as_used
 from scenario_compiler.perception.calibration.fit import Reliability, fit_confidence, reliability
 from scenario_compiler.perception.calibration.gather import Gathered
 from scenario_compiler.perception.confidence import Confidence, Fitting
@@ -108,8 +108,7 @@ def fitted_to(of_maps: Looks, drawn: Looks, fitting: Fitting, first_weight: floa
 
 def judged(looks: Looks, confidence: Confidence) -> Looks:
     """Return the observations with the probabilities of another confidence; the memory is unchanged."""
-    factors = np.stack([looks.worth, np.ones_like(looks.worth), looks.worth], axis=1)
-    return replace(looks, p=confidence.all(looks.rows) * factors)
+    return replace(looks, p=as_used(confidence.all(looks.rows), looks.worth))
 
 
 def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confidence | None, fitting: Fitting) -> Figures:

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import View, vehicle_axes
 from scenario_compiler.perception.lane_detector import Boundary
-from scenario_compiler.perception.planned_way import LEAST_SHARE
+from scenario_compiler.perception.planned_way import LEAST_SHARE, LOOKED_AT
 
 Floats = NDArray[np.float64]
 
-X = np.arange(6.0, 18.5, 1.0)
+X = np.arange(LOOKED_AT[0], LOOKED_AT[1] + 0.5, 1.0)
 """Distances ahead of the camera at which a detected boundary has to be near the true one, m."""
 
 TILT_FROM, TILT_TO = 5.0, 22.0
