@@ -20,7 +20,7 @@ from scenario_compiler.roads.marks import (
     MARK_TYPE_CODES,
     STANDARD_WIDTH,
 )
-from scenario_compiler.roads.reading import LENGTH_LIMIT, UNSORTED, Cubic, Reader, append_cubics
+from scenario_compiler.roads.reading import LENGTH_LIMIT, UNSORTED, Cubic, Reader, append_cubics, cubics_in
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 
 BAD_LANE = Code(
@@ -306,25 +306,28 @@ class LaneReader:
             if borders and element.find("width") is None:
                 sign = 1.0 if lane > 0 else -1.0
                 span = self._reader.cubics(n, borders, "sOffset", origin)
-                outer = [(c[0], sign * c[1], sign * c[2], sign * c[3], sign * c[4]) for c in _rows(n, span)]
+                outer = [(c[0], sign * c[1], sign * c[2], sign * c[3], sign * c[4]) for c in cubics_in(n, *span)]
                 widths = _sum(outer or [(origin, 0.0, 0.0, 0.0, 0.0)], edge, -1.0)
-                n.lane_width_first[at], n.lane_width_last[at] = append_cubics(n, *zip(*widths, strict=True))
+                n.lane_width_first[at], n.lane_width_last[at] = append_cubics(n, widths)
                 edge = outer or [(origin, 0.0, 0.0, 0.0, 0.0)]
             else:
-                widths = _rows(n, (n.lane_width_first[at], n.lane_width_last[at]))
+                widths = cubics_in(n, n.lane_width_first[at], n.lane_width_last[at])
                 if widths:
                     edge = _sum(widths, edge, 1.0)
 
     def _marks(self, elements: list[PlainElement], origin: float, end: float) -> None:
         n = self._n
-        starts = self._reader.stations(elements, "sOffset", origin)
-        if len(starts) > 1 and starts != sorted(starts):
-            self._reader.report(UNSORTED, "the lane's road marks are not in ascending order", elements[0])
-            elements = [elements[i] for i in sorted(range(len(elements)), key=starts.__getitem__)]
-            starts.sort()
-        n.mark_s += starts
-        n.mark_end += starts[1:]
-        n.mark_end.append(max(starts[-1], end))
+        for element in elements:
+            n.mark_s.append(origin + self._reader.number(element, "sOffset", 0.0, limit=LENGTH_LIMIT))
+        if len(elements) > 1:
+            starts = n.mark_s[-len(elements) :]
+            if starts != sorted(starts):
+                self._reader.report(UNSORTED, "the lane's road marks are not in ascending order", elements[0])
+                elements = [elements[i] for i in sorted(range(len(elements)), key=starts.__getitem__)]
+                starts.sort()
+                n.mark_s[-len(elements) :] = starts
+            n.mark_end += starts[1:]
+        n.mark_end.append(max(n.mark_s[-1], end))
         lines = len(n.line_length)
         for element in elements:
             get = element.get
@@ -386,10 +389,6 @@ class LaneReader:
             n.line_width.append(number(line, "width", width))
             n.line_colour.append(MARK_COLOUR_CODES.get(line.get("color", ""), colour))
             n.line_once.append(once)
-
-
-def _rows(n: RoadTables, span: tuple[int, int]) -> list[Cubic]:
-    return [(n.cubic_s[i], n.cubic_a[i], n.cubic_b[i], n.cubic_c[i], n.cubic_d[i]) for i in range(span[0], span[1])]
 
 
 def _sum(a: list[Cubic], b: list[Cubic], factor: float) -> list[Cubic]:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain
 from math import hypot, inf, isfinite
-from operator import attrgetter, itemgetter
+from operator import itemgetter
 from typing import Any, Protocol
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
@@ -43,28 +42,8 @@ SPEED_UNITS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
 """Factor to m/s of each unit of speed (OpenDRIVE e_unitSpeed)."""
 
 
-class Numbers:
-    """The attributes of a kind of record that are numbers, 0 if they are missing: two or more.
-
-    Attributes:
-        limits: Their names, with the largest absolute value of each.
-        texts: Returns their texts from an element's attributes.
-    """
-
-    def __init__(self, lengths: Sequence[str], others: Sequence[str]) -> None:
-        """Take the names of those with the limit `LENGTH_LIMIT`, and of those with `NUMBER_LIMIT`."""
-        self.limits = (*((name, LENGTH_LIMIT) for name in lengths), *((name, NUMBER_LIMIT) for name in others))
-        self.texts = itemgetter(*lengths, *others)
-
-
-CUBICS = {station: Numbers((station,), "abcd") for station in ("s", "t", "sOffset", "ds")}
-"""The numbers of a cubic by the attribute for its start."""
-
-ATTRIBUTES = attrgetter("attrib")
-"""Returns an element's attributes."""
-
-BY_COLUMN = itemgetter(*(slice(i, None, 5) for i in range(5)))
-"""Divides the numbers of several cubics into those of the start, a, b, c and d."""
+Cubic = tuple[float, float, float, float, float]
+"""Start, a, b, c, d."""
 
 
 class Places(Protocol):
@@ -111,16 +90,6 @@ class Reader:
         self.report(BAD_NUMBER, f"{name} is {found}; {otherwise or f'{default:g} is used'}", element, name)
         return default
 
-    def numbers(self, record: PlainElement, read: Numbers) -> tuple[float, ...]:
-        """Return several attributes of a record; see `number`."""
-        try:
-            found = tuple(map(float, read.texts(record.attrib)))
-            if hypot(*found) < LENGTH_LIMIT:  # none of them is larger, infinite or NaN
-                return found
-        except (KeyError, ValueError):
-            pass
-        return tuple(self.number(record, name, 0.0, limit=limit) for name, limit in read.limits)
-
     def integer(self, element: Element, name: str) -> int | None:
         """Return an attribute as an integer, or None (with a finding) for any other text."""
         text = element.get(name)
@@ -145,16 +114,6 @@ class Reader:
             return NO_SPEED
         return value * SPEED_UNITS.get(element.get("unit", "m/s"), 1.0)
 
-    def stations(self, records: Sequence[PlainElement], name: str, origin: float) -> list[float]:
-        """Return an attribute of records, a length that is 0 where it is missing, plus an origin; see `number`."""
-        try:
-            found = [origin + float(one.get(name, 0.0)) for one in records]
-            if hypot(origin, *found) < 0.5 * LENGTH_LIMIT:  # none of the lengths is larger than the limit, or NaN
-                return found
-        except ValueError:
-            pass
-        return [origin + self.number(one, name, 0.0, limit=LENGTH_LIMIT) for one in records]
-
     def cubics(self, n: RoadTables, records: Sequence[PlainElement], station: str, origin: float) -> tuple[int, int]:
         """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere.
 
@@ -165,62 +124,68 @@ class Reader:
             origin: Value to which that attribute is relative.
         """
         first = len(n.cubic_s)
-        if len(records) == 1:
-            s, a, b, c, d = self.numbers(records[0], CUBICS[station])
-            if a or b or c or d:
-                n.cubic_s.append(origin + s)
-                n.cubic_a.append(a)
-                n.cubic_b.append(b)
-                n.cubic_c.append(c)
-                n.cubic_d.append(d)
-        elif records:
-            found = self._cubics_at_once(records, station, origin) or self._cubics_one_by_one(records, station, origin)
-            append_cubics(n, *found)
-        return first, len(n.cubic_s)
-
-    def _cubics_at_once(
-        self, records: Sequence[PlainElement], station: str, origin: float
-    ) -> tuple[list[float], ...] | None:
-        """Return the columns of cubics, None if a number is wrong or missing or a record is not in order."""
-        try:
-            texts = map(CUBICS[station].texts, map(ATTRIBUTES, records))
-            found = list(map(float, chain.from_iterable(texts)))
-        except (KeyError, ValueError):
-            return None
-        s, a, b, c, d = BY_COLUMN(found)
-        if hypot(*found) < NUMBER_LIMIT and s == sorted(s) and -LENGTH_LIMIT <= s[0] <= s[-1] <= LENGTH_LIMIT:
-            return [origin + one for one in s], a, b, c, d
-        return None
-
-    def _cubics_one_by_one(
-        self, records: Sequence[PlainElement], station: str, origin: float
-    ) -> tuple[tuple[float, ...], ...]:
-        """Return the columns of cubics, sorted, and report wrong numbers and records that are not in order."""
-        rows: list[Cubic] = []
         last = -inf
+        zero = in_order = True
         for record in records:
-            s, a, b, c, d = self.numbers(record, CUBICS[station])
+            s, a, b, c, d = self._cubic(record, station)
             if s < last:
+                in_order = False
                 self.report(UNSORTED, f"{station} is smaller than that of the record before", record, station)
             last = s
-            rows.append((origin + s, a, b, c, d))
-        rows.sort(key=itemgetter(0))
-        return tuple(zip(*rows, strict=True))
+            if a or b or c or d:
+                zero = False
+            n.cubic_s.append(origin + s)
+            n.cubic_a.append(a)
+            n.cubic_b.append(b)
+            n.cubic_c.append(c)
+            n.cubic_d.append(d)
+        if zero:
+            _remove_cubics(n, first)
+        elif not in_order:
+            cubics = sorted(cubics_in(n, first, len(n.cubic_s)), key=itemgetter(0))
+            _remove_cubics(n, first)
+            append_cubics(n, cubics)
+        return first, len(n.cubic_s)
+
+    def _cubic(self, record: PlainElement, station: str) -> Cubic:
+        """Return the numbers of a cubic, each as `number` does, which is only called if one is missing or unusual."""
+        attributes = record.attrib
+        try:
+            found = (
+                float(attributes[station]),
+                float(attributes["a"]),
+                float(attributes["b"]),
+                float(attributes["c"]),
+                float(attributes["d"]),
+            )
+            if hypot(*found) < LENGTH_LIMIT:  # none of them is larger, infinite or NaN
+                return found
+        except (KeyError, ValueError):
+            pass
+        return (
+            self.number(record, station, 0.0, limit=LENGTH_LIMIT),
+            self.number(record, "a", 0.0),
+            self.number(record, "b", 0.0),
+            self.number(record, "c", 0.0),
+            self.number(record, "d", 0.0),
+        )
 
 
-Cubic = tuple[float, float, float, float, float]
-"""Start, a, b, c, d."""
+def cubics_in(n: RoadTables, first: int, last: int) -> list[Cubic]:
+    """Return a range of the pool of cubics."""
+    return [(n.cubic_s[i], n.cubic_a[i], n.cubic_b[i], n.cubic_c[i], n.cubic_d[i]) for i in range(first, last)]
 
 
-def append_cubics(
-    n: RoadTables, s: Sequence[float], a: Sequence[float], b: Sequence[float], c: Sequence[float], d: Sequence[float]
-) -> tuple[int, int]:
+def append_cubics(n: RoadTables, cubics: Sequence[Cubic]) -> tuple[int, int]:
     """Append cubics to the pool and return their range, which is empty if all of them are 0 everywhere."""
     first = len(n.cubic_s)
-    if any(a) or any(b) or any(c) or any(d):
-        n.cubic_s.extend(s)
-        n.cubic_a.extend(a)
-        n.cubic_b.extend(b)
-        n.cubic_c.extend(c)
-        n.cubic_d.extend(d)
+    if any(any(coefficients) for _, *coefficients in cubics):
+        columns = n.cubic_s, n.cubic_a, n.cubic_b, n.cubic_c, n.cubic_d
+        for column, values in zip(columns, zip(*cubics, strict=True), strict=True):
+            column.extend(values)
     return first, len(n.cubic_s)
+
+
+def _remove_cubics(n: RoadTables, first: int) -> None:
+    """Remove the last cubics from the pool, from `first` on."""
+    del n.cubic_s[first:], n.cubic_a[first:], n.cubic_b[first:], n.cubic_c[first:], n.cubic_d[first:]

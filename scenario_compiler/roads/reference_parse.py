@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, cos, inf, isfinite, sin, sqrt
+from math import ceil, cos, hypot, inf, isfinite, sin, sqrt
 from operator import itemgetter
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.curve_build import INNER, INNER_WEIGHT, MIDDLE_WEIGHT, OUTER, OUTER_WEIGHT
 from scenario_compiler.roads.elements import PlainElement, grandchildren
-from scenario_compiler.roads.reading import UNSORTED, Numbers, Reader
+from scenario_compiler.roads.reading import LENGTH_LIMIT, UNSORTED, Reader
 from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, SPIRAL, RoadTables
 
 UNKNOWN_GEOMETRY = Code(
@@ -30,9 +30,8 @@ COARSE_SPIRAL = Code(
     Severity.WARNING,
 )
 
-GEOMETRY = Numbers(("s", "length"), ("x", "y", "hdg"))
-POLY3 = Numbers((), "abcd")
-PARAM_POLY3 = Numbers((), ("aU", "bU", "cU", "dU", "aV", "bV", "cV", "dV"))
+PARAM_POLY3 = ("aU", "bU", "cU", "dU", "aV", "bV", "cV", "dV")
+"""The attributes of a <paramPoly3> that are coefficients."""
 
 TURN_LIMIT = 0.1
 """Greatest change of direction in one piece of a spiral, rad. With `RATE_LIMIT` it keeps the error of the three-point
@@ -67,7 +66,7 @@ def read_reference_line(reader: Reader, n: RoadTables, road: PlainElement, lengt
     geometries = []
     last = -1.0
     for element in elements:
-        s, length_of_piece, x, y, h = reader.numbers(element, GEOMETRY)
+        s, length_of_piece, x, y, h = _numbers_of(reader, element)
         if s < last:
             reader.report(UNSORTED, "s is smaller than that of the geometry before", element, "s")
         last = s
@@ -80,6 +79,30 @@ def read_reference_line(reader: Reader, n: RoadTables, road: PlainElement, lengt
     n.road_piece.append(len(n.piece_s))
     _append_index(n, first, length)
     return True
+
+
+def _numbers_of(reader: Reader, geometry: PlainElement) -> tuple[float, float, float, float, float]:
+    """Return s, length, x, y and heading of a geometry, each as `Reader.number` does."""
+    attributes = geometry.attrib
+    try:
+        found = (
+            float(attributes["s"]),
+            float(attributes["length"]),
+            float(attributes["x"]),
+            float(attributes["y"]),
+            float(attributes["hdg"]),
+        )
+        if hypot(*found) < LENGTH_LIMIT:  # none of them is larger, infinite or NaN
+            return found
+    except (KeyError, ValueError):
+        pass
+    return (
+        reader.number(geometry, "s", 0.0, limit=LENGTH_LIMIT),
+        reader.number(geometry, "length", 0.0, limit=LENGTH_LIMIT),
+        reader.number(geometry, "x", 0.0),
+        reader.number(geometry, "y", 0.0),
+        reader.number(geometry, "hdg", 0.0),
+    )
 
 
 def _append_geometry(
@@ -103,11 +126,12 @@ def _append_geometry(
         elif shape.tag == "spiral":
             _append_spiral(reader, n, s, x, y, h, length, shape, end)
         elif shape.tag == "poly3":
-            a, b, c, d = reader.numbers(shape, POLY3)
+            a, b, c, d = (reader.number(shape, name, 0.0) for name in "abcd")
             _append_polynomial(n, s, x, y, h, (0.0, 1.0, 0.0, 0.0, a, b, c, d), 0.0, length)
         elif shape.tag == "paramPoly3":
             last = length if shape.get("pRange") == "arcLength" else 1.0
-            _append_polynomial(n, s, x, y, h, reader.numbers(shape, PARAM_POLY3), last, length)
+            coefficients = [reader.number(shape, name, 0.0) for name in PARAM_POLY3]
+            _append_polynomial(n, s, x, y, h, coefficients, last, length)
         else:
             continue
         return
