@@ -209,17 +209,18 @@ class LaneReader:
     def _lanes(self, lanes: list[Lane], end: float) -> None:
         """Append the lanes of the last section, which ends at `end`."""
         n = self._n
-        n.lane_section.extend([len(n.section_s) - 1] * len(lanes))
+        section = len(n.section_s) - 1
         widths_of = []
         bordered = False
         for lane, element, origin in lanes:
             n.lane_id.append(lane)
+            n.lane_section.append(section)
             written = element.get("type"), element.get("level"), element.get("direction")
-            kind = self._plain_lanes.get(written) or self._plain_lane(element, written)
-            n.lane_type.append(kind[0])
-            n.lane_level.append(kind[1])
-            n.lane_direction.append(kind[2])
-            if kind[2] == 1:
+            kind, level, direction = self._plain_lanes.get(written) or self._plain_lane(element, written)
+            n.lane_type.append(kind)
+            n.lane_level.append(level)
+            n.lane_direction.append(direction)
+            if direction == 1:
                 n.road_directions[-1] = 1
             marks, widths = [], []
             rare = False

@@ -212,12 +212,12 @@ def _read_types(reader: Reader, n: RoadTables, element: PlainElement) -> None:
 
 def _is_flat(n: RoadTables, road: int) -> bool:
     """Return whether height, pitch and roll are 0 on the whole last road."""
-    ranges = (
-        (n.road_elevation_first[road], n.road_elevation_last[road]),
-        (n.road_superelevation_first[road], n.road_superelevation_last[road]),
-        (n.road_crossfall_left_first[road], n.road_crossfall_left_last[road]),
-        (n.road_crossfall_right_first[road], n.road_crossfall_right_last[road]),
-    )
-    if any(first < last for first, last in ranges) or n.road_shape[road] < len(n.shape_s):
+    if (
+        n.road_elevation_first[road] < n.road_elevation_last[road]
+        or n.road_superelevation_first[road] < n.road_superelevation_last[road]
+        or n.road_crossfall_left_first[road] < n.road_crossfall_left_last[road]
+        or n.road_crossfall_right_first[road] < n.road_crossfall_right_last[road]
+        or n.road_shape[road] < len(n.shape_s)
+    ):
         return False
     return n.lane_height[n.section_lane[n.road_section[road]]] == len(n.height_s)

@@ -74,8 +74,8 @@ def read_reference_line(reader: Reader, n: RoadTables, road: PlainElement, lengt
     geometries.sort(key=itemgetter(0))
     first = len(n.piece_s)
     ends = [*(geometry[0] for geometry in geometries[1:]), inf]
-    for geometry, end in zip(geometries, ends, strict=True):
-        _append_geometry(reader, n, *geometry, end)
+    for (s, length_of_piece, x, y, h, element), end in zip(geometries, ends, strict=True):
+        _append_geometry(reader, n, s, length_of_piece, x, y, h, element, end)
     n.road_piece.append(len(n.piece_s))
     _append_index(n, first, length)
     return True
