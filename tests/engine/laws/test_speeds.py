@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.engine.laws.told import Actor, Event, Played, by, lane_position, play, relative_speed, speed
+from tests.engine.laws.told import Actor, Event, Played, by, condition, lane_position, play, relative_speed, speed
 
 A = {"A": Actor()}
 A_AND_B = {"B": Actor(lane=-2, s=200, speed=8.0), "A": Actor()}
@@ -43,6 +43,16 @@ def test_a_change_through_0_covers_distance_forwards_and_backwards(tmp_path: Pat
     run = changed(tmp_path, speed(-10.0, by("linear", "distance", 20.0)))
     assert run.at("A", 3.0).v == pytest.approx(0.0, abs=1e-9)
     assert run.acts("A", -10.0) == pytest.approx(5.0)
+
+
+def test_a_change_by_distance_to_the_present_speed_ends_at_once(tmp_path: Path) -> None:
+    """Its end starts the next event in the following step."""
+    ended = '<StoryboardElementStateCondition storyboardElementType="event" storyboardElementRef="same" state="{}"/>'
+    events = [
+        Event("A", speed(10.0, by("linear", "distance", 50.0)), 1.0, name="same"),
+        Event("A", speed(3.0), condition(ended.format("completeState")), name="next"),
+    ]
+    assert play(tmp_path, {"A": Actor()}, events).acts("A", 3.0) == pytest.approx(1.1)
 
 
 @pytest.mark.law("SpeedAction", "relative, linear by time")
