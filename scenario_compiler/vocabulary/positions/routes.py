@@ -91,7 +91,7 @@ class InRouteRoad(Word):
 
 
 class InRouteEntity(Word):
-    """An entity's present place on its route, facing along the road's s."""
+    """An entity's present place on its route."""
 
     word: Literal["route_entity"] = "route_entity"
 
@@ -104,7 +104,7 @@ class RoutePosition(Word):
     word: Literal["on_route"] = "on_route"
 
     turn: Number = attribute(
-        "Heading relative to the lane's direction of travel, degrees; with <route_entity> relative to the road's s.",
+        "Heading relative to the lane's direction of travel, degrees.",
         default=0.0,
         quantity="angle",
     )
