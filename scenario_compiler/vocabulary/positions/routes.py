@@ -204,6 +204,19 @@ class Trajectory(Word):
     closed: bool = attribute("Whether its end is connected to its start.", default=False)
     shape: Polyline | Clothoid | ClothoidSpline | Nurbs = child("Its shape.")
 
+    @property
+    def times(self) -> tuple[tuple[Word, Number | None], ...]:
+        """Its times, s, None where none is given: of vertices, control points, or starts and the end of clothoids.
+
+        Each stands beside the word that gives it.
+        """
+        shape = self.shape
+        if isinstance(shape, Clothoid):
+            return (shape, shape.start_time), (shape, shape.stop_time)
+        if isinstance(shape, ClothoidSpline):
+            return (*((one, one.time_start) for one in shape.segments), (shape, shape.time_end))
+        return tuple((one, one.time) for one in (shape.points if isinstance(shape, Nurbs) else shape.vertices))
+
 
 class TrajectoryPosition(Word):
     """A place along a trajectory."""
