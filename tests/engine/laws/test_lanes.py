@@ -97,7 +97,8 @@ def test_backwards_an_entity_changes_lanes_along_its_heading(tmp_path: Path, dyn
 def test_backwards_an_entity_keeps_its_lateral_distance_along_its_heading(tmp_path: Path, limits: str) -> None:
     beside = (
         '<LateralAction><LateralDistanceAction entityRef="B" distance="5" freespace="false" continuous="true" '
-        f'coordinateSystem="road" displacement="leftToReferencedEntity">{limits}</LateralDistanceAction></LateralAction>'
+        f'coordinateSystem="road" displacement="leftToReferencedEntity">{limits}</LateralDistanceAction>'
+        "</LateralAction>"
     )
     actors = {"A": Actor(s=200.0, speed=-10.0), "B": Actor(lane=-2, s=200.0, speed=-10.0)}
     run = play(tmp_path, actors, [Event("A", beside)])
