@@ -208,8 +208,10 @@ def _check_signals(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 def _check_date(plan: Plan, word: Any, sink: Diagnostics) -> None:
     del plan
+    if isinstance(word, EnvironmentAction) and not word.date_time:
+        return
     try:
-        seconds_of(word.date_time or "1970-01-01T00:00:00")
+        seconds_of(word.date_time)
     except (ValueError, OverflowError):
         hint = "write it as 2026-06-21T18:30:00"
         sink.add(BAD_DATE, f"'{word.date_time}' is not a date and time", word.place_of("date_time"), hint=hint)
