@@ -18,6 +18,14 @@ def changed(folder: Path, action: str, **actors: Actor) -> Played:
     return play(folder, {**A_AND_B, **actors}, [Event("A", action)])
 
 
+def followed_by(folder: Path, action: str) -> float | None:
+    """Return when an event that waits for the end of A's action, which begins at 1 s, shows in A's speed."""
+    inner = '<StoryboardElementStateCondition storyboardElementType="event" storyboardElementRef="first" state="{}"/>'
+    ended = condition(inner.format("completeState"))
+    events = [Event("A", action, 1.0, name="first"), Event("A", speed(3.0), ended, name="second")]
+    return play(folder, A, events).acts("A", 3.0)
+
+
 @pytest.mark.law("SpeedAction", "sinusoidal by rate")
 def test_a_sinusoidal_rate_is_the_peak(tmp_path: Path) -> None:
     run = changed(tmp_path, speed(20.0, by("sinusoidal", "rate", 2.0)))
@@ -47,12 +55,7 @@ def test_a_change_through_0_covers_distance_forwards_and_backwards(tmp_path: Pat
 
 def test_a_change_by_distance_to_the_present_speed_ends_at_once(tmp_path: Path) -> None:
     """Its end starts the next event in the following step."""
-    ended = '<StoryboardElementStateCondition storyboardElementType="event" storyboardElementRef="same" state="{}"/>'
-    events = [
-        Event("A", speed(10.0, by("linear", "distance", 50.0)), 1.0, name="same"),
-        Event("A", speed(3.0), condition(ended.format("completeState")), name="next"),
-    ]
-    assert play(tmp_path, {"A": Actor()}, events).acts("A", 3.0) == pytest.approx(1.1)
+    assert followed_by(tmp_path, speed(10.0, by("linear", "distance", 50.0))) == pytest.approx(1.1)
 
 
 @pytest.mark.law("SpeedAction", "relative, linear by time")
@@ -165,6 +168,12 @@ def test_a_single_entry_that_is_followed_rises_and_falls_by_its_jerk(
     run = play(tmp_path, A, [Event("A", profile("follow", entry, LIMITS))])
     for time, value in wanted.items():
         assert run.at("A", time).v == pytest.approx(value, abs=1e-9)
+
+
+@pytest.mark.parametrize("mode", ["position", "follow"])
+def test_a_single_entry_at_the_present_speed_lasts_for_its_time(tmp_path: Path, mode: str) -> None:
+    """5 s from 1 s on; the next event starts one step after its end."""
+    assert followed_by(tmp_path, profile(mode, "10@5", LIMITS)) == pytest.approx(6.05)
 
 
 def test_a_corner_that_cannot_be_rounded_in_time_stays_sharp(tmp_path: Path) -> None:
