@@ -206,9 +206,9 @@ class Trajectory(Word):
 
     @property
     def times(self) -> tuple[tuple[Word, Number | None], ...]:
-        """Its times, s, None where none is given: of vertices, control points, or starts and the end of clothoids.
+        """The times of its vertices or control points, or of the starts and the end of its clothoids, s.
 
-        Each stands beside the word that gives it.
+        Each is paired with its word, and None if that gives no time.
         """
         shape = self.shape
         if isinstance(shape, Clothoid):
