@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from scenario_compiler.diagnostics import Severity, did_you_mean
 from scenario_compiler.markup import codes as form
 from scenario_compiler.markup import names
-from scenario_compiler.openscenario.actions.control import read_controller
+from scenario_compiler.openscenario.actions.control import read_held
 from scenario_compiler.openscenario.catalogs import given
 from scenario_compiler.openscenario.codes import EXTERNAL_OBJECT, NO_OBJECT
 from scenario_compiler.openscenario.node import Known, Node, ObjectType
@@ -89,11 +89,10 @@ def _add_object(
     for trailer in [] if described is None else described.children("Trailer"):
         _add_trailer(name, trailer, found, known, trailers, depth)
     for held in node.children("ObjectController"):
-        held.has("name")
         controller = given(held, "Controller", severity=Severity.WARNING)
         if controller is not None:
             found.first.append(
-                InitAction.model_construct(entity=name, action=read_controller(controller)).written_at(held.origin)
+                InitAction.model_construct(entity=name, action=read_held(held, controller)).written_at(held.origin)
             )
 
 

@@ -254,7 +254,7 @@ class Node:
     def entity(self, attribute: str, default: str | None = None) -> str:
         """Return the name of an entity; report an unknown one, and a selection of several entities."""
         name = self.text(attribute, default)
-        members = self._members(name, attribute)
+        members = self._members(name, attribute, required=default is None)
         if name in self.reading.known.selections and not members:
             self.report(UNKNOWN_ENTITY, f"the selection '{name}' has no members", attribute)
         elif len(members) > 1:
@@ -264,13 +264,14 @@ class Node:
 
     def entities(self, attribute: str) -> tuple[str, ...]:
         """Return the entities of a name, which may be a selection's; report an unknown one."""
-        return self._members(self.text(attribute), attribute)
+        return self._members(self.text(attribute), attribute, required=True)
 
-    def _members(self, name: str, attribute: str) -> tuple[str, ...]:
+    def _members(self, name: str, attribute: str, *, required: bool) -> tuple[str, ...]:
         known = self.reading.known
         if name in known.selections:
             return known.selections[name]
-        if name and name not in known.entities:
+        named = name != "" or (required and self.element.get(attribute) is not None)
+        if named and name not in known.entities:
             hint = did_you_mean(name, [*known.entities, *known.selections])
             self.report(UNKNOWN_ENTITY, f"there is no entity '{name}'", attribute, hint)
         return (name,) if name in known.entities else ()
@@ -281,9 +282,10 @@ class Node:
         return None if text is None or text == "" else str(text)
 
     def _present(self, attribute: str, required: bool, joined: bool = False) -> str | None:
+        """Return an attribute's text, None if there is none; only with `joined` may a required one be empty."""
         raw = self._raw(attribute)
         if raw is None:
-            if required and self.element.get(attribute) is None:
+            if required and (not joined or self.element.get(attribute) is None):
                 self._missing(attribute, None)
             return None
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
+from typing import get_args
 
 from scenario_compiler.diagnostics import Place, did_you_mean
 from scenario_compiler.expressions import Expression, ExpressionError, format_value
@@ -13,7 +14,7 @@ from scenario_compiler.openscenario.codes import CONSTRAINT, REPEATED_PARAMETER,
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.scope import NUMERIC, Bound, literal_number
 from scenario_compiler.vocabulary.scenario import Parameter
-from scenario_compiler.vocabulary.variables import seconds_of
+from scenario_compiler.vocabulary.variables import VariableType, is_value, seconds_of
 
 TYPES = ("boolean", "dateTime", "double", "int", "integer", "string", "unsignedInt", "unsignedShort")
 """Values of ParameterType; 1.0 and 1.1 have `integer`."""
@@ -106,12 +107,16 @@ def _declared(declaration: Node, name: str, given: Given) -> Bound:
 
 
 def fits(value: Bound, kind: str) -> bool:
-    """Return whether a value has a ParameterType."""
-    if kind in NUMERIC:
-        number = literal_number(value.text)
-        whole = kind == "double" or (number is not None and number == int(number))
-        return number is not None and whole and (number >= 0.0 or not kind.startswith("unsigned"))
-    return kind != "boolean" or value.text.strip() in ("true", "false", "1", "0")
+    """Return whether a value has a ParameterType; a number must be one that the file can also use elsewhere."""
+    if kind in NUMERIC and literal_number(value.text) is None:
+        return False
+    return is_value(variable_type(kind), value.text)
+
+
+def variable_type(kind: str) -> VariableType:
+    """Return the type of a variable for a ParameterType; 1.2 and 1.3 call the integers `int`."""
+    known: tuple[VariableType, ...] = get_args(VariableType)
+    return next((one for one in known if one == kind), "integer" if kind == "int" else "string")
 
 
 def _check_constraints(declaration: Node, name: str, value: Bound, place: Place) -> None:

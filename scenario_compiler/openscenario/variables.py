@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import get_args
 
 from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Origin
 from scenario_compiler.markup import names
 from scenario_compiler.openscenario.codes import UNKNOWN_VARIABLE, WRONG_TYPE
 from scenario_compiler.openscenario.node import Node
-from scenario_compiler.openscenario.parameters import TYPES, bound, fits
+from scenario_compiler.openscenario.parameters import TYPES, bound, fits, variable_type
 from scenario_compiler.openscenario.scope import Bound, Scope
 from scenario_compiler.vocabulary.actions import ModifyVariableAction, SetVariableAction
 from scenario_compiler.vocabulary.conditions import VariableCondition
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.traversal import walk
-from scenario_compiler.vocabulary.variables import Variable, VariableType
+from scenario_compiler.vocabulary.variables import Variable
 from scenario_compiler.vocabulary.word import Word
 
 _ATTRIBUTES = ("variableRef", "parameterRef", "monitorRef")
@@ -44,9 +43,7 @@ def read_variables(root: Node) -> dict[str, Variable]:
 
 
 def _variable(name: str, kind: str, value: Bound) -> Variable:
-    known: tuple[VariableType, ...] = get_args(VariableType)
-    typed = next((one for one in known if one == kind), "integer" if kind == "int" else "string")
-    return Variable.model_validate({"name": name, "type": typed, "value": value.text})
+    return Variable.model_validate({"name": name, "type": variable_type(kind), "value": value.text})
 
 
 def used_variables(

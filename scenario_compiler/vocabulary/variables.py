@@ -1,6 +1,7 @@
 """Variables: typed, named values that actions change and conditions read during a run."""
 
 from datetime import datetime, timezone
+from math import isnan
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Word, attribute
@@ -11,8 +12,12 @@ VariableType = Literal["double", "integer", "unsignedInt", "unsignedShort", "boo
 NUMBERS: tuple[VariableType, ...] = ("double", "integer", "unsignedInt", "unsignedShort")
 """The types that support addition and multiplication."""
 
-WHOLE: tuple[VariableType, ...] = ("integer", "unsignedInt", "unsignedShort")
-"""The types of whole numbers; those of the unsigned ones are not negative."""
+WHOLE: dict[VariableType, tuple[int, int]] = {
+    "integer": (-(2**31), 2**31 - 1),
+    "unsignedInt": (0, 2**32 - 1),
+    "unsignedShort": (0, 2**16 - 1),
+}
+"""The types of whole numbers, with their least and greatest values (XML Schema)."""
 
 
 class Variable(Word):
@@ -49,10 +54,22 @@ def seconds_of(text: str) -> float:
 
 
 def number_of(kind: VariableType, text: str) -> float | None:
-    """Return a variable's value as a number: 0 or 1 for booleans, seconds for dates, None for any other text."""
+    """Return a variable's value as a number: 0 or 1 for booleans, seconds for dates, None for any other text or NaN."""
     try:
         if kind == "boolean":
             return {"true": 1.0, "1": 1.0, "false": 0.0, "0": 0.0}[text.strip()]
-        return seconds_of(text) if kind == "dateTime" else float(text)
+        number = seconds_of(text) if kind == "dateTime" else float(text)
     except (ValueError, KeyError, OverflowError):
         return None
+    return None if isnan(number) else number
+
+
+def is_value(kind: VariableType, text: str) -> bool:
+    """Return whether a text is a value of a type; one of whole numbers has limits."""
+    if kind == "string":
+        return True
+    number = number_of(kind, text)
+    if number is None or kind not in WHOLE:
+        return number is not None
+    least, greatest = WHOLE[kind]
+    return number % 1.0 == 0.0 and least <= number <= greatest

@@ -54,6 +54,7 @@ def file(tmp_path: Path) -> Path:
     text = scenario_text(
         story(event(action=speed("$v", "$w"), maximumExecutionCount="$n", name="$name")),
         declared=declared,
+        init=f'<Private entityRef="Ego">{speed()}</Private>',
         stop=condition(),
     )
     folder = tmp_path / "scenarios"

@@ -6,7 +6,12 @@ import math
 
 import pytest
 
-from scenario_compiler.vocabulary.actions import AssignControllerAction, ConnectTrailerAction, DeleteEntityAction
+from scenario_compiler.vocabulary.actions import (
+    AssignControllerAction,
+    ConnectTrailerAction,
+    DeleteEntityAction,
+    SynchronizeAction,
+)
 from scenario_compiler.vocabulary.conditions import RelativeClearanceCondition
 from scenario_compiler.vocabulary.entities import Vehicle
 from scenario_compiler.vocabulary.scenario import Scenario
@@ -159,3 +164,26 @@ def test_a_selection_is_not_a_single_entity() -> None:
     begin = scenario.storyboard.stories[0].acts[0].groups[0].maneuvers[0].events[0].start
     assert begin is not None
     assert (begin.groups[0].conditions[0].entities, begin.groups[0].conditions[0].every) == (("Ego", "b"), True)
+
+
+def test_the_master_of_a_relative_final_speed_is_the_first_member_of_a_selection() -> None:
+    selection = '<EntitySelection name="all"><Members><ByType objectType="vehicle"/></Members></EntitySelection>'
+    place = '<LanePosition roadId="1" laneId="-1" s="300"/>'
+    action = f"""<PrivateAction><SynchronizeAction masterEntityRef="all">
+<TargetPositionMaster>{place}</TargetPositionMaster><TargetPosition>{place}</TargetPosition>
+<FinalSpeed><RelativeSpeedToMaster value="1" speedTargetValueType="delta"/></FinalSpeed>
+</SynchronizeAction></PrivateAction>"""
+    scenario, codes = expanded(
+        scenario_text(story(event(action=action)), entities=EGO + entity("b") + selection),
+    )
+    assert codes == ["SC753"]
+    ((_, found),) = scenario.storyboard.actions()
+    assert isinstance(found, SynchronizeAction)
+    assert found.final_speed is not None
+    assert (found.master, found.final_speed.relative_to) == ("Ego", "Ego")
+
+
+def test_a_trailer_to_be_connected_must_be_an_entity() -> None:
+    action = '<PrivateAction><TrailerAction><ConnectTrailerAction trailerRef="{}"/></TrailerAction></PrivateAction>'
+    for name in ("", "nobody"):
+        assert expanded(scenario_text(story(event(action=action.format(name)))))[1] == ["SC222"]

@@ -67,6 +67,9 @@ def test_a_story_hides_the_scenarios_parameters() -> None:
     [
         *[("double", "1.5", True), ("integer", "1.5", False), ("unsignedInt", "-1", False), ("boolean", "1", True)],
         *[("boolean", "yes", False), ("string", "yes", True), ("int", "${2 * 2}", True)],
+        *[("dateTime", "2026-02-30T00:00:00", False), ("dateTime", "2026-02-28T00:00:00Z", True)],
+        *[("unsignedShort", "65535", True), ("unsignedShort", "65536", False), ("int", "2147483648", False)],
+        *[("int", "-2147483648", True), ("unsignedInt", "4294967295", True), ("double", "NaN", False)],
     ],
 )
 def test_values_are_of_their_type(kind: str, value: str, fits: bool) -> None:

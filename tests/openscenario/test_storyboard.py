@@ -161,3 +161,26 @@ def test_the_entities_that_trigger_an_act_are_its_actors_if_they_are_selected(
     told = told.replace("<StartTrigger/>", f"<StartTrigger>{start}</StartTrigger>")
     scenario, found_codes = expanded(scenario_text(told, entities=EGO + entity("b")))
     assert (scenario.storyboard.stories[0].acts[0].groups[0].actors, found_codes) == (actors, codes)
+
+
+@pytest.mark.parametrize(
+    ("inside", "codes"),
+    [
+        ('<RelativeTargetSpeed entityRef="" value="1" speedTargetValueType="delta" continuous="false"/>', ["SC222"]),
+        ('<AbsoluteTargetSpeed value=""/>', ["SC107", "SC704"]),
+        (
+            '<RelativeTargetSpeed entityRef="Ego" value="1" speedTargetValueType="" continuous=""/>',
+            ["SC107", "SC704", "SC107", "SC704"],
+        ),
+    ],
+)
+def test_an_empty_reference_or_value_is_reported(inside: str, codes: list[str]) -> None:
+    action = speed().replace('<AbsoluteTargetSpeed value="0"/>', inside)
+    assert sorted(expanded(scenario_text(story(event(action=action))))[1]) == sorted(codes)
+
+
+def test_an_empty_lane_or_entity_in_the_init_is_reported() -> None:
+    """An empty lane was the lane 0, and the actions of an empty entity were left out."""
+    teleport = '<TeleportAction><Position><LanePosition roadId="1" laneId="" s="1"/></Position></TeleportAction>'
+    init = f'<Private entityRef=""><PrivateAction>{teleport}</PrivateAction></Private>'
+    assert sorted(expanded(scenario_text(init=init))[1]) == ["SC107", "SC222"]

@@ -166,8 +166,10 @@ FINAL_FACTOR = 3
 MODIFY_ADD = 0
 MODIFY_MULTIPLY = 1
 
+# The kinds of controllers, and in an action the one that the entity has.
 CONTROLLER_DEFAULT = 0
 CONTROLLER_FOLLOW = 1
+CONTROLLER_PRESENT = 2
 
 HELD_THROTTLE = 0
 HELD_BRAKE = 1

@@ -50,6 +50,23 @@ def switch_controller(p: Program, st: State, k: int) -> None:
 
 
 @compiled
+def activate_controller(p: Program, st: State, k: int) -> None:
+    """Switch the longitudinal domain of the named controller of an action's entity, or of its present one if unnamed.
+
+    A controller that is switched on takes the domain over from the present one; to switch off another one than the
+    present one has no effect.
+    """
+    i = p.action_entity[k]
+    named = p.action_mode[k]
+    if p.action_flags[k] & SWITCHES_SPEED != 0 and named not in (op.CONTROLLER_PRESENT, st.controller[i]):
+        if p.action_flags[k] & SPEED_ON == 0:
+            return
+        st.controller[i] = named
+        st.desired[i] = p.const[p.action_const[k] + slot.A_TARGET]
+    switch_controller(p, st, k)
+
+
+@compiled
 def assign_controller(p: Program, st: State, k: int) -> None:
     """Give an action's entity a controller and the speed that it aims for, which is negative if none is given."""
     i = p.action_entity[k]

@@ -9,7 +9,7 @@ the rear axle, without side slip.
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt, tan, tau
+from math import atan2, cos, pi, sin, sqrt, tan, tau
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -90,6 +90,16 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
     row = st.here_row[i]
     if row >= 0 and n.lane_steady[row] == 0 and st.kept_lane[i] != 0 and row_width(n, row, st.s[i]) < NO_WIDTH:
         leave_vanished_lane(n, st, i)
+
+
+@compiled
+def drift_angle(st: State, i: int, left: float, ahead: float) -> float:
+    """Return the angle to its lane, rad, of an entity that moves `left` and `ahead` (not negative) in the same time.
+
+    It moves along its heading: backwards it turns to the other side (esmini 3.6).
+    """
+    angle = atan2(left, ahead)
+    return angle if st.v[i] >= 0.0 else -angle
 
 
 @compiled

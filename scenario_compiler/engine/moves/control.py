@@ -13,9 +13,9 @@ from scenario_compiler.engine.ego.controllers import (
     HOLDS_INPUT,
     SPEED_ON,
     SWITCHES_SPEED,
+    activate_controller,
     assign_controller,
     override_controller,
-    switch_controller,
 )
 from scenario_compiler.engine.moves.entry import Entry
 from scenario_compiler.forms.declaration import codes
@@ -48,9 +48,9 @@ GAPS = {"timeGap": slot.E_TIME_GAP, "time_gap": slot.E_TIME_GAP, "minimum_gap": 
 
 @compiled
 def start_activate(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Switch the controller of an entity on or off."""
+    """Switch a controller of an entity on or off."""
     del n
-    switch_controller(p, st, k)
+    activate_controller(p, st, k)
 
 
 @compiled
@@ -74,9 +74,18 @@ def _switched(longitudinal: bool | None) -> int:
 
 
 def activate_row(draft: ProgramDraft, word: ActivateControllerAction, actor: int) -> ActionRow:
-    """Return the row of an action that activates or deactivates a controller."""
-    del draft, actor
-    return ActionRow(flags=_switched(word.longitudinal))
+    """Return the row of an action that activates or deactivates a controller; of two with one name, the last."""
+    mode, speed = op.CONTROLLER_PRESENT, -1.0
+    for who, one in draft.plan.storyboard.actions():
+        if one.word == "assign_controller" and one.name == word.controller and draft.entities.get(who) == actor:
+            mode, speed = CONTROLLERS.get(one.model, op.CONTROLLER_DEFAULT), _desired_speed(one)
+    return ActionRow((speed, 0.0), mode=mode, flags=_switched(word.longitudinal))
+
+
+def _desired_speed(word: AssignControllerAction) -> float:
+    """Return the speed that a controller aims for, m/s; -1 if none is given."""
+    given = {one.name: one.value for one in word.properties} if word.model in CONTROLLERS else {}
+    return float(given.get("setSpeed", given.get("speed", "-1")))
 
 
 def assign_row(draft: ProgramDraft, word: AssignControllerAction, actor: int) -> ActionRow:
@@ -86,8 +95,7 @@ def assign_row(draft: ProgramDraft, word: AssignControllerAction, actor: int) ->
     for name, place in GAPS.items():
         if name in given:
             draft.numbers[draft.program.entity_const[actor] + place] = float(given[name])
-    speed = float(given.get("setSpeed", given.get("speed", "-1")))
-    return ActionRow((speed, 0.0), mode=model, flags=_switched(word.longitudinal))
+    return ActionRow((_desired_speed(word), 0.0), mode=model, flags=_switched(word.longitudinal))
 
 
 def override_row(draft: ProgramDraft, word: OverrideControllerAction, actor: int) -> ActionRow:

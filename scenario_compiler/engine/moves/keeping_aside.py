@@ -7,7 +7,7 @@ lateral motion reduces the motion ahead. The action has an effect from the step 
 
 from __future__ import annotations
 
-from math import atan2, cos, sin
+from math import cos, sin
 from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
@@ -17,7 +17,7 @@ from scenario_compiler.engine.columns.program import ENTITY, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ActionRow, ProgramDraft, flags_of, limits_of
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.distances import along_axis, along_roads, turned_against
-from scenario_compiler.engine.motion.entities import glide, place_scripted
+from scenario_compiler.engine.motion.entities import drift_angle, glide, place_scripted
 from scenario_compiler.engine.motion.spring import spring_acceleration
 from scenario_compiler.engine.motion.steering import plan_shift, shift_distance
 from scenario_compiler.engine.motion.watching import WATCH_MOTION
@@ -117,7 +117,7 @@ def step_keep_aside(n: RoadTables, p: Program, st: State, k: int, dt: float) -> 
         drive_aside(n, p, st, k, error, dt)
     else:
         shift_by(n, st, i, error)
-        st.turn[i] = atan2(error, st.v[i] * dt) if abs(error) > op.TOLERANCE else 0.0
+        st.turn[i] = drift_angle(st, i, error, abs(st.v[i]) * dt) if abs(error) > op.TOLERANCE else 0.0
         place_scripted(n, st, i)
     return done
 
@@ -161,7 +161,7 @@ def drive_aside(n: RoadTables, p: Program, st: State, k: int, error: float, dt: 
     path = abs(st.v[i]) * dt
     side = clip(speed * dt, -path, path)
     ahead = safe_sqrt(path * path - side * side)
-    st.turn[i] = atan2(side, ahead) if abs(side) > op.TOLERANCE else 0.0
+    st.turn[i] = drift_angle(st, i, side, ahead) if abs(side) > op.TOLERANCE else 0.0
     shift_by(n, st, i, side)
     glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
     st.moved[i] = 1

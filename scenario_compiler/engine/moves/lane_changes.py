@@ -8,7 +8,6 @@ after the step, the heading from the slope before it. After esmini 3.6.
 
 from __future__ import annotations
 
-from math import atan, atan2, pi
 from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
@@ -19,7 +18,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import SHAPES, ActionRow, ProgramDraft, dynamics_of
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.beside import count_lanes, own_lane, settle_in_lane
-from scenario_compiler.engine.motion.entities import glide, place_scripted
+from scenario_compiler.engine.motion.entities import drift_angle, glide, place_scripted
 from scenario_compiler.engine.motion.path import measure_path, set_path
 from scenario_compiler.engine.motion.shapes import shape_slope, shape_value, transition_span
 from scenario_compiler.engine.motion.steering import plan_shift, shift_distance
@@ -143,7 +142,7 @@ def lane_change_by_distance(n: RoadTables, p: Program, st: State, k: int, i: int
     progress = st.action_progress[k]
     slope = st.action_change[k] * shape_slope(p.action_shape[k], progress / span) / span
     ahead = st.v[i] * dt / safe_sqrt(1.0 + slope * slope)
-    st.turn[i] = atan(slope)
+    st.turn[i] = drift_angle(st, i, slope, 1.0)
     progress = min(progress + abs(ahead), span)
     share = shape_value(st, p.action_shape[k], progress / span)
     left = st.action_from[k] + st.action_change[k] * share
@@ -165,17 +164,16 @@ def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt
     change = st.action_change[k]
     side = dt * abs(change) * shape_slope(p.action_shape[k], progress / span) / span
     path = abs(st.v[i]) * dt
-    sign = 1.0 if change > 0.0 else -1.0
+    left = side if change > 0.0 else -side
     if side > path:
-        st.turn[i] = sign * 0.5 * pi
+        st.turn[i] = drift_angle(st, i, left, 0.0)
         progress = min(progress + span * path / max(abs(change), op.TOLERANCE), span)
         return shift_to(n, st, k, i, progress, st.action_from[k] + change * progress / span)
     ahead = safe_sqrt(path * path - side * side)
-    st.turn[i] = sign * atan2(side, ahead) if side > 0.0 else 0.0
+    st.turn[i] = drift_angle(st, i, left, ahead)
     progress = min(progress + dt, span)
     share = shape_value(st, p.action_shape[k], progress / span)
-    left = st.action_from[k] + change * share
-    done = shift_to(n, st, k, i, progress, left)
+    done = shift_to(n, st, k, i, progress, st.action_from[k] + change * share)
     glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
     return done
 

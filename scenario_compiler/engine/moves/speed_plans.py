@@ -119,7 +119,7 @@ def plan_single(p: Program, st: State, k: int, a: float, at: int) -> int:
 
     The acceleration goes to a level q with a jerk i, stays constant, and goes to 0 with a jerk j. The change of speed
     dv and the time T require q^2 (1/j - 1/i) / 2 + q (T + a/i) - a^2 / (2 i) = dv. If no level satisfies this, or the
-    limits are below it, the change takes longer.
+    limits are below it, the change takes longer. At the level 0 the speed is kept for the rest of the time.
     """
     first = p.action_piece[k]
     begin = st.piece_time[first]
@@ -144,7 +144,7 @@ def plan_single(p: Program, st: State, k: int, a: float, at: int) -> int:
     level = clip(level, -limit_in_profile(p, k, -1.0, timed), limit_in_profile(p, k, 1.0, timed))
     begun = 0.5 * ratio(level * level - a * a, rise, 0.0)
     ended = -0.5 * ratio(level * level, fall, 0.0)
-    hold = max(ratio(change - begun - ended, level, 0.0), 0.0)
+    hold = max(ratio(change - begun - ended, level, line), 0.0)
     at = note_piece(st, at, begin, v, a, rise)
     begin = begin + ratio(level - a, rise, 0.0)
     v = v + begun

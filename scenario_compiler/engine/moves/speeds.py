@@ -111,7 +111,7 @@ def start_speed(n: RoadTables, p: Program, st: State, k: int) -> None:
         p.action_shape[k], p.action_dimension[k], p.const[p.action_const[k] + slot.A_DYNAMICS], change
     )
     if p.action_dimension[k] == op.DIMENSION_DISTANCE and span > 0.0:
-        span = time_over_distance(begin, target, span)
+        span = time_over_distance(begin, target, span) if abs(change) > op.TOLERANCE else 0.0
     st.action_a[k] = 1.0
     if span > 0.0:
         limit = greatest_rate(p, i, change)

@@ -191,9 +191,10 @@ TIMINGS = {"absolute": op.TIMING_ABSOLUTE, "relative": op.TIMING_RELATIVE}
 
 
 def follow_trajectory_row(draft: ProgramDraft, word: FollowTrajectoryAction, actor: int) -> ActionRow:
-    """Return the row of a trajectory that is followed."""
+    """Return the row of a trajectory that is followed; without times it leaves the speed to other actions."""
     del actor
     timing = word.timing
+    timed = timing is not None and all(time is not None for _, time in word.trajectory.times)
     scale, offset = (1.0, 0.0) if timing is None else (timing.scale, timing.offset)
     return ActionRow(
         (word.begin, offset, scale),
@@ -202,7 +203,7 @@ def follow_trajectory_row(draft: ProgramDraft, word: FollowTrajectoryAction, act
         flags=flags_of(
             (op.FLAG_OWN_PATH, True),
             (op.FLAG_ON_TRACK, True),
-            (op.FLAG_TIMED, word.timing is not None),
+            (op.FLAG_TIMED, timed),
             (op.FOLLOW_SMOOTHLY, word.following == "follow"),
         ),
     )

@@ -136,6 +136,7 @@ def _on_route(draft: ProgramBuilder, word: RoutePosition, kind: str) -> Position
     guide = add_route(draft, word.route)
     if isinstance(word.place, InRouteEntity):
         entity = draft.entities[word.place.entity]
+        flags |= op.POSITION_ALONG_LANE
         return PositionRow(op.POSITION_LANES_AWAY, (0.0, 0.0, heading), entity=entity, flags=flags, guide=guide)
     values = parameter_values(draft.plan.parameters)
     road, lane, s, offset = place_on_route(draft.network, values, word)

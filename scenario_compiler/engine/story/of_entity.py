@@ -257,11 +257,11 @@ def reach_position_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -
 
 @compiled
 def collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 if i touches the given entity, or any entity of the given kind."""
+    """Return 1 if i touches the given entity, or any entity of the given kind; an entity does not touch itself."""
     del n
     other = p.condition_other[c]
     if other >= 0:
-        return in_contact(p, st, i, other)
+        return in_contact(p, st, i, other) if other != i else 0
     kind = p.condition_mode[c]
     for j in range(p.entity_count[0]):
         if j != i and (kind == 0 or p.entity_type[j] == kind) and in_contact(p, st, i, j) == 1:

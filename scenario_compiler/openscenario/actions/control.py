@@ -83,6 +83,13 @@ def read_controller(node: Node) -> AssignControllerAction:
     return found.written_at(node.origin)
 
 
+def read_held(held: Node, controller: Node) -> AssignControllerAction:
+    """Return the controller of an <ObjectController>, which may give it a name of its own since 1.3."""
+    found = read_controller(controller)
+    name = held.text("name", "") if held.tag == "ObjectController" else ""
+    return found.model_copy(update={"name": name}) if name and found.name != OWN else found
+
+
 def _model(name: str) -> str:
     return MODELS.get("".join(letter for letter in name.lower() if letter.isalnum()), "")
 
@@ -110,7 +117,7 @@ def _read_assign(node: Node) -> AssignControllerAction | None:
         if held.child("CatalogReference") is None:
             held.required("Controller", "CatalogReference")
         return None
-    found = read_controller(controller)
+    found = read_held(held, controller)
     activated = {field: _optional(node, name) for field, name in _ACTIVATION.items()}
     return found.model_copy(update=activated).written_at(node.origin)
 

@@ -26,7 +26,6 @@ from scenario_compiler.openscenario.spelling import (
     nested,
     number,
     regular,
-    text,
 )
 from scenario_compiler.vocabulary.actions import (
     AcquirePositionAction,
@@ -117,7 +116,8 @@ class _FinalSpeed:
             return {}
         fields: Fields = {"value": speed.number("value")}
         if speed.tag == "RelativeSpeedToMaster":
-            fields["relative_to"] = node.text("masterEntityRef")
+            master = node.text("masterEntityRef")
+            fields["relative_to"] = next(iter(node.reading.known.selections.get(master, ())), master)
             fields["kind"] = speed.choice("speedTargetValueType", ("delta", "factor"))
         time, distance = speed.child("TargetTimeSteadyState"), speed.child("TargetDistanceSteadyState")
         if time is not None:
@@ -194,7 +194,9 @@ ROUTING: tuple[Form[Any], ...] = (
         boolean("traffic"),
         around=_PRIVATE,
     ),
-    regular("ConnectTrailerAction", ConnectTrailerAction, text("trailer", "trailerRef"), around=_TRAILER, since=(1, 3)),
+    regular(
+        "ConnectTrailerAction", ConnectTrailerAction, entity("trailer", "trailerRef"), around=_TRAILER, since=(1, 3)
+    ),
     regular("DisconnectTrailerAction", DisconnectTrailerAction, around=_TRAILER, since=(1, 3)),
 )
 """Private actions on position, route and presence."""

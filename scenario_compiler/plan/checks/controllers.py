@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from collections.abc import Iterator, Sequence
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity, did_you_mean
 from scenario_compiler.plan.model import Entity, Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
@@ -32,7 +34,8 @@ IDLE_CONTROLLER = Code(
     "idle-controller",
     "A controller that is assigned to an entity, or switched, has no effect here: only the storyboard moves the "
     "entity. The only controllers that drive actors are those for car following (acc, alks). The ego vehicle keeps "
-    "its own controller, which the takeover switches.\n\n"
+    "its own controller, which the takeover switches. A controller can be switched by its name only on an entity to "
+    "which one of this name is assigned.\n\n"
     '    <assign_controller name="remote" model="external" longitudinal="true"/>',
     Severity.WARNING,
 )
@@ -123,10 +126,9 @@ def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
         entity = entities.get(actor)
         if isinstance(word, AssignControllerAction):
             _check_assigned(word, entity, sink)
-        elif isinstance(word, ActivateControllerAction) and entity is not None and entity.kind == "ego":
-            if word.longitudinal is False or word.lateral is False:
-                message = f"the controller of '{actor}' is switched by the takeover, not by actions"
-                sink.add(IDLE_CONTROLLER, message, word.origin)
+        elif isinstance(word, ActivateControllerAction) and entity is not None:
+            names = [one.name for one in _assigned(plan, actor)]
+            _check_switched(word, entity, names, sink)
         elif isinstance(word, OverrideControllerAction) and word.active and entity is not None and entity.kind != "ego":
             sink.add(NO_PEDALS, f"'{actor}' has no {word.input.replace('_', ' ')} to hold", word.origin)
         elif isinstance(word, LaneChangeAction | LaneChangeToAction) and keeps_lane and entity and entity.kind == "ego":
@@ -139,6 +141,23 @@ def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
         elif isinstance(word, MOVING) and entity is not None and entity.kind == "static":
             message = f"'{actor}' is a <static>, so <{word.tag()}> has no effect"
             sink.add(NOT_MOVED, message, word.origin, hint="a <dynamic> with the speed 0 can be moved")
+
+
+def _assigned(plan: Plan, actor: str) -> Iterator[AssignControllerAction]:
+    for who, word in plan.storyboard.actions():
+        if who == actor and isinstance(word, AssignControllerAction):
+            yield word
+
+
+def _check_switched(word: ActivateControllerAction, entity: Entity, assigned: Sequence[str], sink: Diagnostics) -> None:
+    if entity.kind == "ego":
+        if word.longitudinal is False or word.lateral is False:
+            message = f"the controller of '{entity.id}' is switched by the takeover, not by actions"
+            sink.add(IDLE_CONTROLLER, message, word.origin)
+    elif word.controller and word.controller not in assigned:
+        message = f"no controller '{word.controller}' is assigned to '{entity.id}'"
+        hint = did_you_mean(word.controller, assigned)
+        sink.add(IDLE_CONTROLLER, message, word.place_of("controller"), hint=hint)
 
 
 def _check_assigned(word: AssignControllerAction, entity: Entity | None, sink: Diagnostics) -> None:

@@ -12,6 +12,7 @@ from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
     ActivateControllerAction,
     EnvironmentAction,
+    FollowTrajectoryAction,
     OverrideControllerAction,
     TrafficSwarmAction,
 )
@@ -24,8 +25,9 @@ WITHOUT_EFFECT = Code(
     "SC295",
     "without-effect",
     "An action or an attribute has no effect: an <activate_controller> or an <environment> that changes nothing, the "
-    "`deceleration` of an automation that does not slow down, a pedal beyond its limit, which acts as the limit, or a "
-    "swarm whose `inner_radius` contains its whole ellipse, so that no vehicle appears.\n\n"
+    "`deceleration` of an automation that does not slow down, a pedal beyond its limit, which acts as the limit, a "
+    "<timing> of a trajectory without times, or a swarm whose `inner_radius` contains its whole ellipse, so that no "
+    "vehicle appears.\n\n"
     '    <automation after="follow" deceleration="2"/>     only after="slow_down" uses it\n'
     '    <override_controller input="throttle" active="true" value="5"/>     acts as 1, full throttle',
     Severity.WARNING,
@@ -55,6 +57,8 @@ def check_effects(plan: Plan, network: Network, sink: Diagnostics) -> None:
             _check_input(word, values, sink)
         elif isinstance(word, TrafficSwarmAction):
             _check_swarm(word, values, sink)
+        elif isinstance(word, FollowTrajectoryAction):
+            _check_timing(word, sink)
 
 
 def _check_automation(automation: Automation, sink: Diagnostics) -> None:
@@ -62,6 +66,12 @@ def _check_automation(automation: Automation, sink: Diagnostics) -> None:
     if automation.after != "slow_down" and not varies and automation.written("deceleration") is not None:
         message = f"the automation does not slow down after a request: its behaviour is {automation.after}"
         sink.add(WITHOUT_EFFECT, message, automation.place_of("deceleration"), hint='only after="slow_down" uses it')
+
+
+def _check_timing(word: FollowTrajectoryAction, sink: Diagnostics) -> None:
+    if word.timing is not None and all(time is None for _, time in word.trajectory.times):
+        message = "the trajectory has no times, so the entity follows it at its own speed"
+        sink.add(WITHOUT_EFFECT, message, word.timing.origin, hint="give the trajectory times, or leave the timing out")
 
 
 def _check_input(word: OverrideControllerAction, values: Mapping[str, Value], sink: Diagnostics) -> None:

@@ -31,21 +31,25 @@ PLACING = (TeleportAction, FollowTrajectoryAction)
 
 
 def check_nowhere(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn of entities without a position during the whole run, in scenarios with an automated vehicle.
+    """Warn of entities without a position during the whole run.
 
-    Files of OpenSCENARIO without one rely on the origin as the position.
+    Files of OpenSCENARIO without an automated vehicle rely on the origin as the position of an entity with an action in
+    the init. There, only entities that act in the story and are never present are reported.
     """
     del network
-    if plan.controller is None:
-        return
     homeless = [entity.id for entity in plan.entities if entity.start is None and entity.kind != "traffic"]
     if not homeless:
         return
     placed = set(_placed(plan))
+    hint = "give it a <start>, or place it by <add_entity>"
+    if plan.controller is None:
+        hint = "give it a TeleportAction in the init, or place it by an AddEntityAction"
+        placed |= {initial.entity for initial in plan.storyboard.init}
+        acting = {actor for actor, _ in plan.storyboard.actions()}
+        homeless = [name for name in homeless if name in acting]
     for name in homeless:
         if name not in placed:
             message = f"'{name}' has no start position, and no action places it"
-            hint = "give it a <start>, or place it by <add_entity>"
             sink.add(NOWHERE, message, place_of(plan, f"entities/{name}"), hint=hint)
 
 

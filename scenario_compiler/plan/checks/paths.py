@@ -10,9 +10,9 @@ from scenario_compiler.diagnostics import Code, Diagnostics
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
-from scenario_compiler.vocabulary.actions import FollowPathAction
+from scenario_compiler.vocabulary.actions import FollowPathAction, FollowTrajectoryAction
 from scenario_compiler.vocabulary.actions.path import Path
-from scenario_compiler.vocabulary.positions import Polyline
+from scenario_compiler.vocabulary.positions import Polyline, Trajectory
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.word import number_value
@@ -21,7 +21,8 @@ PATH_TIMES = Code(
     "SC384",
     "path-times",
     "The times of a path's points do not make a trajectory: some points have one and others none, or a time is not "
-    "later than the one before; or the times of a trajectory's vertices fall. Times count from the start of the "
+    "later than the one before. Or a trajectory is followed by its times, and some of its vertices, control points or "
+    "clothoids have none, or a negative one; or the times of its vertices fall. Times count from the start of the "
     "path:\n\n"
     '    <path><point time="2"><lane road="1" lane="-1" s="40"/></point>\n'
     '          <point time="4"><lane road="1" lane="-1" s="55"/></point></path>\n\n'
@@ -45,9 +46,22 @@ def check_paths(plan: Plan, network: Network, sink: Diagnostics) -> None:
             else:
                 continue
             sink.add(PATH_TIMES, message, point.place_of("time") if time is not None else point.origin)
-    for line in plan.words():
-        if isinstance(line, Polyline):
-            _check_vertices(line, values, sink)
+    for word in plan.words():
+        if isinstance(word, Polyline):
+            _check_vertices(word, values, sink)
+        elif isinstance(word, FollowTrajectoryAction) and word.timing is not None:
+            _check_times(word.trajectory, values, sink)
+
+
+def _check_times(trajectory: Trajectory, values: Mapping[str, Value], sink: Diagnostics) -> None:
+    """Report the parts without a time, or with a negative one, of a trajectory that is followed by its times."""
+    given = [time for _, time in trajectory.times if time is not None]
+    for part, time in trajectory.times if given else ():
+        if time is None:
+            sink.add(PATH_TIMES, "other parts of the trajectory have a time and this one has none", part.origin)
+        elif number_value(time, values) < 0.0:
+            message = f"this part of the trajectory is due at {number_value(time, values):g} s, before 0 s"
+            sink.add(PATH_TIMES, message, part.origin)
 
 
 def _check_vertices(line: Polyline, values: Mapping[str, Value], sink: Diagnostics) -> None:

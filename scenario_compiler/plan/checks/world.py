@@ -33,7 +33,7 @@ from scenario_compiler.vocabulary.conditions import (
 )
 from scenario_compiler.vocabulary.conditions.by_value import ELEMENT_KINDS
 from scenario_compiler.vocabulary.traversal import walk
-from scenario_compiler.vocabulary.variables import NUMBERS, WHOLE, VariableType, number_of, seconds_of
+from scenario_compiler.vocabulary.variables import NUMBERS, VariableType, is_value, number_of, seconds_of
 from scenario_compiler.vocabulary.word import Word
 
 UNKNOWN_VARIABLE = Code(
@@ -124,7 +124,7 @@ def check_world(plan: Plan, network: Network, sink: Diagnostics) -> None:
             hint = _meant_element(word.element, paths[word.kind])
             sink.add(UNKNOWN_ELEMENT, message, word.place_of("element"), hint=hint)
     for variable in plan.variables:
-        if variable.value and not _is_value(variable.type, variable.value):
+        if variable.value and not is_value(variable.type, variable.value):
             message = f"'{variable.value}' is not a value of the type {variable.type}"
             sink.add(WRONG_VALUE, message, variable.place_of("value"))
 
@@ -147,19 +147,16 @@ def _check_variable(plan: Plan, word: Any, sink: Diagnostics) -> None:
         if variable.type not in NUMBERS:
             message = f"'{variable.name}' is not a number: its type is {variable.type}"
             sink.add(WRONG_VALUE, message, word.place_of("variable"))
-    elif not _is_value(variable.type, word.value, compared=isinstance(word, VariableCondition)):
+    elif not _fits(variable.type, word):
         message = f"'{word.value}' is not a value of '{variable.name}', which is of the type {variable.type}"
         sink.add(WRONG_VALUE, message, word.place_of("value"))
 
 
-def _is_value(kind: VariableType, text: str, *, compared: bool = False) -> bool:
-    """Return whether a text is a value of a type; an integer may also be compared with a number between two."""
-    if kind == "string":
-        return True
-    number = number_of(kind, text)
-    if number is None or compared or kind not in WHOLE:
-        return number is not None
-    return number % 1.0 == 0.0 and (kind == "integer" or number >= 0.0)
+def _fits(kind: VariableType, word: SetVariableAction | VariableCondition) -> bool:
+    """Return whether a word's value is one of a type; an integer may be compared with any number."""
+    if isinstance(word, VariableCondition) and kind != "string":
+        return number_of(kind, word.value) is not None
+    return is_value(kind, word.value)
 
 
 def _check_phase(plan: Plan, word: Any, sink: Diagnostics) -> None:
@@ -211,8 +208,10 @@ def _check_signals(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 def _check_date(plan: Plan, word: Any, sink: Diagnostics) -> None:
     del plan
+    if isinstance(word, EnvironmentAction) and not word.date_time:
+        return
     try:
-        seconds_of(word.date_time or "1970-01-01T00:00:00")
+        seconds_of(word.date_time)
     except (ValueError, OverflowError):
         hint = "write it as 2026-06-21T18:30:00"
         sink.add(BAD_DATE, f"'{word.date_time}' is not a date and time", word.place_of("date_time"), hint=hint)

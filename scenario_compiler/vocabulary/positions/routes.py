@@ -91,7 +91,7 @@ class InRouteRoad(Word):
 
 
 class InRouteEntity(Word):
-    """An entity's present place on its route, facing along the road's s."""
+    """An entity's present place on its route."""
 
     word: Literal["route_entity"] = "route_entity"
 
@@ -104,7 +104,7 @@ class RoutePosition(Word):
     word: Literal["on_route"] = "on_route"
 
     turn: Number = attribute(
-        "Heading relative to the lane's direction of travel, degrees; with <route_entity> relative to the road's s.",
+        "Heading relative to the lane's direction of travel, degrees.",
         default=0.0,
         quantity="angle",
     )
@@ -203,6 +203,19 @@ class Trajectory(Word):
     name: str = attribute("Name of the trajectory.", default="")
     closed: bool = attribute("Whether its end is connected to its start.", default=False)
     shape: Polyline | Clothoid | ClothoidSpline | Nurbs = child("Its shape.")
+
+    @property
+    def times(self) -> tuple[tuple[Word, Number | None], ...]:
+        """The times of its vertices or control points, or of the starts and the end of its clothoids, s.
+
+        Each is paired with its word, and None if that gives no time.
+        """
+        shape = self.shape
+        if isinstance(shape, Clothoid):
+            return (shape, shape.start_time), (shape, shape.stop_time)
+        if isinstance(shape, ClothoidSpline):
+            return (*((one, one.time_start) for one in shape.segments), (shape, shape.time_end))
+        return tuple((one, one.time) for one in (shape.points if isinstance(shape, Nurbs) else shape.vertices))
 
 
 class TrajectoryPosition(Word):

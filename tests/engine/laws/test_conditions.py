@@ -206,6 +206,13 @@ def test_a_collision_with_any_vehicle(tmp_path: Path) -> None:
     assert seen(tmp_path, told, A=Actor(s=50.2), **B_AHEAD) is None
 
 
+def test_an_entity_does_not_collide_with_itself(tmp_path: Path) -> None:
+    """B is a triggering entity too, but only A can touch it."""
+    told = of_entity("A B", '<CollisionCondition><EntityRef entityRef="B"/></CollisionCondition>')
+    actors = {"A": Actor(s=50.2), **B_AHEAD, "W": W}
+    assert play(tmp_path, actors, [Event("W", speed(DONE), told)], 8.0).acts("W", DONE) == pytest.approx(4.55)
+
+
 def angle(kind: str, value: float, system: str) -> str:
     """Return a condition on an angle."""
     return f'<AngleCondition angleType="{kind}" angle="{value}" angleTolerance="0.01" coordinateSystem="{system}"/>'

@@ -84,6 +84,30 @@ def test_an_oncoming_entity_changes_to_its_own_left(tmp_path: Path) -> None:
     assert run.at("B", 5.0).y == pytest.approx(1.75)
 
 
+@pytest.mark.parametrize("dynamics", [by("linear", "time", 3.5), by("linear", "distance", 3.5 * sqrt(99.0))])
+def test_backwards_an_entity_changes_lanes_along_its_heading(tmp_path: Path, dynamics: str) -> None:
+    """At 1 m/s to its right and 10 m/s along its path, with its rear ahead: its front points to the left."""
+    run = play(tmp_path, {"A": Actor(s=200.0, speed=-10.0)}, [Event("A", lane_change(RIGHT, dynamics))])
+    before, after = run.at("A", 2.0), run.at("A", 2.05)
+    assert (after.x - before.x, after.y - before.y) == pytest.approx((-0.05 * sqrt(99.0), -0.05), abs=1e-4)
+    assert after.h == pytest.approx(atan2(0.05, 0.05 * sqrt(99.0)), abs=1e-4)
+
+
+@pytest.mark.parametrize("limits", ["", '<DynamicConstraints maxSpeed="1"/>'])
+def test_backwards_an_entity_keeps_its_lateral_distance_along_its_heading(tmp_path: Path, limits: str) -> None:
+    beside = (
+        '<LateralAction><LateralDistanceAction entityRef="B" distance="5" freespace="false" continuous="true" '
+        f'coordinateSystem="road" displacement="leftToReferencedEntity">{limits}</LateralDistanceAction>'
+        "</LateralAction>"
+    )
+    actors = {"A": Actor(s=200.0, speed=-10.0), "B": Actor(lane=-2, s=200.0, speed=-10.0)}
+    run = play(tmp_path, actors, [Event("A", beside)])
+    moved = run.at("A", 1.1).y - run.at("A", 1.05).y
+    assert moved > 0.0
+    assert cos(run.at("A", 1.1).h) > 0.0
+    assert sin(run.at("A", 1.1).h) < 0.0
+
+
 @pytest.mark.law("LaneOffsetAction", "beyond the lane's border")
 @pytest.mark.parametrize(
     ("lane", "far", "there", "back"),

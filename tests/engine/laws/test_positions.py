@@ -152,3 +152,15 @@ def test_a_position_on_a_route_counts_from_its_start(tmp_path: Path, kind: str) 
     where = '<InRoutePosition><FromLaneCoordinates pathS="40" laneId="-2"/></InRoutePosition>'
     place = put(tmp_path, f"<RoutePosition>{ROUTE}{turned(kind)}{where}</RoutePosition>")
     assert (place.x, place.y, place.h) == pytest.approx((140.0, -5.25, 0.3))
+
+
+@pytest.mark.parametrize(("lane", "heading"), [(-1, 0.0), (2, pi)])
+def test_a_position_on_a_route_where_an_entity_is_faces_as_its_lane_is_travelled(
+    tmp_path: Path, lane: int, heading: float
+) -> None:
+    """As a position in lane or road coordinates of a route does; an oncoming entity faces against s."""
+    where = '<InRoutePosition><FromCurrentEntity entityRef="B"/></InRoutePosition>'
+    placed = Actor(position=f"<Position><RoutePosition>{ROUTE}{where}</RoutePosition></Position>")
+    place = play(tmp_path, {"B": Actor(lane=lane, s=300.0), "A": placed}, [], 0.1).at("A", 0.0)
+    assert (place.x, place.lane) == (300.0, lane)
+    assert place.h == pytest.approx(heading)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.engine.laws.told import Actor, Event, Played, by, lane_position, play, relative_speed, speed
+from tests.engine.laws.told import Actor, Event, Played, by, condition, lane_position, play, relative_speed, speed
 
 A = {"A": Actor()}
 A_AND_B = {"B": Actor(lane=-2, s=200, speed=8.0), "A": Actor()}
@@ -16,6 +16,14 @@ A_AND_B = {"B": Actor(lane=-2, s=200, speed=8.0), "A": Actor()}
 def changed(folder: Path, action: str, **actors: Actor) -> Played:
     """Run a change of A's speed from 10 m/s that begins at 1 s; B drives at 8 m/s."""
     return play(folder, {**A_AND_B, **actors}, [Event("A", action)])
+
+
+def followed_by(folder: Path, action: str) -> float | None:
+    """Return when an event that waits for the end of A's action, which begins at 1 s, shows in A's speed."""
+    inner = '<StoryboardElementStateCondition storyboardElementType="event" storyboardElementRef="first" state="{}"/>'
+    ended = condition(inner.format("completeState"))
+    events = [Event("A", action, 1.0, name="first"), Event("A", speed(3.0), ended, name="second")]
+    return play(folder, A, events).acts("A", 3.0)
 
 
 @pytest.mark.law("SpeedAction", "sinusoidal by rate")
@@ -43,6 +51,11 @@ def test_a_change_through_0_covers_distance_forwards_and_backwards(tmp_path: Pat
     run = changed(tmp_path, speed(-10.0, by("linear", "distance", 20.0)))
     assert run.at("A", 3.0).v == pytest.approx(0.0, abs=1e-9)
     assert run.acts("A", -10.0) == pytest.approx(5.0)
+
+
+def test_a_change_by_distance_to_the_present_speed_ends_at_once(tmp_path: Path) -> None:
+    """Its end starts the next event in the following step."""
+    assert followed_by(tmp_path, speed(10.0, by("linear", "distance", 50.0))) == pytest.approx(1.1)
 
 
 @pytest.mark.law("SpeedAction", "relative, linear by time")
@@ -155,6 +168,12 @@ def test_a_single_entry_that_is_followed_rises_and_falls_by_its_jerk(
     run = play(tmp_path, A, [Event("A", profile("follow", entry, LIMITS))])
     for time, value in wanted.items():
         assert run.at("A", time).v == pytest.approx(value, abs=1e-9)
+
+
+@pytest.mark.parametrize("mode", ["position", "follow"])
+def test_a_single_entry_at_the_present_speed_lasts_for_its_time(tmp_path: Path, mode: str) -> None:
+    """5 s from 1 s on; the next event starts one step after its end."""
+    assert followed_by(tmp_path, profile(mode, "10@5", LIMITS)) == pytest.approx(6.05)
 
 
 def test_a_corner_that_cannot_be_rounded_in_time_stays_sharp(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from pathlib import Path
 
 import pytest
@@ -99,6 +100,13 @@ def test_a_change_of_speed_ends_a_trajectory_with_times(tmp_path: Path, line: st
     """It begins 1 s after the trajectory, and A then drives on at 5 m/s in its lane."""
     run = play(tmp_path, A, [Event("A", line), Event("A", speed(5.0), 2.0)])
     assert (run.at("A", 3.0).v, run.at("A", 3.0).x) == pytest.approx((5.0, wanted))
+
+
+def test_a_trajectory_without_times_leaves_the_speed_to_other_actions(tmp_path: Path) -> None:
+    """Its timing has no effect: 10 m at 10 m/s and 20 m at 20 m/s lie on the diagonal that it follows."""
+    diagonal = TIMED.replace(' time="0"', "").replace(' time="4"', "").replace('x="120" y="-1.75"', 'x="120" y="58.25"')
+    seen = play(tmp_path, A, [Event("A", diagonal), Event("A", speed(20.0), 2.0)]).at("A", 3.0)
+    assert (seen.x, seen.y) == pytest.approx((60.0 + 30.0 * sqrt(0.5), -1.75 + 30.0 * sqrt(0.5)))
 
 
 def test_the_init_may_give_a_speed_beside_a_trajectory_with_times(tmp_path: Path) -> None:
