@@ -191,6 +191,20 @@ def test_an_object_between_the_ego_and_the_adjacent_lane_is_not_hit(beside: int,
     assert recording.lane[int(np.searchsorted(recording.s[:, 0], 305.0)), 0] == passes
 
 
+@pytest.mark.parametrize("lane", [-1, -2, -3])
+@pytest.mark.parametrize("speed", [8.0, 15.0, 25.0, 35.0])
+def test_a_vehicle_that_comes_in_the_drivers_own_lane_is_evaded(speed: float, lane: int, tmp_path: Path) -> None:
+    text = f"""<scenarios version="1"><scenario name="wrong_way" map="motorway" duration="30" control_every="2">
+    <ego speed="33"><start><lane road="1" lane="{lane}" s="100"/></start>
+    <forward_sensor kind="radar" range="300"/></ego>
+    <dynamic id="ghost" speed="{speed}"><start><ahead_of entity="ego" distance="600" turn="180"/></start></dynamic>
+    <takeover budget="5"><cause kind="path_blocked"/><driver takeover_time="1"/></takeover></scenario></scenarios>"""
+    for recording, outcome in runs(compiled(tmp_path, text), range(1, 4)):
+        assert time_of(recording, "evade") < np.inf
+        assert outcome.collision_with is None
+        assert recording.v[:, 0].min() > 0.0
+
+
 @pytest.mark.parametrize("deceleration", [2.0, 4.0, 6.0])
 def test_a_leader_that_stops_is_followed_to_its_standstill(deceleration: float, tmp_path: Path) -> None:
     text = """<scenarios version="1"><scenario name="leader" map="motorway" duration="30" control_every="2">

@@ -30,6 +30,7 @@ from scenario_compiler.engine.ego.passing import (
     half_with_clearance,
     is_beside,
     is_clear_of,
+    is_oncoming,
     meets_oncoming,
 )
 from scenario_compiler.engine.ego.reach import driver_sight
@@ -225,19 +226,27 @@ def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> 
 
 
 @compiled
+def way_until(st: State, i: int, j: int, gap: float) -> float:
+    """Return the distance that the ego drives at its present speed until it meets j, which is `gap` metres ahead, m."""
+    towards = -st.along[j] if is_oncoming(st, i, j) == 1 else 0.0
+    return gap * ratio(st.v[i], st.v[i] + towards, 1.0)
+
+
+@compiled
 def room_to_move(p: Program, st: State, i: int, blocker: int, centre: float) -> float:
     """Return the distance in which the ego must have moved over to a corridor past a block, m.
 
-    It ends 1 m before the first obstacle outside the corridor: the block, or an object less than a `row_gap` before it.
+    It ends 1 m before the ego meets the first obstacle outside the corridor: the block, or an object less than a
+    `row_gap` before it.
     """
     front = front_of(p, i)
     half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH]
     begin = st.near[blocker] - row_gap(st, i)
-    room = st.blocked_distance[0]
+    room = way_until(st, i, blocker, st.blocked_distance[0])
     for j in range(p.entity_count[0]):
         aside = is_beside(st.low[j], st.high[j], centre, st.path_off[0], half)
         if aside == 0 and obstructs(st, j, front) == 1 and st.far[j] >= begin:
-            room = min(room, max(st.near[j] - front, 0.0))
+            room = min(room, way_until(st, i, j, max(st.near[j] - front, 0.0)))
     return room - 1.0
 
 
@@ -416,7 +425,10 @@ def shift_time(p: Program, st: State, target: float) -> float:
 
 @compiled
 def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
-    """Come back once the obstacle is past and the way back is free, or early if an oncoming vehicle would be met."""
+    """Come back once the obstacle is past and the way back is free, or early if an oncoming vehicle would be met.
+
+    The driver does not come back early into the way of an oncoming vehicle that is evaded.
+    """
     out = max(st.shift_end[0] - st.odometer[i], 0.1)
     early = st.odometer[i] < st.evade_commit[0]
     if st.evaded[0] >= 0:
@@ -424,6 +436,7 @@ def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
             come_back(st, i, op.MANOEUVRE_KEEP)
         elif (
             early
+            and is_oncoming(st, i, st.evaded[0]) == 0
             and meets_oncoming(p, st, i, st.shift_to[0], out, out, st.evaded[0], 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
         ):
             come_back(st, i, op.MANOEUVRE_BRAKE)
@@ -435,6 +448,7 @@ def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
     elif (
         early
         and blocker >= 0
+        and is_oncoming(st, i, blocker) == 0
         and meets_oncoming(p, st, i, st.shift_to[0], out, rest, op.NONE, 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
     ):
         come_back(st, i, op.MANOEUVRE_BRAKE)
@@ -472,11 +486,12 @@ def clear_offset(
 ) -> tuple[int, float, int]:
     """Return (found, offset, braking) of a move towards a neighbouring lane, `whole` metres away, that meets nothing.
 
-    Oncoming traffic must not be met either, until the ego has passed `threat` and is back. The lane between the offsets
-    `low` and `high` carries oncoming traffic. Half the distance is tried before the whole, and steering alone before
-    steering with braking.
+    Oncoming traffic must not be met either, until the ego has passed `threat` and is back; less time to it suffices if
+    `threat` comes towards the ego. The lane between the offsets `low` and `high` carries oncoming traffic. Half the
+    distance is tried before the whole, and steering alone before steering with braking.
     """
     braking = BOTH_SHARE * p.const[slot.K_DRIVER_DECELERATION]
+    spare = GIVE_UP_TIME if is_oncoming(st, i, threat) == 1 else MEETING_TIME
     for choice in range(4):
         target = whole if choice % 2 == 1 else 0.5 * whole
         both = 1 if choice >= 2 else 0
@@ -485,7 +500,7 @@ def clear_offset(
         if meets(p, st, i, target, shift_time(p, st, target), both * braking, BRAKE_JERK) < op.FAR:
             continue
         out = shift_distance(st.v[i], target - st.path_off[0], p.const[slot.K_DRIVER_LATERAL])
-        if meets_oncoming(p, st, i, target, out, out, threat, both * braking, MEETING_TIME, 0, low, high) == 0:
+        if meets_oncoming(p, st, i, target, out, out, threat, both * braking, spare, 0, low, high) == 0:
             return 1, target, both
     return 0, 0.0, 0
 
@@ -531,6 +546,20 @@ def evade_moving(p: Program, st: State, i: int, j: int, target: float) -> None:
 
 
 @compiled
+def swerves(n: RoadTables, p: Program, st: State, i: int, threat: int) -> int:
+    """Evade `threat`, which moves, if the driver steers and there is a way out; return 1 if the driver does."""
+    if st.style[0] == op.STYLE_BRAKES or st.merging[0] == 1:
+        return 0
+    found, target, braking = way_out(n, p, st, i, threat)
+    if found == 0:
+        return 0
+    if braking == 1:
+        st.style[0] = op.STYLE_BOTH
+    evade_moving(p, st, i, threat, target)
+    return 1
+
+
+@compiled
 def begin_braking(st: State, distance: float) -> None:
     """Switch to the manoeuvre "brake", and log it if it is new."""
     if st.manoeuvre[0] != op.MANOEUVRE_BRAKE:
@@ -564,18 +593,15 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
             if found == 1:
                 evade(p, st, i, blocker, centre)
                 return
+            if is_oncoming(st, i, blocker) == 1 and swerves(n, p, st, i, blocker) == 1:
+                return
         begin_braking(st, st.blocked_distance[0])
         return
     st.looks_beside[0] = -1.0
     threat = moving_threat(p, st, i)
     if threat >= 0:
-        if st.style[0] != op.STYLE_BRAKES and st.merging[0] == 0:
-            found, target, braking = way_out(n, p, st, i, threat)
-            if found == 1:
-                if braking == 1:
-                    st.style[0] = op.STYLE_BOTH
-                evade_moving(p, st, i, threat, target)
-                return
+        if swerves(n, p, st, i, threat) == 1:
+            return
         front = front_of(p, i)
         begin_braking(st, st.near[threat] - front)
         return
