@@ -178,9 +178,43 @@ def wandering(p: Program, st: State) -> float:
 
 
 @compiled
+def will_be_beside(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 if an entity on the path is beside the ego now or within WANDER_INTERVAL at the present speeds."""
+    front = front_of(p, i)
+    rear = front - p.const[p.entity_const[i] + slot.E_LENGTH]
+    if j == i or st.on_way[j] == 0 or st.far[j] < rear:
+        return 0
+    return 1 if st.near[j] - front <= max(st.v[i] - st.along[j], 0.0) * WANDER_INTERVAL else 0
+
+
+@compiled
+def kept_clear(p: Program, st: State, i: int, aside: float) -> float:
+    """Return a place aside of the path's middle, m to the left, moved away from everything that stands or drives there.
+
+    Between objects on both sides that leave less than the clearance, the driver steers for their middle.
+    """
+    half = half_with_clearance(p, i)
+    least = -op.FAR
+    greatest = op.FAR
+    for j in range(p.entity_count[0]):
+        if will_be_beside(p, st, i, j) == 0:
+            continue
+        if st.high[j] <= 0.0:
+            least = max(least, st.high[j] + half)
+        elif st.low[j] >= 0.0:
+            greatest = min(greatest, st.low[j] - half)
+    return clip(aside, least, greatest) if least <= greatest else 0.5 * (least + greatest)
+
+
+@compiled
 def steer_by_hand(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Steer for the path plus the driver's wandering, no faster than the hands turn."""
+    """Steer for the path plus the driver's wandering, no faster than the hands turn.
+
+    An evasion is planned with a clearance. In the lane, the wandering keeps it from what is beside the car.
+    """
     st.aside[0] = wandering(p, st)
+    if st.manoeuvre[0] != op.MANOEUVRE_EVADE:
+        st.aside[0] = kept_clear(p, st, i, st.aside[0])
     wanted = pursuit_angle(n, p, st, i, STEER_ACCELERATION)
     st.aside[0] = 0.0
     limit = p.const[p.entity_const[i] + slot.E_MAX_STEER]
