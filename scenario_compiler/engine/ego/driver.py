@@ -458,37 +458,6 @@ def shift_time(p: Program, st: State, target: float) -> float:
 
 
 @compiled
-def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
-    """Come back once the obstacle is past and the way back is free, or early if an oncoming vehicle would be met.
-
-    The driver does not come back early into the way of an oncoming vehicle that is evaded.
-    """
-    out = max(st.shift_end[0] - st.odometer[i], 0.1)
-    early = st.odometer[i] < st.evade_commit[0]
-    if st.evaded[0] >= 0:
-        if is_past(p, st, i, st.evaded[0]) == 1:
-            come_back(st, i, op.MANOEUVRE_KEEP)
-        elif (
-            early
-            and is_oncoming(st, i, st.evaded[0]) == 0
-            and meets_oncoming(p, st, i, st.shift_to[0], out, out, st.evaded[0], 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
-        ):
-            come_back(st, i, op.MANOEUVRE_BRAKE)
-        return
-    rest = st.evade_until[0] - st.odometer[i]
-    if rest <= 0.0:
-        if way_back_free(p, st, i) == 1:
-            come_back(st, i, op.MANOEUVRE_KEEP)
-    elif (
-        early
-        and blocker >= 0
-        and is_oncoming(st, i, blocker) == 0
-        and meets_oncoming(p, st, i, st.shift_to[0], out, rest, op.NONE, 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
-    ):
-        come_back(st, i, op.MANOEUVRE_BRAKE)
-
-
-@compiled
 def moving_threat(p: Program, st: State, i: int) -> int:
     """Return the nearest moving entity that requires braking and that the driver reacts to, or NONE."""
     found = op.NONE
@@ -594,6 +563,54 @@ def swerves(n: RoadTables, p: Program, st: State, i: int, threat: int) -> int:
 
 
 @compiled
+def evades_block(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> int:
+    """Evade what blocks the path, if the driver steers and there is a way; return 1 if the driver does.
+
+    Nobody steers around what crosses the path.
+    """
+    if st.style[0] == op.STYLE_BRAKES or abs(st.across[blocker]) >= CROSSING:
+        return 0
+    found, centre = find_corridor(n, p, st, i, blocker)
+    if found == 1:
+        evade(p, st, i, blocker, centre)
+        return 1
+    return swerves(n, p, st, i, blocker) if is_oncoming(st, i, blocker) == 1 else 0
+
+
+@compiled
+def go_on_evading(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
+    """Come back once the obstacle is past and the way back is free, or early if an oncoming vehicle would be met.
+
+    The driver does not come back early into the way of an oncoming vehicle that is evaded, but looks for another way.
+    """
+    out = max(st.shift_end[0] - st.odometer[i], 0.1)
+    early = st.odometer[i] < st.evade_commit[0]
+    if st.evaded[0] >= 0:
+        if is_past(p, st, i, st.evaded[0]) == 1:
+            come_back(st, i, op.MANOEUVRE_KEEP)
+        elif (
+            early
+            and is_oncoming(st, i, st.evaded[0]) == 0
+            and meets_oncoming(p, st, i, st.shift_to[0], out, out, st.evaded[0], 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
+        ):
+            come_back(st, i, op.MANOEUVRE_BRAKE)
+        return
+    rest = st.evade_until[0] - st.odometer[i]
+    if rest <= 0.0:
+        if way_back_free(p, st, i) == 1:
+            come_back(st, i, op.MANOEUVRE_KEEP)
+    elif (
+        early
+        and blocker >= 0
+        and meets_oncoming(p, st, i, st.shift_to[0], out, rest, op.NONE, 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
+    ):
+        if is_oncoming(st, i, blocker) == 0:
+            come_back(st, i, op.MANOEUVRE_BRAKE)
+        else:
+            evades_block(n, p, st, i, blocker)
+
+
+@compiled
 def begin_braking(st: State, distance: float) -> None:
     """Switch to the manoeuvre "brake", and log it if it is new."""
     if st.manoeuvre[0] != op.MANOEUVRE_BRAKE:
@@ -616,20 +633,14 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
     """Decide whether to go on, brake, evade or come back."""
     st.seeks_gap[0] = 0
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
-        go_on_evading(p, st, i, blocker)
+        go_on_evading(n, p, st, i, blocker)
         return
     if blocker >= 0 and waits_behind(st, i, blocker) == 1:
         st.manoeuvre[0] = op.MANOEUVRE_KEEP
         return
     if blocker >= 0 and reacts_to(p, st, blocker) == 1:
-        if st.style[0] != op.STYLE_BRAKES and abs(st.across[blocker]) < CROSSING:
-            found, centre = find_corridor(n, p, st, i, blocker)
-            if found == 1:
-                evade(p, st, i, blocker, centre)
-                return
-            if is_oncoming(st, i, blocker) == 1 and swerves(n, p, st, i, blocker) == 1:
-                return
-        begin_braking(st, st.blocked_distance[0])
+        if evades_block(n, p, st, i, blocker) == 0:
+            begin_braking(st, st.blocked_distance[0])
         return
     st.looks_beside[0] = -1.0
     threat = moving_threat(p, st, i)
