@@ -201,7 +201,7 @@ def test_a_vehicle_that_comes_in_the_drivers_own_lane_is_evaded(speed: float, la
     <takeover budget="5"><cause kind="path_blocked"/><driver takeover_time="1"/></takeover></scenario></scenarios>"""
     for recording, outcome in runs(compiled(tmp_path, text), range(1, 4)):
         assert time_of(recording, "evade") < np.inf
-        assert outcome.collision_with is None
+        assert (outcome.measures["minimum_distance"].value or 0.0) > 1.0
         assert recording.v[:, 0].min() > 0.0
 
 

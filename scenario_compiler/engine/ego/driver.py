@@ -343,7 +343,8 @@ def corridor_beside(
     """Return (found, centre) of a corridor past the block that uses the neighbouring lane on a side.
 
     `side` is 0 for the ego's own lane alone. `against` is 1 if neighbouring lanes of oncoming traffic are looked for, 0
-    for those of the same direction. `centre` is the offset from the path lane's centre, m, positive to the left.
+    for those of the same direction. `centre` is the offset from the path lane's centre, m, positive to the left: as
+    little as is needed past something that stands, and the middle of the neighbouring lane past an oncoming vehicle.
     """
     base = p.entity_const[i]
     front = front_of(p, i)
@@ -362,7 +363,8 @@ def corridor_beside(
         right = min(right, low)
     begin = st.near[blocker] - row_gap(st, i)
     end = front + st.blocked_far[0] + row_gap(st, i)
-    found, centre, _ = gap_between(p, st, begin, end, front, right, left, need, 0.0)
+    wish = 0.5 * (low + high) if is_oncoming(st, i, blocker) == 1 else 0.0
+    found, centre, _ = gap_between(p, st, begin, end, front, right, left, need, wish)
     if found == 0:
         return 0, 0.0
     fastest = shift_distance(st.v[i], centre - st.path_off[0], p.const[slot.K_DRIVER_LATERAL])
