@@ -58,6 +58,20 @@ def played(compilation: Compilation) -> tuple[Recording, Outcome]:
     return recording, judge(compilation.plan, recording)
 
 
+def test_the_stages_of_a_response_have_their_time_since_the_request(tmp_path: Path) -> None:
+    recording, outcome = played(
+        compiled(tmp_path, answer=2, whens="<when><time after='0.5'/><do><request/></do></when>")
+    )
+    asked = outcome.measures["request_time"].value
+    values = {event.kind: event.value for event in recording.events}
+    times = {event.kind: event.t for event in recording.events}
+    assert asked is not None
+    for kind in ("eyes_on", "hands_on"):
+        assert times[kind] > asked
+        assert values[kind] == pytest.approx(times[kind] - asked, abs=1e-8)
+        assert values[kind] == pytest.approx(outcome.measures[f"{kind}_time"].value)
+
+
 def times(recording: Recording, kind: str) -> list[float]:
     return [round(event.t, 2) for event in recording.events if event.kind == kind]
 

@@ -44,14 +44,17 @@ ASKS_AT_FIRST = Code(
 SHORT_SIGHT = Code(
     "SC513",
     "short-sight",
-    "The forward sensor sees far enough for the time budget in clear air by day, but not in the scenario's "
-    "weather, or with its noise or the camera's failures: the request for a limit ahead comes as soon as the sensor "
-    "detects it, which is later than the budget. The message names the causes:\n\n"
+    "The scenario's weather, its noise or the camera's failures shorten the range of the forward sensor below the "
+    "distance driven in the time budget: the request for a limit ahead comes as soon as the sensor detects it, which "
+    "is later than the budget. The message names the causes:\n\n"
     '    <scenario ... weather="HardRainNoon">  <ego speed="22">     7 s are 154 m, but the camera sees 96 m\n\n'
     "This may be intended. Otherwise choose another weather, less noise, a later failure, another sensor "
     '(<forward_sensor kind="radar"/>), a longer range, a shorter `budget` or a lower speed.',
     Severity.WARNING,
 )
+
+LATER = 0.5
+"""Time by which weather, noise or failures must delay a request that comes later than its budget anyway, s; chosen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,17 +117,21 @@ def _lasting_reach(program: Program, state: State) -> float:
 
 
 def _check_sight(plan: Plan, network: Network, reach: float, sink: Diagnostics) -> None:
-    """Warn if the sensor's range covers the time budget only in clear air, without noise and failures."""
+    """Warn if weather, noise or failures let a request come later than the budget and the range in clear air do.
+
+    If the range in clear air does not cover the budget either (`BLIND_BUDGET`), this counts from LATER on.
+    """
     asked = obstacle_budget(plan)
     if asked is None:
         return
     needed = asked.time * asked.speed
     clear = number_value(plan.forward_sensor.range, parameter_values(plan.parameters))
-    if not reach < needed <= clear:
+    enough = needed if needed <= clear else clear - LATER * asked.speed
+    if reach >= enough:
         return
     causes = [(cause, _lasting_reach(*_at_start(cause.only, network))) for cause in _obscuring(plan)]
     shortening = [cause for cause, seen in causes if seen < clear]
-    blamed = [cause for cause, seen in causes if seen < needed] or shortening
+    blamed = [cause for cause, seen in causes if seen < enough] or shortening
     names = " and ".join(cause.name for cause in blamed)
     message = (
         f"a budget of {asked.time:g} s at {asked.speed:g} m/s is {needed:.0f} m, but because of {names} the "

@@ -172,6 +172,17 @@ UNUSED_TEMPLATE = Code(
     "Use it, remove it, or move it to a file of templates that others include.",
     Severity.WARNING,
 )
+UNUSED_PARAMETER = Code(
+    "SC296",
+    "unused-parameter",
+    "A scenario or a template declares a parameter that none of its values uses, so `--set`, a sweep, a study or a "
+    "<use> that gives it a value changes nothing:\n\n"
+    '    <parameter name="distance" type="length" default="120"/>\n'
+    '    <use template="blocked_lane" distance="120"/>     distance="$distance" is meant\n\n'
+    "Use it as $distance, or in an expression such as ${$distance + 40}, or remove it. A <vary> gives a parameter "
+    "values, but does not use it.",
+    Severity.WARNING,
+)
 NOT_ALLOWABLE = Code(
     "SC225",
     "not-allowable",

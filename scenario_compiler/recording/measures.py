@@ -332,7 +332,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "steering_time",
         "s",
-        "Time from the request to the first row, from the response on, in which the steering wheel has turned since "
+        "Time from the request to the first row in which the driver drives and the steering wheel has turned since "
         "the response by more than `steering` of <inputs>. The default is 2 degrees, with a steering ratio of 16.",
         "there was no response, or no steering after it",
         steering_time,
@@ -342,7 +342,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "braking_time",
         "s",
-        "Time from the request to the first row, from the response on, in which the brake is pressed by more than "
+        "Time from the request to the first row in which the driver drives and the brake is pressed by more than "
         "`brake` of <inputs>. The default is 10 %.",
         "there was no response, or no braking after it",
         braking_time,

@@ -10,6 +10,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.moves.table import ACTIONS, NUMBERS
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.decimals import to_the_nanosecond
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import BY_HAND, CAUSES, FAILURES, STANDING_PLACES
 from scenario_compiler.vocabulary.actions import MessageAction
@@ -17,6 +18,9 @@ from scenario_compiler.vocabulary.word import Word
 
 CAUSED = frozenset({op.EVENT_WARNING, op.EVENT_REQUEST, op.EVENT_ESCALATION, op.EVENT_MINIMUM_RISK})
 """Codes of events that have a cause."""
+
+VALUED = frozenset({op.EVENT_HAZARD_LIGHTS, op.EVENT_EYES_ON, op.EVENT_HANDS_ON})
+"""Codes of events that have a value of their own."""
 
 NAMED = frozenset({"storyboard_start", "storyboard_end"})
 """Kinds of log entries about events of the storyboard."""
@@ -108,7 +112,7 @@ class EventLog:
             return EventRow.model_construct(t=t, kind=kind, entity=reported, cause=FAILURES[int(value)])
         if code == op.EVENT_SHORT_START:
             return EventRow.model_construct(t=t, kind=kind, entity=reported, cause=CAUSES[int(value)])
-        number = value if code == op.EVENT_HAZARD_LIGHTS else None
+        number = to_the_nanosecond(value) if code in VALUED else None
         return EventRow.model_construct(
             t=t, kind=kind, entity=reported, cause=cause if code in CAUSED else "", value=number
         )

@@ -25,6 +25,7 @@ from scenario_compiler.source.parameters import (
     read_parameters,
 )
 from scenario_compiler.source.templates import Expander, TemplateScope, template_parameters
+from scenario_compiler.source.unused import report_unused_parameters
 from scenario_compiler.source.variation import check_variation
 from scenario_compiler.vocabulary.actions import AssignControllerAction, KeepsVehicles, SpeedRange, TrafficKind
 from scenario_compiler.vocabulary.conditions import RelativeLaneRange
@@ -99,6 +100,8 @@ def expand_scenario(
             sink.absorb(attempt)
             if scenario is not None and scenario.vary is not None:
                 check_variation(scenario.vary, declared, sink)
+            if declared.all_read and not sink.has_errors:
+                report_unused_parameters(part, declared, sink)
             return scenario
         settled |= environment.structural if number < MOST_READINGS else set(values)
     raise AssertionError("with every parameter settled, none turns out to be structural")
@@ -107,10 +110,13 @@ def expand_scenario(
 def check_template(part: Part, sink: Diagnostics, surroundings: Around) -> None:
     """Report every fault of a template on its own, used once without arguments."""
     expander = surroundings.expander(trial=True)
-    reading = _at_defaults(part, template_parameters(part, sink), sink)
+    declared = template_parameters(part, sink)
+    reading = _at_defaults(part, declared, sink)
     expander.add_template(part, reading, TemplateScope(part.name, TemplateScope()))
     actors = [actor for actor, _ in expander.contents.actors]
     catalog_vehicles(actors, catalogs_of(surroundings, expander), sink)
+    if declared.all_read and not sink.has_errors:
+        report_unused_parameters(part, declared, sink)
 
 
 def _at_defaults(part: Part, declared: Declared, sink: Diagnostics) -> ReadingContext:

@@ -191,6 +191,38 @@ def test_an_object_between_the_ego_and_the_adjacent_lane_is_not_hit(beside: int,
     assert recording.lane[int(np.searchsorted(recording.s[:, 0], 305.0)), 0] == passes
 
 
+@pytest.mark.parametrize("lane", [-1, -2, -3])
+@pytest.mark.parametrize("speed", [8.0, 15.0, 25.0, 35.0])
+def test_a_vehicle_that_comes_in_the_drivers_own_lane_is_evaded(speed: float, lane: int, tmp_path: Path) -> None:
+    text = f"""<scenarios version="1"><scenario name="wrong_way" map="motorway" duration="30" control_every="2">
+    <ego speed="33"><start><lane road="1" lane="{lane}" s="100"/></start>
+    <forward_sensor kind="radar" range="300"/></ego>
+    <dynamic id="ghost" speed="{speed}"><start><ahead_of entity="ego" distance="600" turn="180"/></start></dynamic>
+    <takeover budget="5"><cause kind="path_blocked"/><driver takeover_time="1"/></takeover></scenario></scenarios>"""
+    for recording, outcome in runs(compiled(tmp_path, text), range(1, 4)):
+        assert time_of(recording, "evade") < np.inf
+        assert (outcome.measures["minimum_distance"].value or 0.0) > 1.0
+        assert recording.v[:, 0].min() > 0.0
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_wandering_keeps_the_drivers_clearance_from_what_stands_beside_the_lane(side: int, tmp_path: Path) -> None:
+    place = side * (0.997 + 0.45 + 0.478 / 2.0)
+    text = f"""<scenarios version="1"><scenario name="cones" map="motorway" duration="30" control_every="2">
+    <ego speed="25"><start><spawn_point name="middle_lane"/></start></ego>
+    <repeat id="row" count="60" as="k"><static id="cone" model="static.prop.constructioncone"><at>
+      <ahead_of entity="ego" distance="${{100 + 8 * $k}}" offset="{place}"/></at></static></repeat>
+    <when><time after="1"/><do><request/></do></when>
+    <takeover minimum_risk="false"><cause kind="controller"/><driver takeover_time="1"/></takeover>
+    </scenario></scenarios>"""
+    for recording, outcome in runs(compiled(tmp_path, text), range(1, 11)):
+        beside = (recording.s[:, 0] > 150.0) & (recording.s[:, 0] < 150.0 + 8 * 60)
+        towards = side * recording.off[beside, 0]
+        assert outcome.collision_with is None
+        assert towards.max() < 0.45 - 0.2
+        assert towards.min() < -0.1
+
+
 @pytest.mark.parametrize("deceleration", [2.0, 4.0, 6.0])
 def test_a_leader_that_stops_is_followed_to_its_standstill(deceleration: float, tmp_path: Path) -> None:
     text = """<scenarios version="1"><scenario name="leader" map="motorway" duration="30" control_every="2">

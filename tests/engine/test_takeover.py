@@ -493,6 +493,26 @@ def test_a_stop_ordered_by_the_scenario_is_not_a_lack_of_progress() -> None:
     assert run.time_of(op.EVENT_NO_PROGRESS) == -1.0
 
 
+@pytest.mark.parametrize("count", [1.0, 2.0, 5.0])
+@pytest.mark.parametrize("deceleration", [3.0, 7.0])
+def test_the_brake_is_not_let_go_between_a_leaders_stop_and_the_request_for_it(
+    deceleration: float, count: float
+) -> None:
+    numbers = {slots.K_DRIVER_TIME: 1.0e6, slots.K_BLOCKED_COUNT: count, slots.K_BLOCKED_OF: 8.0}
+    draft = Draft(highway(), numbers)
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.ego(speed=25.0)
+    leader = draft.moving(-1, 95.0, 25.0)
+    draft.event(draft.maneuver(), draft.at_time(2.0), draft.speed(leader, 0.0, 25.0 / deceleration))
+    run = draft.start().go(2.0 + 0.5 * 25.0 / deceleration)
+    accelerations = []
+    while run.st.takeover_state[0] < op.TAKEOVER_REQUEST:
+        accelerations.append(run.st.a[0])
+        run.go(run.st.clock[0] + 0.05)
+    assert run.st.v[leader] < 2.0
+    assert max(accelerations) < -1.0
+
+
 def test_a_stop_and_go_leader_is_followed_without_a_request_while_its_queue_moves() -> None:
     draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_DURATION: 40.0})
     draft.causes(op.CAUSE_NO_PROGRESS)

@@ -168,7 +168,8 @@ def test_arguments_are_checked(arguments: dict[str, str], code: str) -> None:
 
 
 def test_a_parameter_without_a_default_must_be_given() -> None:
-    text = library_text(parameters=PARAMETER.replace('default="80" ', ""))
+    car = '<static id="car"><at><ahead_of entity="ego" distance="$far"/></at></static>'
+    text = library_text(car, parameters=PARAMETER.replace('default="80" ', ""))
     assert codes_of(text) == ["SC214"]
     assert codes_of(text, far="50") == []
 

@@ -55,8 +55,8 @@ def _chain(length: int) -> str:
 
 
 FILES = {
-    "expressions that double": (_doubling("length", "$q"), 1),
-    "texts that double": (_doubling("text", "a" * 2048), 1),
+    "expressions that double": (_doubling("length", "$q"), 2),
+    "texts that double": (_doubling("text", "a" * 2048), 2),
     "a long chain of templates": (_file('<use template="t0"/>', templates=_chain(2000)), 1),
     "nested loops": (_file(f'<repeat count="1000"><repeat count="1000">{CAR.format("", "ego")}</repeat></repeat>'), 1),
     "loops around nothing": (_file('<repeat count="1000"><repeat count="1000"/></repeat>'), 0),

@@ -19,6 +19,11 @@ PARAMETERS = (
     '<parameter name="kind" type="text" default="vehicle.audi.a2"/>'
 )
 
+CARS = (
+    '<repeat count="$count"><dynamic id="car" model="$kind" speed="$pace">'
+    '<start><ahead_of entity="ego" distance="$gap"/></start></dynamic></repeat>'
+)
+
 AXES = {
     '<uniform parameter="gap" least="20" greatest="40"/>': "gap=uniform(20, 40)",
     '<normal parameter="pace" mean="10" deviation="1.5"/>': "pace=normal(10, 1.5)",
@@ -33,7 +38,7 @@ AXES = {
 
 
 def _varied(inside: str) -> str:
-    return library_text(parameters=f"{PARAMETERS}<vary>{inside}</vary>")
+    return library_text(CARS, parameters=f"{PARAMETERS}<vary>{inside}</vary>")
 
 
 @pytest.mark.parametrize(("written", "spelled"), AXES.items())

@@ -30,6 +30,7 @@ from scenario_compiler.engine.ego.passing import (
     half_with_clearance,
     is_beside,
     is_clear_of,
+    is_oncoming,
     meets_oncoming,
 )
 from scenario_compiler.engine.ego.reach import driver_sight
@@ -177,9 +178,43 @@ def wandering(p: Program, st: State) -> float:
 
 
 @compiled
+def will_be_beside(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 if an entity on the path is beside the ego now or within WANDER_INTERVAL at the present speeds."""
+    front = front_of(p, i)
+    rear = front - p.const[p.entity_const[i] + slot.E_LENGTH]
+    if j == i or st.on_way[j] == 0 or st.far[j] < rear:
+        return 0
+    return 1 if st.near[j] - front <= max(st.v[i] - st.along[j], 0.0) * WANDER_INTERVAL else 0
+
+
+@compiled
+def kept_clear(p: Program, st: State, i: int, aside: float) -> float:
+    """Return a place aside of the path's middle, m to the left, moved away from everything that stands or drives there.
+
+    Between objects on both sides that leave less than the clearance, the driver steers for their middle.
+    """
+    half = half_with_clearance(p, i)
+    least = -op.FAR
+    greatest = op.FAR
+    for j in range(p.entity_count[0]):
+        if will_be_beside(p, st, i, j) == 0:
+            continue
+        if st.high[j] <= 0.0:
+            least = max(least, st.high[j] + half)
+        elif st.low[j] >= 0.0:
+            greatest = min(greatest, st.low[j] - half)
+    return clip(aside, least, greatest) if least <= greatest else 0.5 * (least + greatest)
+
+
+@compiled
 def steer_by_hand(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Steer for the path plus the driver's wandering, no faster than the hands turn."""
+    """Steer for the path plus the driver's wandering, no faster than the hands turn.
+
+    An evasion is planned with a clearance. In the lane, the wandering keeps it from what is beside the car.
+    """
     st.aside[0] = wandering(p, st)
+    if st.manoeuvre[0] != op.MANOEUVRE_EVADE:
+        st.aside[0] = kept_clear(p, st, i, st.aside[0])
     wanted = pursuit_angle(n, p, st, i, STEER_ACCELERATION)
     st.aside[0] = 0.0
     limit = p.const[p.entity_const[i] + slot.E_MAX_STEER]
@@ -225,19 +260,27 @@ def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> 
 
 
 @compiled
+def way_until(st: State, i: int, j: int, gap: float) -> float:
+    """Return the distance that the ego drives at its present speed until it meets j, which is `gap` metres ahead, m."""
+    towards = -st.along[j] if is_oncoming(st, i, j) == 1 else 0.0
+    return gap * ratio(st.v[i], st.v[i] + towards, 1.0)
+
+
+@compiled
 def room_to_move(p: Program, st: State, i: int, blocker: int, centre: float) -> float:
     """Return the distance in which the ego must have moved over to a corridor past a block, m.
 
-    It ends 1 m before the first obstacle outside the corridor: the block, or an object less than a `row_gap` before it.
+    It ends 1 m before the ego meets the first obstacle outside the corridor: the block, or an object less than a
+    `row_gap` before it.
     """
     front = front_of(p, i)
     half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH]
     begin = st.near[blocker] - row_gap(st, i)
-    room = st.blocked_distance[0]
+    room = way_until(st, i, blocker, st.blocked_distance[0])
     for j in range(p.entity_count[0]):
         aside = is_beside(st.low[j], st.high[j], centre, st.path_off[0], half)
         if aside == 0 and obstructs(st, j, front) == 1 and st.far[j] >= begin:
-            room = min(room, max(st.near[j] - front, 0.0))
+            room = min(room, way_until(st, i, j, max(st.near[j] - front, 0.0)))
     return room - 1.0
 
 
@@ -300,7 +343,8 @@ def corridor_beside(
     """Return (found, centre) of a corridor past the block that uses the neighbouring lane on a side.
 
     `side` is 0 for the ego's own lane alone. `against` is 1 if neighbouring lanes of oncoming traffic are looked for, 0
-    for those of the same direction. `centre` is the offset from the path lane's centre, m, positive to the left.
+    for those of the same direction. `centre` is the offset from the path lane's centre, m, positive to the left: as
+    little as is needed past something that stands, and the middle of the neighbouring lane past an oncoming vehicle.
     """
     base = p.entity_const[i]
     front = front_of(p, i)
@@ -319,7 +363,8 @@ def corridor_beside(
         right = min(right, low)
     begin = st.near[blocker] - row_gap(st, i)
     end = front + st.blocked_far[0] + row_gap(st, i)
-    found, centre, _ = gap_between(p, st, begin, end, front, right, left, need, 0.0)
+    wish = 0.5 * (low + high) if is_oncoming(st, i, blocker) == 1 else 0.0
+    found, centre, _ = gap_between(p, st, begin, end, front, right, left, need, wish)
     if found == 0:
         return 0, 0.0
     fastest = shift_distance(st.v[i], centre - st.path_off[0], p.const[slot.K_DRIVER_LATERAL])
@@ -415,32 +460,6 @@ def shift_time(p: Program, st: State, target: float) -> float:
 
 
 @compiled
-def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
-    """Come back once the obstacle is past and the way back is free, or early if an oncoming vehicle would be met."""
-    out = max(st.shift_end[0] - st.odometer[i], 0.1)
-    early = st.odometer[i] < st.evade_commit[0]
-    if st.evaded[0] >= 0:
-        if is_past(p, st, i, st.evaded[0]) == 1:
-            come_back(st, i, op.MANOEUVRE_KEEP)
-        elif (
-            early
-            and meets_oncoming(p, st, i, st.shift_to[0], out, out, st.evaded[0], 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
-        ):
-            come_back(st, i, op.MANOEUVRE_BRAKE)
-        return
-    rest = st.evade_until[0] - st.odometer[i]
-    if rest <= 0.0:
-        if way_back_free(p, st, i) == 1:
-            come_back(st, i, op.MANOEUVRE_KEEP)
-    elif (
-        early
-        and blocker >= 0
-        and meets_oncoming(p, st, i, st.shift_to[0], out, rest, op.NONE, 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
-    ):
-        come_back(st, i, op.MANOEUVRE_BRAKE)
-
-
-@compiled
 def moving_threat(p: Program, st: State, i: int) -> int:
     """Return the nearest moving entity that requires braking and that the driver reacts to, or NONE."""
     found = op.NONE
@@ -472,11 +491,12 @@ def clear_offset(
 ) -> tuple[int, float, int]:
     """Return (found, offset, braking) of a move towards a neighbouring lane, `whole` metres away, that meets nothing.
 
-    Oncoming traffic must not be met either, until the ego has passed `threat` and is back. The lane between the offsets
-    `low` and `high` carries oncoming traffic. Half the distance is tried before the whole, and steering alone before
-    steering with braking.
+    Oncoming traffic must not be met either, until the ego has passed `threat` and is back; less time to it suffices if
+    `threat` comes towards the ego. The lane between the offsets `low` and `high` carries oncoming traffic. Half the
+    distance is tried before the whole, and steering alone before steering with braking.
     """
     braking = BOTH_SHARE * p.const[slot.K_DRIVER_DECELERATION]
+    spare = GIVE_UP_TIME if is_oncoming(st, i, threat) == 1 else MEETING_TIME
     for choice in range(4):
         target = whole if choice % 2 == 1 else 0.5 * whole
         both = 1 if choice >= 2 else 0
@@ -485,7 +505,7 @@ def clear_offset(
         if meets(p, st, i, target, shift_time(p, st, target), both * braking, BRAKE_JERK) < op.FAR:
             continue
         out = shift_distance(st.v[i], target - st.path_off[0], p.const[slot.K_DRIVER_LATERAL])
-        if meets_oncoming(p, st, i, target, out, out, threat, both * braking, MEETING_TIME, 0, low, high) == 0:
+        if meets_oncoming(p, st, i, target, out, out, threat, both * braking, spare, 0, low, high) == 0:
             return 1, target, both
     return 0, 0.0, 0
 
@@ -531,6 +551,68 @@ def evade_moving(p: Program, st: State, i: int, j: int, target: float) -> None:
 
 
 @compiled
+def swerves(n: RoadTables, p: Program, st: State, i: int, threat: int) -> int:
+    """Evade `threat`, which moves, if the driver steers and there is a way out; return 1 if the driver does."""
+    if st.style[0] == op.STYLE_BRAKES or st.merging[0] == 1:
+        return 0
+    found, target, braking = way_out(n, p, st, i, threat)
+    if found == 0:
+        return 0
+    if braking == 1:
+        st.style[0] = op.STYLE_BOTH
+    evade_moving(p, st, i, threat, target)
+    return 1
+
+
+@compiled
+def evades_block(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> int:
+    """Evade what blocks the path, if the driver steers and there is a way; return 1 if the driver does.
+
+    Nobody steers around what crosses the path.
+    """
+    if st.style[0] == op.STYLE_BRAKES or abs(st.across[blocker]) >= CROSSING:
+        return 0
+    found, centre = find_corridor(n, p, st, i, blocker)
+    if found == 1:
+        evade(p, st, i, blocker, centre)
+        return 1
+    return swerves(n, p, st, i, blocker) if is_oncoming(st, i, blocker) == 1 else 0
+
+
+@compiled
+def go_on_evading(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
+    """Come back once the obstacle is past and the way back is free, or early if an oncoming vehicle would be met.
+
+    The driver does not come back early into the way of an oncoming vehicle that is evaded, but looks for another way.
+    """
+    out = max(st.shift_end[0] - st.odometer[i], 0.1)
+    early = st.odometer[i] < st.evade_commit[0]
+    if st.evaded[0] >= 0:
+        if is_past(p, st, i, st.evaded[0]) == 1:
+            come_back(st, i, op.MANOEUVRE_KEEP)
+        elif (
+            early
+            and is_oncoming(st, i, st.evaded[0]) == 0
+            and meets_oncoming(p, st, i, st.shift_to[0], out, out, st.evaded[0], 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
+        ):
+            come_back(st, i, op.MANOEUVRE_BRAKE)
+        return
+    rest = st.evade_until[0] - st.odometer[i]
+    if rest <= 0.0:
+        if way_back_free(p, st, i) == 1:
+            come_back(st, i, op.MANOEUVRE_KEEP)
+    elif (
+        early
+        and blocker >= 0
+        and meets_oncoming(p, st, i, st.shift_to[0], out, rest, op.NONE, 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
+    ):
+        if is_oncoming(st, i, blocker) == 0:
+            come_back(st, i, op.MANOEUVRE_BRAKE)
+        else:
+            evades_block(n, p, st, i, blocker)
+
+
+@compiled
 def begin_braking(st: State, distance: float) -> None:
     """Switch to the manoeuvre "brake", and log it if it is new."""
     if st.manoeuvre[0] != op.MANOEUVRE_BRAKE:
@@ -553,29 +635,20 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
     """Decide whether to go on, brake, evade or come back."""
     st.seeks_gap[0] = 0
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
-        go_on_evading(p, st, i, blocker)
+        go_on_evading(n, p, st, i, blocker)
         return
     if blocker >= 0 and waits_behind(st, i, blocker) == 1:
         st.manoeuvre[0] = op.MANOEUVRE_KEEP
         return
     if blocker >= 0 and reacts_to(p, st, blocker) == 1:
-        if st.style[0] != op.STYLE_BRAKES and abs(st.across[blocker]) < CROSSING:
-            found, centre = find_corridor(n, p, st, i, blocker)
-            if found == 1:
-                evade(p, st, i, blocker, centre)
-                return
-        begin_braking(st, st.blocked_distance[0])
+        if evades_block(n, p, st, i, blocker) == 0:
+            begin_braking(st, st.blocked_distance[0])
         return
     st.looks_beside[0] = -1.0
     threat = moving_threat(p, st, i)
     if threat >= 0:
-        if st.style[0] != op.STYLE_BRAKES and st.merging[0] == 0:
-            found, target, braking = way_out(n, p, st, i, threat)
-            if found == 1:
-                if braking == 1:
-                    st.style[0] = op.STYLE_BOTH
-                evade_moving(p, st, i, threat, target)
-                return
+        if swerves(n, p, st, i, threat) == 1:
+            return
         front = front_of(p, i)
         begin_braking(st, st.near[threat] - front)
         return

@@ -16,7 +16,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.ego.limits import behaviour
+from scenario_compiler.engine.ego.limits import behaviour, control_period
 from scenario_compiler.engine.ego.sensor import CROSSING, SLOW
 from scenario_compiler.marker import compiled
 
@@ -96,9 +96,10 @@ def judge_objects(p: Program, st: State, i: int) -> None:
         if st.along[j] >= SLOW:
             if in_corridor(p, st, i, j, BESIDE_LEADER) == 1:
                 st.ahead_is[j] = op.AHEAD_FOLLOWED
-                st.led_at[j] = st.clock[0]
         elif in_corridor(p, st, i, j, beside) == 1:
             st.ahead_is[j] = op.AHEAD_FOLLOWED if stands_in_queue(p, st, j) == 1 else op.AHEAD_BLOCKING
+        if st.ahead_is[j] == op.AHEAD_FOLLOWED:
+            st.led_at[j] = st.clock[0]
 
 
 @compiled
@@ -174,11 +175,21 @@ def minds_limit(p: Program, st: State, cause: int) -> int:
 
 
 @compiled
+def has_just_stopped(p: Program, st: State, j: int) -> int:
+    """Return 1 if a blocking object was followed within the control steps that the request for it takes.
+
+    The automation brakes for such a leader until the request, instead of letting go of the brake when the leader stops.
+    """
+    takes = p.const[slot.K_BLOCKED_COUNT] * control_period(p)
+    return 1 if st.clock[0] - st.led_at[j] <= takes + op.TOLERANCE else 0
+
+
+@compiled
 def gap_to_keep(p: Program, st: State, i: int) -> tuple[float, float]:
     """Return (gap from the front, m; speed along the path, m/s) of what the automation keeps its distance to.
 
     This is the nearest of the followed objects, the line of a red signal, and what blocks the path if the automation
-    slows down for it. Without any of them the gap is FAR.
+    slows down for it or followed it until just now. Without any of them the gap is FAR.
     """
     front = front_of(p, i)
     gap = op.FAR
@@ -187,9 +198,9 @@ def gap_to_keep(p: Program, st: State, i: int) -> tuple[float, float]:
         leader, gap = nearest_ahead(p, st, i, op.AHEAD_FOLLOWED)
         if leader >= 0:
             speed = st.along[leader]
-    if minds_limit(p, st, op.CAUSE_PATH_BLOCKED) == 1:
         blocker, distance = nearest_ahead(p, st, i, op.AHEAD_BLOCKING)
-        if blocker >= 0 and distance < gap:
+        slows = minds_limit(p, st, op.CAUSE_PATH_BLOCKED) == 1
+        if blocker >= 0 and distance < gap and (slows or has_just_stopped(p, st, blocker) == 1):
             gap = distance
             speed = st.along[blocker]
     if st.red_line[0] < op.FAR and st.red_line[0] - front < gap:

@@ -80,7 +80,8 @@ def check_range(plan: Plan, network: Network, sink: Diagnostics) -> None:
     if reach < asked.time * asked.speed:
         message = (
             f"a budget of {asked.time:g} s at {asked.speed:g} m/s is {asked.time * asked.speed:.0f} m, but the forward "
-            f"sensor sees {reach:g} m: the request comes {reach / asked.speed:.1f} s before the limit"
+            f"sensor sees {reach:g} m in clear air: the request comes at most {reach / asked.speed:.1f} s before the "
+            "limit"
         )
         sink.add(BLIND_BUDGET, message, asked.place)
 
