@@ -18,7 +18,7 @@ from scenario_compiler.perception.calibration.figures import Asked, Figures, fit
 from scenario_compiler.perception.calibration.gather import Gathered
 from scenario_compiler.perception.calibration.maps import IMAGES, MapRoads
 from scenario_compiler.perception.calibration.truth import Truth
-from scenario_compiler.perception.confidence import FEATURES, Confidence, Fitting
+from scenario_compiler.perception.confidence import FEATURES, Confidence, Tree, confidence_text
 from scenario_compiler.perception.detectors import DetectorName, create_detector
 from scenario_compiler.perception.lane_detector import Boundary
 from scenario_compiler.report.perception_page import INTRODUCTIONS, LIMITS, PAGES, Measured, write_perception_page
@@ -61,8 +61,7 @@ def test_an_error_is_a_distance_from_the_true_boundary() -> None:
 def test_a_boundary_that_leaves_the_planned_route_counts_as_the_automation_takes_it() -> None:
     on_route = looks_of([0.9, 0.9], [0.1, 3.0])
     leaving = replace(on_route, worth=np.array([1.0, 0.0]))
-    size = len(FEATURES)
-    constant = Confidence(np.zeros(size), np.ones(size), np.zeros((1, size + 1)), np.ones((3, size + 2)))
+    constant = Confidence.of([1.0, 1.0, 1.0], [Tree([-1], [], [[0.0, 0.0, 0.0]])])
     geometry, paint, both = judged(leaving, constant).p.T
     assert geometry.tolist() == both.tolist() == [paint[0], 0.0]
     assert paint[0] == paint[1] > 0.5
@@ -72,8 +71,8 @@ def test_a_fit_uses_the_clips_that_are_for_fits_alone() -> None:
     draw = np.random.default_rng(1)
     few = replace(looks_of([0.5] * 40, draw.random(40).tolist()), rows=draw.normal(size=(40, len(FEATURES))))
     more = Looks.joined([few, replace(few, error=1.0 - few.error, clip=few.clip + 40)])
-    fits = [fitted(Gathered({"made up": looks}, (), few, 40), Fitting(1e-2, 1)) for looks in (few, more)]
-    assert np.array_equal(fits[0].out, fits[1].out)
+    fits = [fitted(Gathered({"made up": looks}, (), few, 40)) for looks in (few, more)]
+    assert confidence_text(fits[0], FEATURES) == confidence_text(fits[1], FEATURES)
 
 
 def test_a_map_without_a_lane_to_drive_on_has_no_clips() -> None:

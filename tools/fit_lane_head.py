@@ -230,7 +230,7 @@ def main() -> None:
     of_maps = Looks.joined([one for path, one in seen if path])
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
     drawn = Looks.joined([one for path, one in seen if not path])
-    text = confidence_text(fitted_to(chosen, drawn, LearnedLaneDetector.fitting), LearnedLaneDetector.features)
+    text = confidence_text(fitted_to(chosen, drawn), LearnedLaneDetector.features)
     (options.out / LearnedLaneDetector.confidence_file).write_text(text, encoding="utf-8")
     print(
         f"{len(images)} pictures for the paint, {len(chosen.error)} sides of maps and {len(drawn.error)} of situations"

@@ -39,7 +39,7 @@ from scenario_compiler.perception.calibration.figures import CONFIDENT, FITTED, 
 from scenario_compiler.perception.calibration.fit import area_under_curve
 from scenario_compiler.perception.calibration.maps import MapRoads
 from scenario_compiler.perception.calibration.truth import Truth, X
-from scenario_compiler.perception.confidence import Confidence, confidence_text
+from scenario_compiler.perception.confidence import Confidence, Tree, confidence_text
 from scenario_compiler.perception.lane_detector import LaneState
 from scenario_compiler.perception.learned_detector import (
     COLUMNS,
@@ -413,11 +413,10 @@ def train(data: Arrays, epochs: int, seconds: float, device: str, path: Path) ->
 
 
 def of_paint_alone() -> Confidence:
-    """Return a confidence that is the network's own probability of paint, for looks to which another one is fitted."""
-    size = len(LEARNED_FEATURES)
-    found = Confidence(np.zeros(size), np.ones(size), np.zeros((1, size + 1)), np.zeros((3, size + 2)))
-    found.out[:, 1 + LEARNED_FEATURES.index("painted")] = 3.0
-    return found
+    """Return a confidence that trusts what the network takes for painted, for looks to which another one is fitted."""
+    painted = LEARNED_FEATURES.index("painted")
+    tree = Tree([painted, -1, painted, -1, -1], [0.0, 0.5], [[-2.0] * 3, [1.0] * 3, [2.0] * 3])
+    return Confidence.of([0.0] * 3, [tree])
 
 
 def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.float64]]:
@@ -516,7 +515,7 @@ def confidence_of(seen: list[tuple[str, Looks, NDArray[np.float64]]]) -> Confide
     of_maps = Looks.joined([looks for which, looks, _ in seen if is_unseen(Path(which).stem)])
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
     drawn = Looks.joined([looks for which, looks, _ in seen if which == "drawn"])
-    return fitted_to(chosen, drawn, LearnedLaneDetector.fitting)
+    return fitted_to(chosen, drawn)
 
 
 def figures_of(seen: list[tuple[str, Looks, NDArray[np.float64]]], confidence: Confidence) -> dict[str, object]:

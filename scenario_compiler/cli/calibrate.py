@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_jobs, is_filled, whole_number
+from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_jobs, is_filled, needing, whole_number
 from scenario_compiler.cli.terminal import complain, put, put_raw
 from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import CompileError, did_you_mean
@@ -40,7 +41,7 @@ def add(commands: Commands) -> None:
         action="append",
         default=[],
         metavar="NAME",
-        help="evaluate this map, on four times as many clips, with a confidence fitted on all other maps; the tables "
+        help="evaluate this map, on eight times as many clips, with a confidence fitted on all other maps; the tables "
         "then have such maps only",
     )
     parser.add_argument("--fit", action="store_true", help="fit the confidence, and write the fit beside the page")
@@ -66,6 +67,9 @@ def calibrate_command(options: argparse.Namespace) -> int:
 
     if not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
+    if options.fit or options.leave_out:
+        with needing("xgboost"):
+            import_module("xgboost")
     maps = _road_files(options.maps)
     _check_left_out(options.leave_out, [one.stem for one in maps])
     began = time.monotonic()
@@ -82,8 +86,8 @@ def calibrate_command(options: argparse.Namespace) -> int:
         complain(f"there is no driving lane in {', '.join(missing) or 'any map'}")
         return AT_FAULT
     detector = create_detector(options.detector)
-    confidence = fitted(gathered, detector.fitting) if options.fit else None
-    figures = figures_of(gathered, options.leave_out, confidence, detector.fitting)
+    confidence = fitted(gathered) if options.fit else None
+    figures = figures_of(gathered, options.leave_out, confidence)
     minutes = (time.monotonic() - began) / 60.0
     given = [
         *(["--fit"] if options.fit else []),

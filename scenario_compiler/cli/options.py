@@ -6,6 +6,7 @@ import argparse
 import errno
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, TypeAlias
 
@@ -35,6 +36,9 @@ PERCEPTIONS = ("camera", "ideal", "surrogate")
 
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
+
+EXTRAS = {"av": "video", "mcap": "mcap", "pylsl": "lsl", "rerun": "rerun", "xgboost": "fit"}
+"""The extra that installs each optional package."""
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -329,3 +333,14 @@ def compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | No
         raise WrongUse(
             f"{options.target} has several scenarios; name one as FILE#name: {', '.join(needed.names)}"
         ) from None
+
+
+@contextmanager
+def needing(package: str) -> Iterator[None]:
+    """Turn a missing optional package into a WrongUse that names the extra which installs it."""
+    try:
+        yield
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").partition(".")[0] != package:
+            raise
+        raise WrongUse(f"this needs {package}: pip install 'scenario-compiler[{EXTRAS[package]}]'") from None

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +14,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     keep_inputs,
+    needing,
     new_sink,
     show,
     text_stream,
@@ -39,9 +38,6 @@ BAD_RECORDING = Code(
 
 SHOWS = ("both", "view", "map")
 """What a film can show; the first is the default."""
-
-EXTRAS = {"av": "video", "mcap": "mcap", "pylsl": "lsl", "rerun": "rerun"}
-"""The extra that installs each optional package."""
 
 
 def add(commands: Commands) -> None:
@@ -221,14 +217,3 @@ def _check_shown(run: Run) -> None:
     """Refuse to draw a run in which the first vehicle, whose view is drawn, is absent for some time."""
     if not len(run.recording.t) or not run.recording.present[:, :1].any(axis=1).all():
         raise WrongUse("pictures show the view of the first vehicle, which is absent for a part of this run")
-
-
-@contextmanager
-def needing(package: str) -> Iterator[None]:
-    """Turn a missing optional package into a WrongUse that names the extra which installs it."""
-    try:
-        yield
-    except ModuleNotFoundError as missing:
-        if (missing.name or "").partition(".")[0] != package:
-            raise
-        raise WrongUse(f"this needs {package}: pip install 'scenario-compiler[{EXTRAS[package]}]'") from None

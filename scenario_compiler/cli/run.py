@@ -25,12 +25,13 @@ from scenario_compiler.cli.options import (
     inputs_of,
     is_filled,
     keep_inputs,
+    needing,
     new_sink,
     show,
     text_stream,
     trust_of,
 )
-from scenario_compiler.cli.report import add_shows, film_path, needing, write_film
+from scenario_compiler.cli.report import add_shows, film_path, write_film
 from scenario_compiler.cli.terminal import complain, put, shown_progress
 from scenario_compiler.cli.worlds import add_world, note_failures, note_findings, world_options
 from scenario_compiler.diagnostics import Diagnostics, FilePlace

@@ -18,12 +18,12 @@ from scenario_compiler.cli.options import (
     add_templates,
     add_trust,
     has_errors,
+    needing,
     new_sink,
     show,
     step_length,
     text_stream,
 )
-from scenario_compiler.cli.report import needing
 from scenario_compiler.cli.terminal import flush_streams, put, shown_progress
 from scenario_compiler.cli.worlds import add_world, world_options
 from scenario_compiler.garbage_collection import keep_loaded, stay_small

@@ -1,8 +1,8 @@
 """The confidence in a detected boundary: calibrated probabilities, and separately the sensor's health.
 
 The probabilities are those that the geometry is right, that paint is there, and of both (see `lane_detector.Boundary`).
-They are functions of `features`, computed by a network with one hidden layer that `calibration.fit` fits to rendered
-clips of maps and of artificial roads. `scenario-compiler calibrate` measures their reliability and writes
+They are functions of `features`: sums of decision trees that `calibration.fit` fits to rendered clips of maps and of
+artificial roads. `scenario-compiler calibrate` measures their reliability and writes
 docs/perception.md.
 
 The health falls with the noise that is measured in the image, as defined in `engine.camera_health`. This is policy, not
@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
 from typing import NamedTuple
@@ -30,9 +30,10 @@ from scenario_compiler.perception.lane_fit import STANDS_OUT, Fit, arc_y
 from scenario_compiler.perception.road_plane import Tilt
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
-FARTHEST = 4.0
-"""Number of standard deviations from its mean at which a feature is clipped."""
+TOGETHER = 256
+"""Number of sides whose probabilities are computed together, which keeps the memory small and fast."""
 
 FEATURES = (
     *("prominence", "painted", "residual", "contrast", "support", "row_scale", "width_off", "along", "stretch"),
@@ -80,44 +81,80 @@ _LARGEST, _STRIP = 8 * 255, 64
 """
 
 
-class Fitting(NamedTuple):
-    """How a confidence is fitted.
+class Tree(NamedTuple):
+    """A decision tree, its nodes level by level from the root: the two nodes behind an inner node are neighbours.
 
     Attributes:
-        penalty: Factor of the squared weights in the loss, which keeps them small.
-        fits: Number of fits whose logits are averaged.
+        feature: Number of the feature that each node compares; -1 for a leaf.
+        threshold: For each inner node, the number from which on the second of the nodes behind it follows.
+        value: For each leaf, what it adds to the logits of the three probabilities.
     """
 
-    penalty: float
-    fits: int
+    feature: Sequence[int]
+    threshold: Sequence[float]
+    value: Sequence[Sequence[float]]
 
 
 @dataclass(frozen=True, eq=False)
 class Confidence:
-    """Three probabilities as functions of the features: a network with one layer of H hidden units.
+    """Three probabilities as functions of the features: logistic functions of the sums of T trees with M nodes.
 
     Attributes:
-        middle: (F,) mean of each feature in the fit.
-        scale: (F,) its standard deviation.
-        hidden: (H, F + 1) weights of the hidden units (tanh), the last of each its bias.
-        out: (3, H + F + 1) weights of the three outputs (logistic): of the hidden units, the features, the bias.
+        start: (3,) logits before the trees.
+        trees: The trees.
+        root: (T,) the first node of each tree, all nodes numbered through.
+        feature: (M,) the feature that a node compares; 0 for a leaf.
+        threshold: (M,) the number from which on the node after `behind` follows; infinite for a leaf.
+        behind: (M,) the node that follows for smaller numbers; a leaf itself.
+        value: (M, 3) what a leaf adds to the logits; 0 for other nodes.
+        depth: Greatest number of comparisons of a tree.
     """
 
-    middle: Floats
-    scale: Floats
-    hidden: Floats
-    out: Floats
+    start: Floats
+    trees: tuple[Tree, ...]
+    root: Integers
+    feature: Integers
+    threshold: Floats
+    behind: Integers
+    value: Floats
+    depth: int
 
-    def __call__(self, row: Floats) -> tuple[float, float, float]:
-        """Return the probabilities that the geometry is right, that paint is there, and of both, for one side."""
-        geometry, paint, both = self.all(row[None])[0].tolist()
-        return geometry, paint, both
+    @staticmethod
+    def of(start: Sequence[float], trees: Iterable[Tree]) -> Confidence:
+        """Return the confidence of trees."""
+        kept = tuple(trees)
+        sizes = np.array([len(one.feature) for one in kept])
+        feature = np.concatenate([np.array(one.feature) for one in kept])
+        root, leaf = np.cumsum(sizes) - sizes, feature < 0
+        inner = np.cumsum(~leaf) - ~leaf
+        # The k-th inner node of a tree comes before its nodes 2 k + 1 and 2 k + 2.
+        first = np.repeat(root, sizes)
+        following = first + 2 * (inner - inner[first]) + 1
+        place = np.where(leaf, np.arange(len(feature)), following)
+        threshold, value = np.full(len(feature), np.inf), np.zeros((len(feature), 3))
+        threshold[~leaf] = np.concatenate([np.array(one.threshold, np.float64) for one in kept])
+        value[leaf] = np.concatenate([np.array(one.value).reshape(-1, 3) for one in kept])
+        level = np.zeros(len(feature), np.int64)
+        for node in np.flatnonzero(~leaf).tolist():
+            level[following[node] : following[node] + 2] = level[node] + 1
+        return Confidence(
+            np.array(start), kept, root, np.maximum(feature, 0), threshold, place, value, int(level.max())
+        )
 
-    def all(self, rows: Floats) -> Floats:
-        """Return the probabilities (N, 3) of features (N, F)."""
-        known = np.clip((rows - self.middle) / self.scale, -FARTHEST, FARTHEST)
-        inner = np.tanh(known @ self.hidden[:, :-1].T + self.hidden[:, -1])
-        total = np.concatenate([inner, known], axis=1) @ self.out[:, :-1].T + self.out[:, -1]
+    def __call__(self, rows: Floats) -> Floats:
+        """Return the probabilities (N, 3) that the geometry is right, that paint is there, and of both.
+
+        Args:
+            rows: (N, F) features of N sides.
+        """
+        total = np.empty((len(rows), 3))
+        for begin in range(0, len(rows), TOGETHER):
+            some = rows[begin : begin + TOGETHER]
+            numbers, place = some.ravel(), some.shape[1] * np.arange(len(some))[:, None]
+            node = np.broadcast_to(self.root, (len(some), len(self.root)))
+            for _ in range(self.depth):
+                node = self.behind[node] + (numbers[place + self.feature[node]] >= self.threshold[node])
+            total[begin : begin + TOGETHER] = self.start + self.value[node].sum(axis=1)
         return np.asarray(1.0 / (1.0 + np.exp(-np.clip(total, -30.0, 30.0))))
 
 
@@ -127,13 +164,17 @@ def load_confidence(file: str, names: tuple[str, ...]) -> Confidence:
     data = json.loads(resources.files("scenario_compiler.perception").joinpath(file).read_text("utf-8"))
     if tuple(data["features"]) != names:
         raise RuntimeError(f"{file} was made for other features; run `scenario-compiler calibrate --fit`")
-    return Confidence(*(np.array(data[one.name]) for one in fields(Confidence)))
+    return Confidence.of(data["start"], (Tree(**one) for one in data["trees"]))
 
 
 def confidence_text(confidence: Confidence, names: tuple[str, ...]) -> str:
     """Return the text of the file for a confidence over the features with these names."""
-    numbers = {one.name: np.round(getattr(confidence, one.name), 4).tolist() for one in fields(Confidence)}
-    return json.dumps({"features": names, **numbers}, indent=None, separators=(",", ":")).replace("],", "],\n") + "\n"
+    data = {
+        "features": names,
+        "start": confidence.start.tolist(),
+        "trees": [one._asdict() for one in confidence.trees],
+    }
+    return json.dumps(data, indent=None, separators=(",", ":")).replace("},", "},\n") + "\n"
 
 
 @dataclass(frozen=True)

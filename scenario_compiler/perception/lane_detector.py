@@ -27,7 +27,6 @@ from scenario_compiler.perception.confidence import (
     Before,
     Circumstances,
     Confidence,
-    Fitting,
     evidence,
     features,
     load_confidence,
@@ -183,12 +182,10 @@ class CalibratedDetector(LaneDetector, Protocol):
     Attributes:
         features: Names of the confidence's features.
         confidence_file: The file with the confidence, beside the package's modules.
-        fitting: How its confidence is fitted.
     """
 
     features: ClassVar[tuple[str, ...]]
     confidence_file: ClassVar[str]
-    fitting: ClassVar[Fitting]
 
     def look(
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
@@ -202,7 +199,6 @@ class ClassicalLaneDetector:
 
     features: ClassVar[tuple[str, ...]] = FEATURES
     confidence_file: ClassVar[str] = "lane_confidence.json"
-    fitting: ClassVar[Fitting] = Fitting(penalty=2e-4, fits=4)
 
     def __init__(self, camera: Camera | None = None, confidence: Confidence | None = None) -> None:
         """Prepare for one camera.
@@ -232,7 +228,8 @@ class ClassicalLaneDetector:
         sigma_hat = noise_of(image)
         fits, rows, tilt = self.examine(image, prior, pitch, sigma_hat)
         health = noise_health(sigma_hat)
-        left, right = (_boundary(fit, *self.confidence(row)) for fit, row in zip(fits, rows, strict=True))
+        said = self.confidence(np.stack(rows)).tolist()
+        left, right = (_boundary(fit, *p) for fit, p in zip(fits, said, strict=True))
         return LaneResult(
             left,
             right,
@@ -285,7 +282,7 @@ class ClassicalLaneDetector:
 
     def _painted(self, rows: tuple[Floats, Floats]) -> float:
         """Return the probability that both sides are painted; only then can the tilt be estimated from them."""
-        return math.prod(self.confidence(row)[1] for row in rows)
+        return float(self.confidence(np.stack(rows))[:, 1].prod())
 
     def _first_pitch(self, image: Image, state: LaneState, width: float, spread: float) -> float:
         """Return the initial pitch: the remembered one, or else the one with most paint on two arcs."""

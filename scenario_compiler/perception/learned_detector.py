@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.confidence import PLACES, Confidence, Fitting, in_order, load_confidence, noise_of
+from scenario_compiler.perception.confidence import PLACES, Confidence, in_order, load_confidence, noise_of
 from scenario_compiler.perception.lane_detector import Boundary, LaneResult, LaneState
 from scenario_compiler.perception.road_plane import Tilt, tilt_of_widening
 
@@ -74,15 +74,10 @@ TRAINED_FOR = Camera()
 
 
 class LearnedLaneDetector:
-    """The learned detector.
-
-    The penalty of its confidence was chosen among 2e-4, 1e-3 and 3e-3 by the cross-entropy on the maps of its fit, each
-    left out of the fit in turn with its repainted copies: 0.276, 0.250 and 0.252 while driving.
-    """
+    """The learned detector."""
 
     features: ClassVar[tuple[str, ...]] = LEARNED_FEATURES
     confidence_file: ClassVar[str] = "learned_confidence.json"
-    fitting: ClassVar[Fitting] = Fitting(penalty=1e-3, fits=2)
 
     def __init__(
         self, camera: Camera | None = None, network: bytes | None = None, confidence: Confidence | None = None
@@ -115,13 +110,13 @@ class LearnedLaneDetector:
         sides = [_Side(one, paint, self._v, tilt.pitch, self._scale) for one, paint in zip(told, painted, strict=True)]
         sigma_hat = noise_of(image)
         health = noise_health(sigma_hat)
-        found, features = [], []
-        for side, other, before in ((sides[0], sides[1], state.left), (sides[1], sides[0], state.right)):
-            row = _features(side, other, tilt, seen_pitch, width, sigma_hat, before, state.way is not None)
-            curvature, slope, y0 = side.curve
-            features.append(row)
-            found.append(Boundary(y0, slope, 2.0 * curvature, *self.confidence(row), side.reach))
-        left, right = found
+        features = [
+            _features(side, other, tilt, seen_pitch, width, sigma_hat, before, state.way is not None)
+            for side, other, before in ((sides[0], sides[1], state.left), (sides[1], sides[0], state.right))
+        ]
+        left, right = (
+            _boundary(side, *p) for side, p in zip(sides, self.confidence(np.stack(features)).tolist(), strict=True)
+        )
         lane_width = float(left.y(10.0) - right.y(10.0))
         result = LaneResult(left, right, health, sigma_hat, left.p * health, right.p * health, lane_width, tilt)
         return result, (features[0], features[1])
@@ -301,6 +296,11 @@ def _features(
             "seen_off": min(side.lever * abs(seen_pitch - tilt.pitch), 1.5),
         },
     )
+
+
+def _boundary(side: _Side, p_geom: float, p_paint: float, p: float) -> Boundary:
+    curvature, slope, y0 = side.curve
+    return Boundary(y0, slope, 2.0 * curvature, p_geom, p_paint, p, side.reach)
 
 
 def _logit(p: float) -> float:

@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pytest
 
@@ -6,7 +8,16 @@ from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import look_at_bank
 from scenario_compiler.perception.calibration.fit import fit_confidence, reliability
 from scenario_compiler.perception.calibration.scenes import Fading
-from scenario_compiler.perception.confidence import FEATURES, NEWEST, Fitting, in_order, load_confidence, noise_of
+from scenario_compiler.perception.confidence import (
+    FEATURES,
+    NEWEST,
+    Confidence,
+    Tree,
+    confidence_text,
+    in_order,
+    load_confidence,
+    noise_of,
+)
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
@@ -19,10 +30,26 @@ def situation(name: str) -> int:
 
 def test_the_shipped_confidence_is_for_the_features_there_are() -> None:
     shipped = load_confidence("lane_confidence.json", FEATURES)
-    assert shipped.middle.shape == shipped.scale.shape == (len(FEATURES),)
-    assert shipped.out.shape == (3, len(shipped.hidden) + len(FEATURES) + 1)
-    p = shipped.all(np.random.default_rng(1).normal(shipped.middle, shipped.scale, (50, len(FEATURES))))
+    assert shipped.feature.max() < len(FEATURES)
+    p = shipped(np.random.default_rng(1).normal(1.0, 1.0, (600, len(FEATURES))))
+    assert p.shape == (600, 3)
     assert ((p > 0.0) & (p < 1.0)).all()
+
+
+def test_a_tree_goes_to_the_second_node_from_its_threshold_on() -> None:
+    first = Tree([0, -1, 1, -1, -1], [0.5, 2.0], [[1.0, 0.0, -1.0], [2.0, 0.0, -2.0], [4.0, 0.0, -4.0]])
+    second = Tree([-1], [], [[0.5, 0.0, 0.0]])
+    found = Confidence.of([0.0, -1.0, 0.0], [first, second])(np.array([[0.4, 9.0], [0.5, 1.9], [0.5, 2.0]]))
+    logits = np.array([[1.5, -1.0, -1.0], [2.5, -1.0, -2.0], [4.5, -1.0, -4.0]])
+    assert found == pytest.approx(1.0 / (1.0 + np.exp(-logits)))
+
+
+def test_a_confidence_is_read_as_it_was_written() -> None:
+    shipped = load_confidence("lane_confidence.json", FEATURES)
+    data = json.loads(confidence_text(shipped, FEATURES))
+    again = Confidence.of(data["start"], [Tree(**one) for one in data["trees"]])
+    rows = np.random.default_rng(2).normal(1.0, 1.0, (40, len(FEATURES)))
+    assert np.array_equal(shipped(rows), again(rows))
 
 
 def test_features_are_ordered_by_their_names() -> None:
@@ -99,7 +126,7 @@ def test_the_fit_finds_probabilities_that_come_true() -> None:
     rows = draw.normal(size=(3600, 3))
     truth = 1 / (1 + np.exp(-(1.5 * rows[:, 0] - 2.0 * rows[:, 1] * rows[:, 2])))
     labels = np.stack([draw.random(3600) < truth, rows[:, 0] > 0.0, rows[:, 1] > 0.0], axis=1).astype(float)
-    fitted = fit_confidence(rows[:2400], labels[:2400], Fitting(penalty=2e-4, fits=2)).all(rows[2400:])
+    fitted = fit_confidence(rows[:2400], labels[:2400])(rows[2400:])
     assert np.abs(fitted[:, 0] - truth[2400:]).mean() < 0.06
     found = reliability(fitted[:, 0], labels[2400:, 0])
     assert found.expected_error < 0.04

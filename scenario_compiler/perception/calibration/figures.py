@@ -13,7 +13,7 @@ from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import RIGHT, Looks, as_used
 from scenario_compiler.perception.calibration.fit import Reliability, fit_confidence, reliability
 from scenario_compiler.perception.calibration.gather import Gathered
-from scenario_compiler.perception.confidence import Confidence, Fitting
+from scenario_compiler.perception.confidence import Confidence
 
 Mask = NDArray[np.bool_]
 
@@ -90,39 +90,38 @@ class Figures:
     left_out: tuple[str, ...]
 
 
-def fitted(gathered: Gathered, fitting: Fitting, without: str = "") -> Confidence:
+def fitted(gathered: Gathered, without: str = "") -> Confidence:
     """Return the confidence fitted to all observations except those on one map."""
     parts = [looks for name, looks in gathered.maps.items() if name != without]
     of_maps = Looks.joined(parts)
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED) & (of_maps.clip < gathered.clips))
-    return fitted_to(chosen, gathered.drawn, fitting, FIRST_WEIGHT)
+    return fitted_to(chosen, gathered.drawn, FIRST_WEIGHT)
 
 
-def fitted_to(of_maps: Looks, drawn: Looks, fitting: Fitting, first_weight: float = 1.0) -> Confidence:
+def fitted_to(of_maps: Looks, drawn: Looks, first_weight: float = 1.0) -> Confidence:
     """Return the confidence fitted to looks at maps and at drawn situations; `first_weight` is that of first images."""
     looks = Looks.joined([of_maps, drawn])
     of_images = np.where(of_maps.condition("number") == 0, first_weight, 1.0)
     weight = np.concatenate([of_images, np.full(len(drawn.error), DRAWN_WEIGHT)])
-    return fit_confidence(looks.rows, looks.labels, fitting, weight)
+    return fit_confidence(looks.rows, looks.labels, weight)
 
 
 def judged(looks: Looks, confidence: Confidence) -> Looks:
     """Return the observations with the probabilities of another confidence; the memory is unchanged."""
-    return replace(looks, p=as_used(confidence.all(looks.rows), looks.worth))
+    return replace(looks, p=as_used(confidence(looks.rows), looks.worth))
 
 
-def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confidence | None, fitting: Fitting) -> Figures:
+def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confidence | None) -> Figures:
     """Return the figures.
 
     Args:
         gathered: The observations.
         left_out: Maps to which a fit to all others is applied, and which the tables contain; empty for all maps.
         confidence: The confidence for everything else; None for the detector's own.
-        fitting: How the detector's confidence is fitted.
     """
     chosen = {name: looks for name, looks in gathered.maps.items() if not left_out or name in left_out}
     if left_out:
-        chosen = {name: judged(looks, fitted(gathered, fitting, name)) for name, looks in chosen.items()}
+        chosen = {name: judged(looks, fitted(gathered, name)) for name, looks in chosen.items()}
     elif confidence is not None:
         chosen = {name: judged(looks, confidence) for name, looks in chosen.items()}
     together = Looks.joined(list(chosen.values()))

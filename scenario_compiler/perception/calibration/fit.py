@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
-from scenario_compiler.perception.confidence import FARTHEST, Confidence, Fitting
+from scenario_compiler.perception.confidence import Confidence, Tree
 
 Floats = NDArray[np.float64]
 
@@ -19,64 +21,71 @@ BINS = tuple(k / 10 for k in range(11))
 COUNTED = 100
 """Least number of observations for a bin to count."""
 
-HIDDEN, OUTPUTS = 32, 3
-"""Hidden units of one fit, and outputs."""
+TREES = 500
+"""Number of trees."""
 
-STEPS = 400
-"""Greatest number of steps of the fit."""
+SETTINGS = {
+    "objective": "binary:logistic",
+    "multi_strategy": "multi_output_tree",
+    "tree_method": "hist",
+    "grow_policy": "lossguide",
+    "max_bin": 128,
+    "max_leaves": 31,
+    "max_depth": 8,
+    "eta": 0.05,
+    "subsample": 0.5,
+    "colsample_bytree": 0.4,
+    "min_child_weight": 30,
+    "lambda": 5,
+    "seed": 1,
+    "nthread": 1,
+}
+"""How XGBoost fits them. One thread, so that sums have one order."""
+
+BORDER, VALUE = 4, 3
+"""Decimal places of the trees' thresholds and values."""
 
 
-def fit_confidence(rows: Floats, labels: Floats, fitting: Fitting, weight: Floats | None = None) -> Confidence:
-    """Return the mean of several confidences with the least cross-entropy over observations.
-
-    They start from other weights, and their logits are averaged: the mean is less wrong than one fit on other roads.
+def fit_confidence(rows: Floats, labels: Floats, weight: Floats | None = None) -> Confidence:
+    """Return the confidence that XGBoost fits to observations (T. Chen and C. Guestrin, arXiv 1603.02754).
 
     Args:
         rows: (N, F) features.
         labels: (N, 3) whether the geometry was right, paint was there, and both, as 0 or 1.
-        fitting: The penalty, and the number of fits.
         weight: (N,) weight of each observation; equal if None.
+
+    Raises:
+        ModuleNotFoundError: XGBoost is not installed.
     """
-    fits = [_fit(rows, labels, fitting.penalty, weight, 1 + number) for number in range(fitting.fits)]
-    hidden = np.concatenate([one.hidden for one in fits])
-    of_hidden = np.concatenate([one.out[:, :HIDDEN] for one in fits], axis=1) / len(fits)
-    of_features = sum((one.out[:, HIDDEN:] for one in fits), np.zeros_like(fits[0].out[:, HIDDEN:])) / len(fits)
-    return Confidence(fits[0].middle, fits[0].scale, hidden, np.concatenate([of_hidden, of_features], axis=1))
+    import xgboost
+
+    share = np.ones(len(rows)) if weight is None else weight / weight.mean()
+    mean = np.clip(np.average(labels, axis=0, weights=share), 0.001, 0.999)
+    start = np.round(np.log(mean / (1.0 - mean)), VALUE)
+    data = xgboost.QuantileDMatrix(
+        rows.astype(np.float32), labels, weight=share, base_margin=np.tile(start, (len(rows), 1)), max_bin=SETTINGS["max_bin"]
+    )
+    fitted = xgboost.train(SETTINGS, data, TREES)
+    return Confidence.of(start.tolist(), (_tree(json.loads(one)) for one in fitted.get_dump(dump_format="json")))
 
 
-def _fit(rows: Floats, labels: Floats, penalty: float, weight: Floats | None, seed: int) -> Confidence:
-    """Return the confidence with the least cross-entropy (L-BFGS from weights drawn with `seed`)."""
-    count, size = rows.shape
-    middle, scale = rows.mean(axis=0), np.maximum(rows.std(axis=0), 1e-3)
-    known = np.clip((rows - middle) / scale, -FARTHEST, FARTHEST).astype(np.float32)
-    labels = labels.astype(np.float32)
-    share = (np.full(count, 1.0 / count) if weight is None else weight / weight.sum()).astype(np.float32)
-    draw = np.random.default_rng(seed)
-    start = np.concatenate([
-        draw.normal(0.0, 0.3 / np.sqrt(size), HIDDEN * (size + 1)), np.zeros(OUTPUTS * (HIDDEN + size + 1))
-    ])  # fmt: skip
-    cut = HIDDEN * (size + 1)
+def _tree(root: dict[str, Any]) -> Tree:
+    """Return a tree of XGBoost's textual dump.
 
-    def loss(parameters: Floats) -> tuple[float, Floats]:
-        single = parameters.astype(np.float32)
-        hidden, out = single[:cut].reshape(HIDDEN, size + 1), single[cut:].reshape(OUTPUTS, -1)
-        inner = np.tanh(known @ hidden[:, :-1].T + hidden[:, -1])
-        both = np.concatenate([inner, known], axis=1)
-        total = both @ out[:, :-1].T + out[:, -1]
-        p = 1.0 / (1.0 + np.exp(-np.clip(total, -30.0, 30.0)))
-        value = float((share[:, None] * (np.logaddexp(0.0, total) - labels * total)).sum())
-        wrong = share[:, None] * (p - labels)
-        back = (wrong @ out[:, :HIDDEN]) * (1.0 - inner * inner)
-        gradient = np.concatenate([
-            np.concatenate([back.T @ known, back.sum(axis=0)[:, None]], axis=1).ravel(),
-            np.concatenate([wrong.T @ both, wrong.sum(axis=0)[:, None]], axis=1).ravel(),
-        ])  # fmt: skip
-        value += penalty * float(parameters @ parameters)
-        return value, gradient.astype(np.float64) + 2.0 * penalty * parameters
-
-    found = minimize(loss, start, jac=True, method="L-BFGS-B", options={"maxiter": STEPS})
-    best = np.asarray(found.x)
-    return Confidence(middle, scale, best[:cut].reshape(HIDDEN, size + 1), best[cut:].reshape(OUTPUTS, -1))
+    Thresholds are numbers that occurred, and belong to the node behind them; so they are rounded down.
+    """
+    feature, threshold, value = [], [], []
+    level = [root]
+    for node in level:
+        if "leaf" in node:
+            feature.append(-1)
+            value.append([round(one, VALUE) for one in node["leaf"]])
+        else:
+            feature.append(int(node["split"].removeprefix("f")))
+            threshold.append(math.floor(node["split_condition"] * 10**BORDER) / 10**BORDER)
+            behind = {one["nodeid"]: one for one in node["children"]}
+            level += [behind[node["yes"]], behind[node["no"]]]
+    return Tree(feature, threshold, value)
 
 
 @dataclass(frozen=True)
