@@ -36,15 +36,27 @@ CELLS_A_CHUNK = 6
 """Initial room for entries into cells, for each chunk."""
 
 
-def with_derived_columns(tables: RoadTables, stated: StatedLinks) -> RoadTables:
-    """Return tables as arrays, with the computed columns filled.
+def with_knots(tables: RoadTables) -> RoadTables:
+    """Return tables in which the knots of curves are filled, so that reference lines can be evaluated.
 
     Args:
-        tables: The contents of a file, as lists; they are consumed.
-        stated: What the file states about links of lanes.
+        tables: The roads of a file, as lists; they are consumed. Their links may be missing.
     """
     n: RoadTables = _form(tables).containers["n"]
-    _fill_knots(n)
+    _resize(n, POLYNOMIAL_PIECE, len(n.poly_last))
+    if len(n.poly_last) > 0:
+        _resize(n, KNOT, _form(n).enter("count_knots"))
+        _form(n).enter("store_knots")
+    return n
+
+
+def with_derived_columns(n: RoadTables, stated: StatedLinks) -> RoadTables:
+    """Return tables as arrays, with all computed columns filled.
+
+    Args:
+        n: The contents of a file, with the knots and the links of roads; they are consumed.
+        stated: What the file states about links of lanes.
+    """
     _fill_links(n, stated)
     _resize(n, LANE, len(n.lane_id))
     _resize(n, CHUNK, CHUNKS_A_PART * (len(n.piece_s) + len(n.section_s)))
@@ -54,13 +66,6 @@ def with_derived_columns(tables: RoadTables, stated: StatedLinks) -> RoadTables:
     _resize(n, CHUNK, count)
     _fill_cells(n)
     return n.in_arrays()
-
-
-def _fill_knots(n: RoadTables) -> None:
-    _resize(n, POLYNOMIAL_PIECE, len(n.poly_last))
-    if len(n.poly_last) > 0:
-        _resize(n, KNOT, _form(n).enter("count_knots"))
-        _form(n).enter("store_knots")
 
 
 def _fill_links(n: RoadTables, stated: StatedLinks) -> None:

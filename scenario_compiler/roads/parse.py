@@ -12,7 +12,7 @@ from math import nan
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.roads.attachments import Attachment, cuts_of, read_attachments
-from scenario_compiler.roads.derived import with_derived_columns
+from scenario_compiler.roads.derived import with_derived_columns, with_knots
 from scenario_compiler.roads.elements import PlainElement, RoadFile, grandchildren
 from scenario_compiler.roads.lane_parse import LaneReader
 from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
@@ -120,12 +120,13 @@ class _Reading:
 
     def finish(self, root: PlainElement, attachments: Sequence[Attachment]) -> ParsedNetwork | None:
         """Read the junctions and links; return None (and an error) if there is no road."""
-        n, roads, road_ids = self._n, list(self._roads.values()), list(self._roads)
+        roads, road_ids = list(self._roads.values()), list(self._roads)
         if not roads:
             self.findings.add(NOT_OPENDRIVE, "the file has no usable <road>", self._file.origin(root))
             return None
         junction_ids = [junction.get("id") or "" for junction in root.findall("junction")]
         junctions = {name: i for i, name in reversed(list(enumerate(junction_ids)))}
+        n = with_knots(self._n)
         n.road_junction.extend(junctions.get(road.get("junction", "-1"), -1) for road in roads)
         stated = read_links(self.reader, n, root, roads, road_ids, junctions, self._lanes.links, attachments)
         return ParsedNetwork(with_derived_columns(n, stated), road_ids, junction_ids)

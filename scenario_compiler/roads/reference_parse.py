@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, cos, hypot, inf, isfinite, sin, sqrt
+from math import ceil, cos, hypot, inf, sin, sqrt
 from operator import itemgetter
 
 from scenario_compiler.diagnostics import Code, Severity
@@ -43,6 +43,9 @@ RATE_LIMIT = 0.02
 
 PIECE_LIMIT = 2000
 """Greatest number of pieces of one spiral."""
+
+SHORTEST_SPIRAL = 1e-12
+"""Length up to which a spiral has the curvature of its start, m: the rate of a shorter one may overflow."""
 
 ALL_PIECES_LIMIT = 200_000
 """Number of pieces of a network after which spirals are no longer cut; limits the memory, far beyond any real network.
@@ -171,8 +174,8 @@ def _append_spiral(
     """
     k0 = reader.number(shape, "curvStart", 0.0, limit=1e6)
     k1 = reader.number(shape, "curvEnd", 0.0, limit=1e6)
-    rate = (k1 - k0) / length if length > 0.0 else 0.0
-    if rate == 0.0 or not isfinite(rate):
+    rate = (k1 - k0) / length if length > SHORTEST_SPIRAL else 0.0
+    if rate == 0.0:
         _append_piece(n, s, x, y, h, k0, 0.0, LINE if k0 == 0.0 else ARC)
         return
     by_turn = max(abs(k0), abs(k1)) * length / TURN_LIMIT

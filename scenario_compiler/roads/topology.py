@@ -80,7 +80,10 @@ def read_links(
     lane_links: LaneLinks,
     attachments: Sequence[Attachment] = (),
 ) -> StatedLinks:
-    """Fill the columns of the links of roads, and return what the file states about those of lanes."""
+    """Fill the columns of the links of roads, and return what the file states about those of lanes.
+
+    The knots of curves must be filled: a link without a contact point is to the nearest end of the other road.
+    """
     index = {name: i for i, name in enumerate(road_ids)}
     inside = {(one.road, one.end) for one in attachments}
     for element in roads:

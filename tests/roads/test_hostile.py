@@ -157,6 +157,20 @@ def test_a_spiral_too_short_for_its_curvatures_is_read(tmp_path: Path) -> None:
     assert made.road_pose("1", 10.0, 0.0).x == pytest.approx(10.0)
 
 
+@pytest.mark.parametrize("contact", ["", 'contactPoint="start"'])
+@pytest.mark.parametrize(("length", "curvature", "whole_length"), [("1e-300", 1.0, 1e7), ("1e-320", 1e-12, 10.0)])
+def test_a_short_spiral_at_the_end_of_a_long_road_is_read(
+    tmp_path: Path, length: str, curvature: float, whole_length: float, contact: str
+) -> None:
+    shape = f'<spiral curvStart="{curvature}" curvEnd="0"/>'
+    plan = f'<geometry s="0" x="0" y="0" hdg="0" length="{length}">{shape}</geometry>'
+    link = f'<successor elementType="road" elementId="1" {contact}/>'
+    made, codes = load(tmp_path, whole(road(length=whole_length, plan=plan, link=link)))
+    assert made is not None
+    assert codes == set()
+    assert made.tables.piece_k == [curvature]
+
+
 def test_links_in_a_circle_end(tmp_path: Path) -> None:
     around = (
         '<predecessor elementType="road" elementId="1" contactPoint="end"/>'
