@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import sys
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -118,6 +119,15 @@ def test_a_file_that_is_not_a_map_is_reported(tmp_path: Path, capsys: pytest.Cap
     assert not (tmp_path / "out").exists()
 
 
+def test_a_fit_without_xgboost_names_the_extra_that_installs_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "xgboost", None)
+    assert main(["calibrate", "-o", str(tmp_path / "out"), "--fit"]) == 2
+    assert "this needs xgboost: pip install 'scenario-compiler[fit]'" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.slow
 def test_the_page_of_a_map(tmp_path: Path) -> None:
     road = find_map("highway_loop")
@@ -133,8 +143,8 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("detector", "digest"),
     [
-        ("classical", "c70d578dbb986da13035dc5e01689a4262540e7c775d3eb80dce91f66b3f7d19"),
-        ("learned", "2abac4c544933444561ed0b466d965656df907b57de1d2b0392a660fa7276d91"),
+        ("classical", "9482156cd71a49c73f8d781f3d50f219b3529137f50ae6c98e0b3e7a8a13e1d3"),
+        ("learned", "7c503aabd9dcea5e43e4920548f04c1542095701343c17ae67bb51d4fe5dfe66"),
     ],
 )
 def test_the_pages_are_about_the_packaged_confidence(detector: DetectorName, digest: str) -> None:

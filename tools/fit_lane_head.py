@@ -58,7 +58,7 @@ FITTED, FIT_LORRIES = (0, 2, 3), 0.12
 ROUNDS, OFTEN = 6, "Town05"
 """Number of times that `CLIPS` clips of each map are used for that, and the map of which there are three times more."""
 
-DRAWN = 600
+DRAWN = 2600
 """Random situations for that besides those of `scenario-compiler calibrate --fit`."""
 
 STEPS, BATCH, RATE = 1500, 512, 2e-3

@@ -41,10 +41,14 @@ def add(commands: Commands) -> None:
         action="append",
         default=[],
         metavar="NAME",
-        help="evaluate this map, on eight times as many clips, with a confidence fitted on all other maps; the tables "
-        "then have such maps only",
+        help="evaluate this map, on eight times as many clips, with a confidence fitted on all other maps (needs "
+        "the extra 'fit'); the tables then have such maps only",
     )
-    parser.add_argument("--fit", action="store_true", help="fit the confidence, and write the fit beside the page")
+    parser.add_argument(
+        "--fit",
+        action="store_true",
+        help="fit the confidence, and write the fit beside the page (needs the extra 'fit')",
+    )
     count = whole_number(1, 100_000)
     parser.add_argument("--clips", type=count, default=CLIPS, metavar="N", help="number of clips of each map")
     parser.add_argument(

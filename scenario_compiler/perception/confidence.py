@@ -126,7 +126,7 @@ class Confidence:
         sizes = np.array([len(one.feature) for one in kept])
         feature = np.concatenate([np.array(one.feature) for one in kept])
         root, leaf = np.cumsum(sizes) - sizes, feature < 0
-        inner = np.cumsum(~leaf) - ~leaf
+        inner: Integers = np.cumsum(~leaf) - ~leaf
         # The k-th inner node of a tree comes before its nodes 2 k + 1 and 2 k + 2.
         first = np.repeat(root, sizes)
         following = first + 2 * (inner - inner[first]) + 1
@@ -134,12 +134,11 @@ class Confidence:
         threshold, value = np.full(len(feature), np.inf), np.zeros((len(feature), 3))
         threshold[~leaf] = np.concatenate([np.array(one.threshold, np.float64) for one in kept])
         value[leaf] = np.concatenate([np.array(one.value).reshape(-1, 3) for one in kept])
-        level = np.zeros(len(feature), np.int64)
-        for node in np.flatnonzero(~leaf).tolist():
-            level[following[node] : following[node] + 2] = level[node] + 1
-        return Confidence(
-            np.array(start), kept, root, np.maximum(feature, 0), threshold, place, value, int(level.max())
-        )
+        depth, level = 0, root[~leaf[root]]
+        while len(level):
+            behind = np.concatenate([following[level], following[level] + 1])
+            depth, level = depth + 1, behind[~leaf[behind]]
+        return Confidence(np.array(start), kept, root, np.maximum(feature, 0), threshold, place, value, depth)
 
     def __call__(self, rows: Floats) -> Floats:
         """Return the probabilities (N, 3) that the geometry is right, that paint is there, and of both.
