@@ -317,6 +317,6 @@ LIMITS = """\
   the camera.
 * The images of one clip resemble each other, so the counts in the tables overstate the amount of evidence.
 
-`scenario-compiler calibrate DIR -o OUT` measures your own maps; with `--fit` it fits the confidence again, which needs the
-extra `fit`.
+`scenario-compiler calibrate DIR -o OUT` measures your own maps; with `--fit` it fits the confidence again, which
+needs the extra `fit`.
 """
