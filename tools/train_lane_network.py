@@ -7,7 +7,8 @@ confidence, and all others for the training. For the training and the fit, maps 
 roads (`training_roads`) are added, with seeds of their own. Every map of the training and every added one has a ground
 texture of its own. lane_network.onnx, learned_confidence.json, learned_figures.json, learned_looks.npz (what the
 confidence was fitted to and measured on) and the added road files are written to OUT, the network every two minutes
-from the start of its training. PyTorch is needed, which the package does not depend on; it uses a GPU if there is one.
+from the start of its training. PyTorch, which the package does not depend on, and XGBoost are needed; PyTorch uses a
+GPU if there is one.
 """
 
 from __future__ import annotations

@@ -42,6 +42,9 @@ SPEED_UNITS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
 """Factor to m/s of each unit of speed (OpenDRIVE e_unitSpeed)."""
 
 
+LENGTHS = frozenset({"s", "t", "ds", "sOffset", "length"})
+"""The numbers of cubics and geometries that are lengths along a road or across it."""
+
 Cubic = tuple[float, float, float, float, float]
 """Start, a, b, c, d."""
 
@@ -90,6 +93,29 @@ class Reader:
         self.report(BAD_NUMBER, f"{name} is {found}; {otherwise or f'{default:g} is used'}", element, name)
         return default
 
+    def five(
+        self, record: PlainElement, names: tuple[str, str, str, str, str]
+    ) -> tuple[float, float, float, float, float]:
+        """Return five numbers of a record, each as `number` does, which is only called if one is missing or unusual."""
+        first, second, third, fourth, fifth = names
+        attributes = record.attrib
+        try:
+            found = (
+                float(attributes[first]),
+                float(attributes[second]),
+                float(attributes[third]),
+                float(attributes[fourth]),
+                float(attributes[fifth]),
+            )
+            if hypot(*found) < LENGTH_LIMIT:  # none of them is larger, infinite or NaN
+                return found
+        except (KeyError, ValueError):
+            pass
+        a, b, c, d, e = (
+            self.number(record, name, 0.0, limit=LENGTH_LIMIT if name in LENGTHS else NUMBER_LIMIT) for name in names
+        )
+        return a, b, c, d, e
+
     def integer(self, element: Element, name: str) -> int | None:
         """Return an attribute as an integer, or None (with a finding) for any other text."""
         text = element.get(name)
@@ -123,11 +149,11 @@ class Reader:
             station: Name of the attribute for a record's start: "s", "t", "sOffset" or "ds".
             origin: Value to which that attribute is relative.
         """
-        first = len(n.cubic_s)
+        first, names = len(n.cubic_s), (station, "a", "b", "c", "d")
         last = -inf
         zero = in_order = True
         for record in records:
-            s, a, b, c, d = self._cubic(record, station)
+            s, a, b, c, d = self.five(record, names)
             if s < last:
                 in_order = False
                 self.report(UNSORTED, f"{station} is smaller than that of the record before", record, station)
@@ -146,29 +172,6 @@ class Reader:
             _remove_cubics(n, first)
             append_cubics(n, cubics)
         return first, len(n.cubic_s)
-
-    def _cubic(self, record: PlainElement, station: str) -> Cubic:
-        """Return the numbers of a cubic, each as `number` does, which is only called if one is missing or unusual."""
-        attributes = record.attrib
-        try:
-            found = (
-                float(attributes[station]),
-                float(attributes["a"]),
-                float(attributes["b"]),
-                float(attributes["c"]),
-                float(attributes["d"]),
-            )
-            if hypot(*found) < LENGTH_LIMIT:  # none of them is larger, infinite or NaN
-                return found
-        except (KeyError, ValueError):
-            pass
-        return (
-            self.number(record, station, 0.0, limit=LENGTH_LIMIT),
-            self.number(record, "a", 0.0),
-            self.number(record, "b", 0.0),
-            self.number(record, "c", 0.0),
-            self.number(record, "d", 0.0),
-        )
 
 
 def cubics_in(n: RoadTables, first: int, last: int) -> list[Cubic]:

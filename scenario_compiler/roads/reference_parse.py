@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, cos, hypot, inf, sin, sqrt
+from math import ceil, cos, inf, sin, sqrt
 from operator import itemgetter
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.curve_build import INNER, INNER_WEIGHT, MIDDLE_WEIGHT, OUTER, OUTER_WEIGHT
 from scenario_compiler.roads.elements import PlainElement, grandchildren
-from scenario_compiler.roads.reading import LENGTH_LIMIT, UNSORTED, Reader
+from scenario_compiler.roads.reading import UNSORTED, Reader
 from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, SPIRAL, RoadTables
 
 UNKNOWN_GEOMETRY = Code(
@@ -29,6 +29,9 @@ COARSE_SPIRAL = Code(
     "Check the unit of the curvatures: 1/m, not degrees and not a radius.",
     Severity.WARNING,
 )
+
+GEOMETRY = ("s", "length", "x", "y", "hdg")
+"""The attributes of a <geometry>."""
 
 PARAM_POLY3 = ("aU", "bU", "cU", "dU", "aV", "bV", "cV", "dV")
 """The attributes of a <paramPoly3> that are coefficients."""
@@ -69,7 +72,7 @@ def read_reference_line(reader: Reader, n: RoadTables, road: PlainElement, lengt
     geometries = []
     last = -1.0
     for element in elements:
-        s, length_of_piece, x, y, h = _numbers_of(reader, element)
+        s, length_of_piece, x, y, h = reader.five(element, GEOMETRY)
         if s < last:
             reader.report(UNSORTED, "s is smaller than that of the geometry before", element, "s")
         last = s
@@ -82,30 +85,6 @@ def read_reference_line(reader: Reader, n: RoadTables, road: PlainElement, lengt
     n.road_piece.append(len(n.piece_s))
     _append_index(n, first, length)
     return True
-
-
-def _numbers_of(reader: Reader, geometry: PlainElement) -> tuple[float, float, float, float, float]:
-    """Return s, length, x, y and heading of a geometry, each as `Reader.number` does."""
-    attributes = geometry.attrib
-    try:
-        found = (
-            float(attributes["s"]),
-            float(attributes["length"]),
-            float(attributes["x"]),
-            float(attributes["y"]),
-            float(attributes["hdg"]),
-        )
-        if hypot(*found) < LENGTH_LIMIT:  # none of them is larger, infinite or NaN
-            return found
-    except (KeyError, ValueError):
-        pass
-    return (
-        reader.number(geometry, "s", 0.0, limit=LENGTH_LIMIT),
-        reader.number(geometry, "length", 0.0, limit=LENGTH_LIMIT),
-        reader.number(geometry, "x", 0.0),
-        reader.number(geometry, "y", 0.0),
-        reader.number(geometry, "hdg", 0.0),
-    )
 
 
 def _append_geometry(
