@@ -2,10 +2,10 @@
 
 Pure pursuit of the middle between the detected boundaries and a proportional speed controller, with the AISA toolkit's
 numbers (look-ahead 0.4 s within 3 to 20 m, speed gain 2). When the detector loses the lane, the last trusted path is
-kept in the odometry's frame and followed to its end, and beyond its end at the curvature that the lane had. If a
-junction is in sight, a boundary that leaves the planned route does not belong to the lane to follow: the sooner it
-leaves, the less it counts. Anything that the forward sensor sees ahead in the path is followed at a time gap. Bends are
-driven at the speed that the planned route allows.
+kept in the odometry's frame and followed to its end, and beyond its end at the curvature that the lane had. Where a
+junction is in sight or the planned route bends sharply, the detector searches along the route, and a boundary that
+leaves it does not belong to the lane to follow: the sooner it leaves, the less it counts. Anything that the forward
+sensor sees ahead in the path is followed at a time gap. Bends are driven at the speed that the planned route allows.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from scenario_compiler.controllers.model import (
     SensorData,
     VehicleState,
 )
-from scenario_compiler.perception.planned_way import LOOKED_AT, on_way, shape_of
+from scenario_compiler.perception.planned_way import known_way, on_way
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING, TRUSTED
 
 if TYPE_CHECKING:
@@ -203,6 +203,7 @@ class LaneDetectionController(ControllerModel):
         return 0.0 if before is None else math.dist(before, self._place)
 
     def _detect(self, sensor_data: SensorData, way: Sequence[Point], travelled: float) -> LaneResult:
+        from scenario_compiler.perception.course import Course
         from scenario_compiler.perception.lane_detector import LaneState
         from scenario_compiler.perception.sensor_health import SensorMonitor
 
@@ -212,7 +213,7 @@ class LaneDetectionController(ControllerModel):
             self._monitor = SensorMonitor()
             self._prior = LaneState()
         assert self._prior is not None
-        lanes = self._detector.detect(sensor_data.image, replace(self._prior, way=shape_of(way)))
+        lanes = self._detector.detect(sensor_data.image, replace(self._prior, way=Course.along(way)))
         self._prior = self._prior.after(lanes)
         health = self._monitor.observe(sensor_data.image, travelled).health
         left, right = (on_way(boundary, way) for boundary in (lanes.left, lanes.right))
@@ -236,12 +237,10 @@ class LaneDetectionController(ControllerModel):
         return _Middle(lanes.left, lanes.right, left / (left + right), width)
 
 
-def _way_of(sensor_data: SensorData, ahead: float) -> list[Point]:
-    """Return the planned route in the camera's ground frame if a junction is in sight; otherwise no points."""
-    junction = sensor_data.junction
-    if junction is None or junction > ahead + LOOKED_AT[1]:
-        return []
-    return [(x - ahead, y - sensor_data.camera.y) for x, y in sensor_data.route]
+def _way_of(sensor_data: SensorData, ahead: float) -> Sequence[Point]:
+    """Return the planned route in the camera's ground frame where it is used (see `known_way`)."""
+    junction = math.inf if sensor_data.junction is None else sensor_data.junction - ahead
+    return known_way([(x - ahead, y - sensor_data.camera.y) for x, y in sensor_data.route], junction)
 
 
 class _Middle:
@@ -251,9 +250,13 @@ class _Middle:
         self.left, self.right, self.share, self.width = left, right, share, width
 
     def __call__(self, x: float) -> float:
-        from_left = float(self.left.y(x)) - self.width / 2.0
-        from_right = float(self.right.y(x)) + self.width / 2.0
+        from_left = float(self.left.y(x)) - self._half_width(self.left, x)
+        from_right = float(self.right.y(x)) + self._half_width(self.right, x)
         return self.share * from_left + (1.0 - self.share) * from_right
+
+    def _half_width(self, boundary: Boundary, x: float) -> float:
+        """Return half the lane's width, measured in y where the boundary has a heading."""
+        return self.width / 2.0 * math.hypot(1.0, boundary.slope + boundary.curvature * x)
 
 
 def _to_world(path: list[Point], vehicle: VehicleState) -> list[Point]:

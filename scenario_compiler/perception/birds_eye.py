@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.course import Course
 
 Map = NDArray[np.float32]
 
@@ -99,8 +100,9 @@ class BirdsEye:
             self._lookups[step] = self._tilted(step * PITCH_STEP)
         return self._lookups[step]
 
-    def _tilted(self, pitch: float) -> Lookup:
-        x, y = np.meshgrid(self.x, self.y, indexing="ij")
+    def _tilted(self, pitch: float, course: Course | None = None) -> Lookup:
+        s, t = self.x[:, None].astype(np.float64), self.y.astype(np.float64)
+        x, y = np.broadcast_arrays(s, t) if course is None else course.points(s, t)
         u, v = self.camera.project_ground(x, y, pitch)
         width, height = self.camera.width, self.camera.height
         inside = ((u >= 1) & (u < width - 2) & (v >= 0) & (v < height - 1)).astype(np.float32)
@@ -108,9 +110,15 @@ class BirdsEye:
         column, row = (np.nan_to_num(pixel, nan=-1.0).astype(np.float32) for pixel in (u, v))
         return Lookup(column, row, seen, seen.sum(axis=1) + np.float32(1.0))
 
-    def ridges(self, image: NDArray[np.uint8], pitch: float = 0.0) -> Ridges:
-        """Return the ridges of a BGR image, in the maximum of green and red, which shows white and yellow lines."""
-        lookup = self.lookup(pitch)
+    def ridges(self, image: NDArray[np.uint8], pitch: float = 0.0, course: Course | None = None) -> Ridges:
+        """Return the ridges of a BGR image, in the maximum of green and red, which shows white and yellow lines.
+
+        Args:
+            image: (height, width, 3) uint8, BGR.
+            pitch: Upward tilt of the camera against its mounting, rad.
+            course: The line along which the ground is viewed; rows are along it then. None for straight ahead.
+        """
+        lookup = self.lookup(pitch) if course is None else self._tilted(pitch, course)
         bright = cv2.max(image[:, :, 1], image[:, :, 2])
         if self.camera.width > 700:
             bright = cv2.GaussianBlur(bright, (3, 3), 0)

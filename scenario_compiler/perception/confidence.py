@@ -26,7 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.birds_eye import X_FROM, X_STEP, Ridges
-from scenario_compiler.perception.lane_fit import STANDS_OUT, Fit, arc_y
+from scenario_compiler.perception.course import Course
+from scenario_compiler.perception.lane_fit import STANDS_OUT, Fit, arc_y, parabola_of
 from scenario_compiler.perception.road_plane import Tilt
 
 Floats = NDArray[np.float64]
@@ -39,6 +40,7 @@ FEATURES = (
     *("prominence", "painted", "residual", "contrast", "support", "row_scale", "width_off", "along", "stretch"),
     *("contrast_along", "green", "blind", "reach", "curvature", "offset", "slope_deviation", "near", "far"),
     *("inner_rival", "outer_rival", "tilt", "tilt_deviation", "moved", "remembered", "way"),
+    *("bend", "misfit"),
     *("other_prominence", "other_along", "other_slope_deviation", "other_far", "apart_slope", "apart_curvature"),
     *("weber", "weber_spread", "uneven", "beside", "ground", "gap", "gap_at", "deviation_near", "deviation_far"),
     *("lever", "deviation_tilt", "deviation", "turn", "place", "heading", "last_moved", "last_far", "unsettled"),
@@ -187,7 +189,7 @@ class Circumstances:
         unsettled: Change of the tilt that the last look would still have made, rad.
         height: Height of the camera above the ground, m.
         noise: Noise of the image, grey levels.
-        way: Whether the planned route was given.
+        way: The planned route, if it was given; rows and arcs are along it then.
     """
 
     width: float
@@ -196,7 +198,7 @@ class Circumstances:
     unsettled: float
     height: float
     noise: float
-    way: bool
+    way: Course | None
 
 
 @dataclass(frozen=True)
@@ -297,7 +299,9 @@ def _of_side(
         "tilt_deviation": 60.0 * known.tilt.deviation,
         "moved": 0.0 if moved is None else min(4.0 * abs(moved), 2.0),
         "remembered": 0.0 if moved is None else 1.0,
-        "way": 1.0 if known.way else 0.0,
+        "way": 0.0 if known.way is None else 1.0,
+        "bend": 0.0 if known.way is None else 2.0 * sign * known.way.turn,
+        "misfit": min(5.0 * parabola_of(fit.curve, known.way)[1], 5.0),
         "other_prominence": math.log(max(other.prominence, 0.1)),
         "other_along": _along(other),
         "other_slope_deviation": _log_deviation(other),
@@ -305,7 +309,7 @@ def _of_side(
         "apart_slope": min(20.0 * abs(float(apart[1])), 2.0),
         "apart_curvature": min(100.0 * abs(float(apart[2])), 2.0),
         **_paint(fit, near, brightness),
-        **_deviations(fit, known, y),
+        **_deviations(fit, known),
         "turn": 40.0 * sign * float(fit.curve[2]),
         "place": min(max(sign * float(arc_y(fit.curve, np.array(-X_FROM))) - 1.75, -1.5), 1.5),
         "heading": 10.0 * sign * float(fit.curve[1]),
@@ -343,14 +347,15 @@ def _paint(fit: Fit, near: slice, brightness: float) -> dict[str, float]:
     }
 
 
-def _deviations(fit: Fit, known: Circumstances, y: Floats) -> dict[str, float]:
+def _deviations(fit: Fit, known: Circumstances) -> dict[str, float]:
     """Return how far the boundary may be off where it has to be right, by its rows and by the tilt.
 
     A tilt p moves what is seen at x to x (1 - p x / h), y (1 - p x / h), h being the camera's height (see
     `road_plane`): with the slope m = dy/dx the boundary moves sideways by p x (x m - y) / (h sqrt(1 + m^2)).
     """
-    slope = (arc_y(fit.curve, PLACES - X_FROM + SHORT) - y) / SHORT
-    lever = float(np.abs(PLACES * (PLACES * slope - y) / np.hypot(1.0, slope)).max()) / known.height
+    (x, y), (further_x, further_y) = (_ground(fit, s, known.way) for s in (PLACES, PLACES + SHORT))
+    dx, dy = further_x - x, further_y - y
+    lever = float(np.nan_to_num(np.abs(x * (x * dy - y * dx) / np.hypot(dx, dy))).max()) / known.height
     tilted = lever * known.tilt.deviation
     near, far = fit.deviations
     return {
@@ -360,6 +365,12 @@ def _deviations(fit: Fit, known: Circumstances, y: Floats) -> dict[str, float]:
         "deviation_tilt": _in_decimetres(tilted),
         "deviation": _in_decimetres(math.hypot(tilted, max(near, far))),
     }
+
+
+def _ground(fit: Fit, s: Floats, way: Course | None) -> tuple[Floats, Floats]:
+    """Return x and y of the boundary at s in the camera's ground frame."""
+    t = arc_y(fit.curve, s - X_FROM)
+    return (s, t) if way is None else way.points(s, t)
 
 
 def _moved(y: Floats, before: Before) -> dict[str, float]:

@@ -32,7 +32,9 @@ from scenario_compiler.perception.confidence import (
     load_confidence,
     noise_of,
 )
-from scenario_compiler.perception.lane_fit import CURVATURES, LEFT, RIGHT, Fit, LaneFitter, arc_y
+from scenario_compiler.perception.course import Course
+from scenario_compiler.perception.lane_fit import LEFT, RIGHT, Fit, LaneFitter, arc_y, parabola_of
+from scenario_compiler.perception.planned_way import SHARP
 from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, alike, tilt_beyond
 
 Image = NDArray[np.uint8]
@@ -52,12 +54,14 @@ STARTS, COST_OF_PITCH = (0.0, math.radians(1.5), math.radians(-1.5)), 1.5
 """Pitches that are tried if none is known, rad, and the cost in votes of the square of a pitch in standard deviations.
 """
 
+BEND_STARTS = tuple(math.radians(0.5 * k) for k in (0, 1, -1, 2, -2, 3, -3, 4, -4))
+"""The same in a sharp bend, where a tilt moves a boundary more than from side to side of a lane, rad."""
+
 FORGOTTEN = 0.7
 """Deviation of the tilt, relative to the usual one, above which it counts as unknown."""
 
-NEARBY = np.arange(5.0, 19.5, 1.0)
-TO_PARABOLA = np.linalg.pinv(np.vander(NEARBY, 3))
-"""Distances ahead of the camera, m, and the matrix from values there to the coefficients of the nearest parabola."""
+WIDTH_AT = 10.0
+"""Distance ahead of the camera at which the width of the lane is taken, m."""
 
 REMEMBERED = 0.5
 """Probability above which a boundary is searched at its previous position."""
@@ -71,7 +75,7 @@ class Boundary:
         y0: Offset below the camera, m, positive to the left.
         slope: dy/dx there.
         curvature: 1/m, positive in left turns.
-        p_geom: Probability that it lies within 0.25 m of the true boundary from 6 to 18 m ahead.
+        p_geom: Probability that it lies within 0.25 m of the true boundary from 6 to 18 m ahead along the lane.
         p_paint: Probability that most of that stretch is painted, however little of it the camera sees.
         p: Confidence, the probability of both: without paint a right guess is luck.
         x_range: Nearest and farthest x at which paint was seen, m.
@@ -126,8 +130,7 @@ class LaneState:
         left: Left boundary, if it was trusted.
         right: Right boundary, if it was trusted.
         width: Lane width, m, averaged over the images in which both sides were sure; None before the first one.
-        way: Slope below the camera and curvature, 1/m, of the planned route where lanes branch off; the search begins
-            with boundaries along it.
+        way: The planned route, where lanes branch off or bend sharply; the search begins with boundaries along it.
         tilt: Tilt of the camera against the ground ahead, relative to its mounting.
         last: Both boundaries of the last image, trusted or not.
         evidence: The detector's memory of each side in addition to the boundary.
@@ -137,7 +140,7 @@ class LaneState:
     left: Boundary | None = None
     right: Boundary | None = None
     width: float | None = None
-    way: tuple[float, float] | None = None
+    way: Course | None = None
     tilt: Tilt = LEVEL
     last: tuple[Boundary, Boundary] | None = None
     evidence: tuple[tuple[float, ...], tuple[float, ...]] | None = None
@@ -229,7 +232,8 @@ class ClassicalLaneDetector:
         fits, rows, tilt = self.examine(image, prior, pitch, sigma_hat)
         health = noise_health(sigma_hat)
         said = self.confidence(np.stack(rows)).tolist()
-        left, right = (_boundary(fit, *p) for fit, p in zip(fits, said, strict=True))
+        way = prior.way if prior is not None else None
+        left, right = (_boundary(fit, way, *p) for fit, p in zip(fits, said, strict=True))
         return LaneResult(
             left,
             right,
@@ -237,7 +241,7 @@ class ClassicalLaneDetector:
             sigma_hat,
             left.p * health,
             right.p * health,
-            lane_width=float(left.y(10.0) - right.y(10.0)),
+            lane_width=_width(*fits),
             tilt=tilt,
             evidence=(evidence(rows[0]), evidence(rows[1])),
         ), rows
@@ -250,19 +254,19 @@ class ClassicalLaneDetector:
         width, spread = (USUAL_WIDTH, USUAL_SPREAD)
         if state.width is not None:
             width, spread = state.width, TRACKED_SPREAD
-        known = Circumstances(width, Tilt(0.0, 0.0), Tilt(0.0, 0.0), 0.0, self.camera.z, noise, state.way is not None)
+        known = Circumstances(width, Tilt(0.0, 0.0), Tilt(0.0, 0.0), 0.0, self.camera.z, noise, state.way)
         before = _before(state, 0), _before(state, 1)
         if pitch is not None:
             tilt = Tilt(pitch, 0.0)
-            ridges = self.birds_eye.ridges(image, pitch)
+            ridges = self.birds_eye.ridges(image, pitch, state.way)
             fits = self._fit(ridges, state, width, spread)
             known = replace(known, tilt=tilt, seen=tilt)
         else:
             start = self._first_pitch(image, state, width, spread)
             for _ in range(MOST_ROUNDS):
-                ridges = self.birds_eye.ridges(image, start)
+                ridges = self.birds_eye.ridges(image, start, state.way)
                 fits = self._fit(ridges, state, width, spread)
-                beyond = tilt_beyond(*fits, self.camera.z)
+                beyond = tilt_beyond(*fits, self.camera.z, state.way)
                 seen = Tilt(start + beyond.pitch, beyond.deviation)
                 found = state.tilt.with_seen(seen)
                 looked_at, start = start, found.pitch
@@ -275,7 +279,7 @@ class ClassicalLaneDetector:
             painted = self._painted(features(fits, ridges, known, before))
             tilt = state.tilt.with_seen(seen, alike(*fits, width, spread, painted))
             if abs(tilt.pitch - looked_at) > PITCH_STEP:
-                ridges = self.birds_eye.ridges(image, tilt.pitch)
+                ridges = self.birds_eye.ridges(image, tilt.pitch, state.way)
                 fits = self._fit(ridges, state, width, spread)
             known = replace(known, tilt=tilt)
         return fits, features(fits, ridges, known, before), tilt
@@ -290,8 +294,8 @@ class ClassicalLaneDetector:
         if state.tilt.deviation < FORGOTTEN * USUAL_PITCH:
             return first
         best, most = first, -math.inf
-        for away in STARTS:
-            votes, chosen = self._chosen(self.birds_eye.ridges(image, first + away), state, width, spread)
+        for away in STARTS if state.way is None or abs(state.way.turn) < SHARP else BEND_STARTS:
+            votes, chosen = self._chosen(self.birds_eye.ridges(image, first + away, state.way), state, width, spread)
             support = float(votes[LEFT][chosen[LEFT]]) + float(votes[RIGHT][chosen[RIGHT]])
             score = support - COST_OF_PITCH * (away / USUAL_PITCH) ** 2
             if score > most:
@@ -306,39 +310,46 @@ class ClassicalLaneDetector:
     ) -> tuple[tuple[Votes, Votes], tuple[int, int]]:
         """Return the votes for the arcs of both sides, and the numbers of the two arcs that are chosen."""
         votes = (self.fitter.votes(ridges, LEFT), self.fitter.votes(ridges, RIGHT))
-        tracked = (_curve(state.left), _curve(state.right))
-        way = _shape(state.way)
-        chosen = self.fitter.pair(votes, width, spread, tracked, way)
-        if way is not None:
-            # The way only says where to begin: the paint decides what is there, and the probability keeps its sense.
-            chosen = self.fitter.settle(votes, width, spread, chosen)
-        return votes, chosen
+        tracked = (_curve(state.left, state.way), _curve(state.right, state.way))
+        if state.way is None:
+            return votes, self.fitter.pair(votes, width, spread, tracked)
+        # The way only says where to begin: the paint decides what is there, and the probability keeps its sense.
+        begun = self.fitter.pair(votes, width, spread, tracked, on_course=True)
+        return votes, self.fitter.settle(votes, width, spread, begun)
 
 
 def _before(state: LaneState, side: int) -> Before:
     trusted = (state.left, state.right)[side]
     return Before(
-        None if trusted is None else float(trusted.y(MIDDLE)),
-        None if state.last is None else state.last[side].y(PLACES),
+        None if trusted is None else float(_at(trusted, MIDDLE, state.way)),
+        None if state.last is None else _at(state.last[side], PLACES, state.way),
         None if state.evidence is None else np.array(state.evidence[side]),
         max(NEWEST, 1.0 / (state.images + 1)),
     )
 
 
-def _boundary(fit: Fit, p_geom: float, p_paint: float, p: float) -> Boundary:
-    """Return the parabola nearest to the fit's arc at the distances where boundaries have to be right."""
-    curvature, slope, y0 = (float(value) for value in TO_PARABOLA @ arc_y(fit.curve, NEARBY - X_FROM))
-    return Boundary(y0, slope, 2.0 * curvature, p_geom, p_paint, p, (fit.nearest, fit.farthest))
+def _boundary(fit: Fit, way: Course | None, p_geom: float, p_paint: float, p: float) -> Boundary:
+    (y0, slope, curvature), _ = parabola_of(fit.curve, way)
+    return Boundary(y0, slope, curvature, p_geom, p_paint, p, (fit.nearest, fit.farthest))
 
 
-def _shape(way: tuple[float, float] | None) -> Floats | None:
-    """Return a route as (slope, curvature) 5 m ahead, None if it bends much more than any possible boundary."""
-    if way is None or abs(way[1]) > 1.5 * CURVATURES[-1]:
-        return None
-    return np.array([way[0] + way[1] * X_FROM, way[1]])
+def _width(left: Fit, right: Fit) -> float:
+    at = np.array([WIDTH_AT - X_FROM])
+    return float((arc_y(left.curve, at) - arc_y(right.curve, at))[0])
 
 
-def _curve(boundary: Boundary | None) -> Floats | None:
+def _at(boundary: Boundary, ahead: Floats, way: Course | None) -> Floats:
+    """Return how far to the left a boundary is at some distances ahead, along the route if it is known, m."""
+    if way is None:
+        return boundary.y(ahead)
+    return way.across(ahead, (boundary.y0, boundary.slope, boundary.curvature))
+
+
+def _curve(boundary: Boundary | None, way: Course | None) -> Floats | None:
+    """Return offset, slope and curvature of a boundary 5 m ahead."""
     if boundary is None:
         return None
-    return np.array([float(boundary.y(X_FROM)), boundary.slope + boundary.curvature * X_FROM, boundary.curvature])
+    if way is None:
+        return np.array([float(boundary.y(X_FROM)), boundary.slope + boundary.curvature * X_FROM, boundary.curvature])
+    half, slope, offset = np.polyfit(PLACES - X_FROM, _at(boundary, PLACES, way), 2)
+    return np.array([offset, slope, 2.0 * half])

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.birds_eye import X_FROM, Y_FROM, Y_STEP, BirdsEye, Ridges
+from scenario_compiler.perception.course import Course
 
 Floats = NDArray[np.float64]
 
-OFFSETS = np.arange(0.7, 3.21, 0.1)
+OFFSETS = np.arange(0.7, 3.61, 0.1)
 HEADINGS = np.linspace(-0.12, 0.12, 13)
 SHARP = np.array([0.030, 0.033, 0.036, 0.040])
 CURVATURES = np.concatenate([-SHARP[::-1], np.linspace(-0.028, 0.028, 29), SHARP])
@@ -43,7 +44,7 @@ voted arc, and of slope and curvature from the other side's.
 """
 
 OFF_WAY = np.array([13.0, 84.5])
-"""Effect on y 18 m ahead of the camera, m, of slope and curvature relative to those of the planned route."""
+"""Effect on t 18 m ahead along the planned route, m, of slope and curvature relative to it."""
 
 FREE_OFF_WAY, COST_OFF_WAY = 0.25, 20.0
 """Difference without a cost, m, because navigation is not exact, and the cost in votes of each further metre; solid
@@ -75,6 +76,17 @@ USUAL_SCATTER = 0.1
 
 BOUNDARY_DEVIATIONS = np.array([0.5, 0.05, 0.01])
 """Standard deviations of a boundary's offset, slope and curvature before a row is seen, m, rad, 1/m."""
+
+
+NEARBY = np.arange(5.0, 19.5, 1.0)
+TO_PARABOLA = np.linalg.pinv(np.vander(NEARBY, 3))
+"""Distances ahead, m, and the matrix from values there to the coefficients of the nearest parabola."""
+
+MOST_HEADING = math.radians(80.0)
+"""Heading up to which an arc is approximated by a parabola."""
+
+HELD = np.array([1e-3, 1e-3, 1e-3])
+"""Weights that hold a parabola through fewer than three points."""
 
 
 def _shape_of(d: Floats) -> Floats:
@@ -165,6 +177,8 @@ class LaneFitter:
         self._norms: list[NDArray[np.float32]] = []
         self._bins: list[list[int]] = []
         self._middles: list[Floats] = []
+        self._turned: list[Floats] = []
+        self._off_course: list[Floats] = []
         for sign in (1.0, -1.0):
             self._add_side(grid * np.array([sign, 1.0, 1.0]), birds_eye)
 
@@ -181,6 +195,9 @@ class LaneFitter:
         self._norms.append(np.sqrt(seen[kept].sum(axis=1)).astype(np.float32))
         first = np.unique(np.abs(curves[kept, 0]), return_index=True)[1].tolist()
         self._bins.append([*first, int(kept.sum())])
+        off, turned = np.abs(curves[kept, 1:]) @ OFF_WAY, np.abs(curves[kept, 1] - X_FROM * curves[kept, 2])
+        self._off_course.append(COST_OFF_WAY * np.maximum(off - FREE_OFF_WAY, 0.0))
+        self._turned.append(COST_OFF_WAY * np.maximum(OFF_WAY[0] * turned - FREE_OFF_WAY, 0.0))
         self._middles.append(np.sign(curves[kept, 0]) * arc_y(curves[kept], np.array(RIVALS_AT - X_FROM)))
 
     def _column(self, curve: Floats, d: Floats) -> NDArray[np.int64]:
@@ -200,7 +217,7 @@ class LaneFitter:
         width: float,
         width_sigma: float,
         previous: tuple[Floats | None, Floats | None],
-        way: Floats | None = None,
+        on_course: bool = False,
     ) -> tuple[int, int]:
         """Return the best left and right arc.
 
@@ -209,9 +226,9 @@ class LaneFitter:
             width: Expected distance between the boundaries, m.
             width_sigma: Its standard deviation, m.
             previous: The boundaries of the previous frame as offset, slope and curvature at d = 0, if any.
-            way: Slope and curvature at d = 0 of the planned route where others branch off.
+            on_course: Whether the ground is viewed along the planned route, so that its lane is straight ahead.
         """
-        left, right = (self._best_of_bins(votes[side], side, previous[side], way) for side in (LEFT, RIGHT))
+        left, right = (self._best_of_bins(votes[side], side, previous[side], on_course) for side in (LEFT, RIGHT))
         return self._best_pair(left, right, width, width_sigma)
 
     def settle(
@@ -221,7 +238,10 @@ class LaneFitter:
         width_sigma: float,
         chosen: tuple[int, int],
     ) -> tuple[int, int]:
-        """Return the left and right arc that are better than all near them, by hill climbing from the chosen ones."""
+        """Return the left and right arc that are better than all near them, by hill climbing from the chosen ones.
+
+        It is for ground that is viewed along the planned route, with which the boundaries are nearly parallel.
+        """
         for _ in range(MOST_STEPS):
             left, right = (self._near(votes[side], side, chosen[side]) for side in (LEFT, RIGHT))
             better = self._best_pair(left, right, width, width_sigma)
@@ -234,7 +254,7 @@ class LaneFitter:
         """Return the arcs near a chosen one, and their votes."""
         curves = self.curves[side]
         near = np.flatnonzero((np.abs(curves - curves[chosen]) <= NEIGHBOURS).all(axis=1))
-        return near, votes[near].astype(np.float64)
+        return near, votes[near] - self._turned[side][near]
 
     def _best_pair(
         self,
@@ -253,16 +273,15 @@ class LaneFitter:
         return int(left[i]), int(right[j])
 
     def _best_of_bins(
-        self, votes: NDArray[np.float32], side: int, previous: Floats | None, way: Floats | None
+        self, votes: NDArray[np.float32], side: int, previous: Floats | None, on_course: bool
     ) -> tuple[NDArray[np.int64], Floats]:
         """Return the best arc for each offset, and its score; of equal ones the first."""
         score = votes.astype(np.float64)
         if previous is not None:
             away = np.abs(self.curves[side] - previous) @ np.array([1.2, 6.0, 30.0])
             score -= 2.5 * np.minimum(away, 2.0)
-        if way is not None:
-            off = np.abs(self.curves[side][:, 1:] - way) @ OFF_WAY
-            score -= COST_OFF_WAY * np.maximum(off - FREE_OFF_WAY, 0.0)
+        if on_course:
+            score -= self._off_course[side]
         ends = pairwise(self._bins[side])
         best = np.array([first + int(np.argmax(score[first:end])) for first, end in ends])
         return best, score[best]
@@ -420,3 +439,31 @@ def arc_y(curve: Floats, d: Floats) -> Floats:
     turned = np.clip(sine + bend * d, -MOST_TURNED, MOST_TURNED)
     both = np.sqrt(1.0 - sine * sine) + np.sqrt(1.0 - turned * turned)
     return np.asarray(offset + d * (sine + turned) / both)
+
+
+def parabola_of(curve: Floats, way: Course | None) -> tuple[tuple[float, float, float], float]:
+    """Return the parabola in the camera's ground frame that is nearest to an arc, and how far apart they are.
+
+    Args:
+        curve: (3,) offset, slope and curvature of the arc at d = 0.
+        way: The line along which the ground is viewed, None for straight ahead.
+
+    Returns:
+        y below the camera, m, dy/dx there and the second derivative, 1/m; and the largest distance of the arc from the
+        parabola 5 to 19 m ahead, m, infinite where the arc is beyond the centre of a bend.
+    """
+    t = arc_y(curve, NEARBY - X_FROM)
+    if way is None:
+        x, y = NEARBY, t
+        coefficients = TO_PARABOLA @ t
+    else:
+        x, y = way.points(NEARBY, t)
+        turned = way.heading_at(NEARBY) + np.arctan(curve[1] + curve[2] * (NEARBY - X_FROM))
+        kept = np.isfinite(x) & (np.abs(turned) < MOST_HEADING)
+        weight = np.cos(turned[kept])
+        system = np.concatenate([np.vander(x[kept], 3) * weight[:, None], np.diag(HELD)])
+        values = np.concatenate([y[kept] * weight, np.zeros(3)])
+        coefficients = np.linalg.lstsq(system, values, rcond=None)[0]
+    half, slope, y0 = (float(value) for value in coefficients)
+    apart = np.abs(y - (y0 + slope * x + half * x * x)) / np.hypot(1.0, slope + 2.0 * half * x)
+    return (y0, slope, 2.0 * half), float(np.nan_to_num(apart, nan=math.inf).max())

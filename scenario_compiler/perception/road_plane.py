@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenario_compiler.perception.birds_eye import X_FROM
+from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_fit import Fit, arc_y
 
 COMPARED = (6.0, 20.0)
@@ -36,6 +37,11 @@ PITCH_CHANGE = math.radians(0.25)
 
 WIDTH_DEVIATION, BEND_DEVIATION = 0.15, 0.002
 """Standard deviations of the distance of two fitted boundaries, m, and of the difference of their curvatures, 1/m."""
+
+FIT_DEVIATION, MAP_DEVIATION, LEVER = 0.001, 0.03, 84.5
+"""Standard deviations of the curvature of a well visible boundary, 1/m, and of the map's, in parts of it, and by how
+much a unit of curvature moves a boundary 18 m ahead, m2.
+"""
 
 WIDTHS, BENDS = 5.0, 0.04
 """Ranges of the two over which boundaries that belong to no lane are spread, m and 1/m."""
@@ -58,6 +64,15 @@ class Tilt:
 
     pitch: float
     deviation: float
+
+    def and_also(self, other: Tilt) -> Tilt:
+        """Return the estimate from two independent observations, which is uncertain by as much as they contradict."""
+        own, others = 1.0 / self.deviation**2, 1.0 / other.deviation**2
+        if own == 0.0 or others == 0.0:
+            return self if others == 0.0 else other
+        pitch, deviation = (own * self.pitch + others * other.pitch) / (own + others), 1.0 / math.sqrt(own + others)
+        apart = max(abs(self.pitch - other.pitch) - self.deviation - other.deviation, 0.0)
+        return Tilt(pitch, math.hypot(deviation, apart))
 
     def later(self) -> Tilt:
         """Return the prediction for the next image."""
@@ -91,19 +106,48 @@ LEVEL = Tilt(0.0, USUAL_PITCH)
 """The tilt without any image."""
 
 
-def tilt_beyond(left: Fit, right: Fit, height: float) -> Tilt:
+def tilt_beyond(left: Fit, right: Fit, height: float, course: Course | None = None) -> Tilt:
     """Return the remaining tilt after two boundaries were fitted in a map of the ground.
 
     Args:
         left: The left boundary.
         right: The right boundary.
         height: Height of the camera, m.
+        course: The planned route, if the ground is viewed along it.
     """
     near, far = (_width(left, right, x - X_FROM) for x in COMPARED)
     slope = (far - near) / (COMPARED[1] - COMPARED[0])
     width = near - slope * COMPARED[0]
     variance = left.slope_deviation**2 + right.slope_deviation**2
-    return tilt_of_widening(slope, width, 0.5 * float(left.curve[2] + right.curve[2]), variance, height)
+    bend = 0.5 * float(left.curve[2] + right.curve[2])
+    if course is None:
+        return tilt_of_widening(slope, width, bend, variance, height)
+    bend += course.bend
+    return tilt_of_widening(slope, width, bend, variance, height).and_also(tilt_of_bend(left, right, course, height))
+
+
+def tilt_of_bend(left: Fit, right: Fit, course: Course, height: float) -> Tilt:
+    """Return the tilt at which two boundaries, fitted along the planned route, bend as the route does.
+
+    A tilt moves what is seen the more, the farther it is, and in a bend also sideways (see `Course.lever`).
+
+    Args:
+        left: The left boundary.
+        right: The right boundary.
+        course: The planned route along which the ground is viewed.
+        height: Height of the camera, m.
+
+    Returns:
+        The remaining tilt, rad, with an infinite deviation if the route is straight or no paint was found.
+    """
+    at = np.linspace(*COMPARED, 15)
+    bends = 2.0 * float(np.polyfit(at, course.lever(at, height), 2)[0])
+    seen = 0.5 * float(left.curve[2] + right.curve[2])
+    fitted = min(left.deviations[1], right.deviations[1]) / LEVER
+    deviation = math.hypot(FIT_DEVIATION, fitted, MAP_DEVIATION * course.bend)
+    if bends == 0.0 or not math.isfinite(min(left.slope_deviation, right.slope_deviation)):
+        return Tilt(0.0, math.inf)
+    return Tilt(seen / bends, deviation / abs(bends))
 
 
 def alike(left: Fit, right: Fit, width: float, spread: float, painted: float) -> float:

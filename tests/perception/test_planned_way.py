@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_detector import Boundary
-from scenario_compiler.perception.planned_way import Point, shape_of, worth_on_way
+from scenario_compiler.perception.planned_way import Point, known_way, worth_on_way
 
 STRAIGHT = Boundary(1.75, 0.0, 0.0, 0.9, 0.9, 0.9, (5.0, 25.0))
 
@@ -47,17 +49,27 @@ def test_a_boundary_that_leaves_a_straight_route_loses_probability() -> None:
 def test_the_lateral_position_of_the_route_is_not_used(aside: float) -> None:
     for begin in (40, 11):
         assert worth_on_way(STRAIGHT, way(begin, 0.125, aside)) == worth_on_way(STRAIGHT, way(begin, 0.125))
-        assert shape_of(way(begin, 0.01, aside)) == pytest.approx(shape_of(way(begin, 0.01)))
 
 
 @pytest.mark.parametrize("known", [[], [(0.0, 0.0)], way(40.0, 0.0)[:5], [(-float(k), 0.0) for k in range(20)]])
 def test_without_a_route_on_the_stretch_the_probability_is_kept(known: list[Point]) -> None:
     assert worth_on_way(STRAIGHT, known) == 1.0
-    assert shape_of(known) is None
+    assert Course.along(known) is None
 
 
-def test_the_shape_is_the_parabola_that_fits_the_route() -> None:
-    assert shape_of(way(40.0, 0.0)) == pytest.approx((0.0, 0.0))
-    shape = shape_of([(float(k), 0.3 + 0.04 * k + 0.5 * 0.01 * k * k) for k in range(30)])
-    assert shape == pytest.approx((0.04, 0.01))
-    assert shape_of(way(2.0, 0.5)) is None
+@pytest.mark.parametrize("offset", [-1.75, 1.75])
+@pytest.mark.parametrize("radius", [-18.0, 18.0, 30.0])
+def test_both_boundaries_of_a_sharp_bend_keep_their_probability(radius: float, offset: float) -> None:
+    route = way(0.0, 1.0 / radius)
+    x = [x - offset * math.sin(k / radius) for k, (x, _) in enumerate(route)][5:20]
+    y = [y + offset * math.cos(k / radius) for k, (_, y) in enumerate(route)][5:20]
+    half, slope, y0 = np.polyfit(x, y, 2).tolist()
+    assert worth_on_way(replace(STRAIGHT, y0=y0, slope=slope, curvature=2.0 * half), route) == 1.0
+
+
+def test_the_route_is_used_near_junctions_and_in_sharp_bends() -> None:
+    assert not known_way(way(40.0, 0.0), math.inf)
+    assert not known_way(way(0.0, 1.0 / 150.0), math.inf)
+    assert not known_way(way(0.0, 0.0), 18.5)
+    for route, junction in ((way(40.0, 0.0), 17.5), (way(0.0, 1.0 / 50.0), math.inf), (way(12.0, -0.05), math.inf)):
+        assert list(known_way(route, junction)) == route

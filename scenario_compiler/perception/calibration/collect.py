@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from scenario_compiler.perception.calibration.bank import BANK, Situation, drawn_situation, picture, pictures
 from scenario_compiler.perception.calibration.maps import Conditions, MapRoads
 from scenario_compiler.perception.calibration.truth import Truth
+from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_detector import CalibratedDetector, LaneResult, LaneState
-from scenario_compiler.perception.planned_way import LEAST_SHARE, Point, shape_of, worth_on_way
+from scenario_compiler.perception.planned_way import LEAST_SHARE, Point, worth_on_way
 from scenario_compiler.perception.weather_look import look_of
 
 Floats = NDArray[np.float64]
@@ -89,7 +90,7 @@ class Taker:
         way: Sequence[Point] = (),
     ) -> LaneResult:
         """Run the detector on one image; `way` is the planned route in the camera's ground frame."""
-        result, rows = self.detector.look(image, replace(state, way=shape_of(way)))
+        result, rows = self.detector.look(image, replace(state, way=Course.along(way)))
         for side, (row, found) in enumerate(zip(rows, (result.left, result.right), strict=True)):
             self.rows.append(row)
             said = (found.p_geom, found.p_paint, found.p)

@@ -7,7 +7,7 @@ depends only on the map, the seed and its number.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.calibration.truth import SEEN, Truth
 from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.planned_way import LOOKED_AT, Point
+from scenario_compiler.perception.planned_way import LOOKED_AT, Point, known_way
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.roadside import roadside_of
 from scenario_compiler.perception.scene import Scene, joined_marks
@@ -49,6 +49,9 @@ BEHIND = 6
 LORRIES_AHEAD = (4.0, 14.0)
 """Least and greatest distance to a lorry ahead, m."""
 
+NAVIGATED = 0.8
+"""Share of the clips in which the automation knows the path; in the others the detector has nothing but the images."""
+
 GAP = 13.0
 """Longest gap between two pieces of paint of the same line, m."""
 
@@ -62,8 +65,7 @@ class View:
     Attributes:
         image: (height, width, 3) uint8, BGR.
         truth: The lane's boundaries and paint.
-        way: Points of the path in the camera's ground frame if a junction is in sight, as the automation knows it; else
-            none.
+        way: Points of the path in the camera's ground frame that the automation knows; none where it does not use them.
         number: Index in the clip.
     """
 
@@ -85,6 +87,7 @@ class Conditions:
         beside: Whether a truck drives beside.
         curvature: Greatest curvature of the path within 20 m, 1/m.
         junction: Whether a junction is within 25 m.
+        navigated: Whether the automation knows the path.
     """
 
     weather: Weather
@@ -94,6 +97,7 @@ class Conditions:
     beside: bool
     curvature: float
     junction: bool
+    navigated: bool
 
 
 class MapRoads:
@@ -167,17 +171,12 @@ class MapRoads:
         weather = CLEAR_DAY
         if draw.random() < 0.5:
             weather = weather_preset(str(int(draw.integers(len(WEATHER_PRESETS))))) or CLEAR_DAY
-        conditions = Conditions(
-            weather,
-            sigma=0.0 if draw.random() < 0.6 else float(draw.uniform(0.0, 60.0)),
-            pitch=0.0 if draw.random() < 0.5 else float(np.clip(draw.normal(0.0, 0.012), -0.03, 0.03)),
-            leader=leader,
-            beside=beside,
-            curvature=curvature,
-            junction=way.junction < 25.0 + BEHIND,
-        )
+        sigma = 0.0 if draw.random() < 0.6 else float(draw.uniform(0.0, 60.0))
+        pitch = 0.0 if draw.random() < 0.5 else float(np.clip(draw.normal(0.0, 0.012), -0.03, 0.03))
         offset = float(np.clip(draw.normal(0, 0.22), -0.7, 0.7))
         drift = float(np.clip(draw.normal(0, 0.012), -0.04, 0.04))
+        near, navigated = way.junction < 25.0 + BEHIND, bool(draw.random() < NAVIGATED)
+        conditions = Conditions(weather, sigma, pitch, leader, beside, curvature, near, navigated)
         return conditions, self._views(camera, lines, way, conditions, boxes, (offset, drift, speed * PERIOD))
 
     def _views(
@@ -205,12 +204,13 @@ class MapRoads:
                 float(np.mean(quality[near] * contrast > SEEN)) if near.any() else 0.0
                 for quality in (way.left_paint(lines), way.right_paint(lines))
             ]
-            meant: tuple[Point, ...] = ()
-            if way.junction - at < LOOKED_AT[1] + camera.box_offset + self.camera.x:
-                middle = view.world_to_ground(0.5 * (way.left + way.right))
-                meant = tuple((float(x), float(y)) for x, y in middle[way.distance >= at])
             truth = Truth.of(view, way.left, way.right, (painted[0], painted[1]))
-            yield View(image, truth, meant, number)
+            meant: Sequence[Point] = ()
+            if conditions.navigated:
+                middle = view.world_to_ground(0.5 * (way.left + way.right))[way.distance >= at]
+                route = [(float(x), float(y)) for x, y in middle]
+                meant = known_way(route, way.junction - at - camera.box_offset - self.camera.x)
+            yield View(image, truth, tuple(meant), number)
 
     def _way(self, here: LanePosition) -> _Way | None:
         """Return the path that starts behind a place, None if it is too short."""

@@ -15,7 +15,10 @@ from scenario_compiler.perception.planned_way import LEAST_SHARE, LOOKED_AT
 Floats = NDArray[np.float64]
 
 X = np.arange(LOOKED_AT[0], LOOKED_AT[1] + 0.5, 1.0)
-"""Distances ahead of the camera at which a detected boundary has to be near the true one, m."""
+"""Distances ahead of the camera along the lane at which a detected boundary has to be near the true one, m."""
+
+DRAWN = np.arange(0.0, 30.25, 0.25)
+"""Distances ahead of the camera of the points of a detected boundary with which the true one is compared, m."""
 
 TILT_FROM, TILT_TO = 5.0, 22.0
 """Stretch ahead of the camera to which the plane of the road is fitted, m."""
@@ -56,9 +59,18 @@ class Truth:
         return Truth(flat, painted, (_pixels(view, left), _pixels(view, right)), tilt)
 
     def error(self, side: int, boundary: Boundary) -> float:
-        """Return the largest distance of a detected boundary from the true one, 6 to 18 m ahead of the camera, m."""
-        detected = np.stack([X, boundary.y(X)], axis=1)
-        return float(_distances(detected, self.boundaries[side]).max())
+        """Return the largest distance of the true boundary from a detected one, 6 to 18 m ahead along the lane, m."""
+        detected = np.stack([DRAWN, boundary.y(DRAWN)], axis=1)
+        return float(_distances(self._judged(side), detected).max())
+
+    def _judged(self, side: int) -> Floats:
+        """Return points (len(X), 2) of the true boundary, 6 to 18 m ahead along the lane."""
+        middle = 0.5 * (self.boundaries[0] + self.boundaries[1])
+        along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(middle, axis=0).T))])
+        beside = int(np.argmax(middle[:, 0] >= 0.0))
+        x, y = self.boundaries[side].T
+        at = X + along[beside] - middle[beside, 0]
+        return np.stack([np.interp(at, along, x), np.interp(at, along, y)], axis=1)
 
     def y(self, side: int, x: float) -> float:
         """Return where the boundary first crosses a distance ahead of the camera; infinite if it never does, m."""
