@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity, did_you_mean
@@ -32,6 +32,7 @@ from scenario_compiler.vocabulary.conditions import (
     VariableCondition,
 )
 from scenario_compiler.vocabulary.conditions.by_value import ELEMENT_KINDS
+from scenario_compiler.vocabulary.signals import SignalState
 from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.variables import NUMBERS, VariableType, is_value, number_of, seconds_of
 from scenario_compiler.vocabulary.word import Word
@@ -104,6 +105,16 @@ UNKNOWN_SIGNAL = Code(
     "An action, a condition or a phase names a traffic signal that the map does not have. It has a state, which "
     "conditions can refer to, but no vehicle stops at it and no picture shows it.\n\n"
     '    <phase name="stop" duration="20"><signal_state signal="17" state="red"/></phase>     its id in the map is 71',
+    Severity.WARNING,
+)
+
+NEVER_SHOWN = Code(
+    "SC297",
+    "never-shown",
+    "A condition waits for a state of a traffic signal that no phase and no action gives to it, so it is never true. "
+    "States are texts of the scenario, compared letter by letter; a signal has none until it is given one.\n\n"
+    '    <phase name="stop" duration="20"><signal_state signal="11" state="red"/></phase>\n'
+    '    <when><traffic_signal signal="11" state="Red"/> <do>...</do></when>     the phase gives red',
     Severity.WARNING,
 )
 
@@ -204,6 +215,36 @@ def _check_signals(plan: Plan, network: Network, sink: Diagnostics) -> None:
             message = f"the map has no traffic signal '{one.signal}'"
             hint = did_you_mean(one.signal, known) if known else "it has no traffic signals"
             sink.add(UNKNOWN_SIGNAL, message, one.place_of("signal"), hint=hint)
+    if any(isinstance(one, TrafficSignalCondition) for one in naming):
+        _check_shown(plan, network, naming, known, sink)
+
+
+def _check_shown(plan: Plan, network: Network, naming: Sequence[Word], on_map: set[str], sink: Diagnostics) -> None:
+    """Report conditions on states that no phase and no action gives to their signals.
+
+    Args:
+        plan: The plan.
+        network: Its map.
+        naming: All words of the plan that name a signal.
+        on_map: The map's signals; one that is neither there nor given any state is reported as unknown only.
+        sink: Receives the findings.
+    """
+    shown: dict[str, set[str]] = {signal: set() for signal in on_map}
+    for one in naming:
+        if isinstance(one, TrafficSignalStateAction | SignalState):
+            shown.setdefault(one.signal, set()).add(one.state)
+    for controller in plan.signal_controllers:
+        for state in {phase.state for phase in controller.phases} - {""}:
+            for signal in network.model().signals_of(controller.name):
+                shown.setdefault(signal, set()).add(state)
+    for one in naming:
+        if isinstance(one, TrafficSignalCondition) and one.state not in shown.get(one.signal, {one.state}):
+            message = (
+                f"nothing gives the state '{one.state}' to the traffic signal '{one.signal}', so this is never true"
+            )
+            known = sorted(shown[one.signal])
+            hint = did_you_mean(one.state, known) or ("its states are " + ", ".join(known) if known else "")
+            sink.add(NEVER_SHOWN, message, one.place_of("state"), hint=hint)
 
 
 def _check_date(plan: Plan, word: Any, sink: Diagnostics) -> None:
