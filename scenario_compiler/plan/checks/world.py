@@ -33,6 +33,7 @@ from scenario_compiler.vocabulary.conditions import (
 )
 from scenario_compiler.vocabulary.conditions.by_value import ELEMENT_KINDS
 from scenario_compiler.vocabulary.signals import SignalState
+from scenario_compiler.vocabulary.storyboard import TriggerCondition
 from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.variables import NUMBERS, VariableType, is_value, number_of, seconds_of
 from scenario_compiler.vocabulary.word import Word
@@ -118,6 +119,9 @@ NEVER_SHOWN = Code(
     Severity.WARNING,
 )
 
+Compared = DistanceCondition | RelativeSpeedCondition | RelativeAngleCondition | CollisionCondition
+"""Conditions that compare an entity with another one, but may be true of an entity and itself."""
+
 Paths = dict[str, set[str]]
 
 
@@ -130,6 +134,8 @@ def check_world(plan: Plan, network: Network, sink: Diagnostics) -> None:
         check = CHECKS_OF.get(type(word))
         if check is not None:
             check(plan, word, sink)
+        if isinstance(word, TriggerCondition) and isinstance(word.condition, Compared):
+            _check_other(word, word.condition, sink)
         if isinstance(word, ElementStateCondition) and word.element not in paths[word.kind]:
             message = f"there is no {word.kind} '{word.element}'"
             hint = _meant_element(word.element, paths[word.kind])
@@ -270,17 +276,13 @@ def _check_frame(plan: Plan, word: Any, sink: Diagnostics) -> None:
         sink.add(ALONG_ROAD, message, word.place_of("coordinates"))
 
 
-def _check_other(plan: Plan, word: Any, sink: Diagnostics) -> None:
-    del plan
-    field, attribute = ("with_entity", "with") if isinstance(word, CollisionCondition) else ("to", "to")
-    if word.entity and getattr(word, field) == word.entity:
-        message = f"<{word.tag()}> compares '{word.entity}' with itself"
-        sink.add(TO_ITSELF, message, word.place_of(attribute), severity=Severity.WARNING)
-
-
-def _check_distance(plan: Plan, word: Any, sink: Diagnostics) -> None:
-    _check_frame(plan, word, sink)
-    _check_other(plan, word, sink)
+def _check_other(word: TriggerCondition, condition: Compared, sink: Diagnostics) -> None:
+    named, attribute = (
+        (condition.with_entity, "with") if isinstance(condition, CollisionCondition) else (condition.to, "to")
+    )
+    if named and named in (word.entities or (condition.entity,)):
+        message = f"<{condition.tag()}> compares '{named}' with itself"
+        sink.add(TO_ITSELF, message, condition.place_of(attribute), severity=Severity.WARNING)
 
 
 def _check_target(plan: Plan, word: Any, sink: Diagnostics) -> None:
@@ -301,10 +303,7 @@ CHECKS_OF: dict[type[Word], Callable[[Plan, Any, Diagnostics], None]] = {
     UserDefinedValueCondition: _check_given,
     TimeToCollisionCondition: _check_target,
     TimeHeadwayCondition: _check_frame,
-    DistanceCondition: _check_distance,
-    RelativeSpeedCondition: _check_other,
-    RelativeAngleCondition: _check_other,
-    CollisionCondition: _check_other,
+    DistanceCondition: _check_frame,
     PositionDistanceCondition: _check_frame,
 }
 
