@@ -13,6 +13,7 @@ from scenario_compiler.plan.binding import is_bound
 from scenario_compiler.plan.checks.ranges import beyond
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import EnvironmentAction
 from scenario_compiler.vocabulary.conditions import (
     Condition,
     ElementStateCondition,
@@ -20,13 +21,16 @@ from scenario_compiler.vocabulary.conditions import (
     ReachPositionCondition,
     SimulationTimeCondition,
     StandstillCondition,
+    TakeoverStateCondition,
     TimeHeadwayCondition,
+    TimeOfDayCondition,
     TimeToCollisionCondition,
     TraveledDistanceCondition,
 )
 from scenario_compiler.vocabulary.positions import LanePositionWord
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.storyboard import Event, Trigger, TriggerCondition
+from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.word import number_value
 
 NEVER_FIRES = Code(
@@ -228,6 +232,11 @@ def _never_true(condition: Condition, plan: Plan, network: Network, values: Mapp
     A quantity is compared with its range, a travelled distance with the greatest possible one, and a position with the
     straight distance from the start.
     """
+    if isinstance(condition, TimeOfDayCondition) and not _sets_the_time_of_day(plan):
+        return Never(NEVER_FIRES, "no environment action sets the time of day")
+    if isinstance(condition, TakeoverStateCondition) and condition.state == "minimum_risk":
+        without = "the vehicle has no minimum-risk manoeuvre"
+        return None if plan.takeover.minimum_risk else Never(NEVER_FIRES, without, "is")
     between = TimeHeadwayCondition | TimeToCollisionCondition
     if isinstance(condition, between) and condition.to and condition.to == condition.entity:
         return Never(NEVER_FIRES, f"'{condition.to}' cannot be ahead of itself", "to")
@@ -243,6 +252,10 @@ def _never_true(condition: Condition, plan: Plan, network: Network, values: Mapp
         far = f"at most {reach:.0f} m are driven before the run ends"
         return Never(NEVER_FIRES, far, "distance") if way > reach else None
     return _never_so_far(condition, plan, network, values) if isinstance(condition, ReachPositionCondition) else None
+
+
+def _sets_the_time_of_day(plan: Plan) -> bool:
+    return any(isinstance(word, EnvironmentAction) and word.date_time for word in walk(plan.storyboard))
 
 
 def _top_speed(plan: Plan, entity: str) -> float:
