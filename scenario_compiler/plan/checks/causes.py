@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from scenario_compiler.diagnostics import Code, Diagnostics
+from collections.abc import Mapping
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.expressions import Value
 from scenario_compiler.plan.defaults import CAUSE_DEFAULTS
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.takeover import Cause
-from scenario_compiler.vocabulary.word import AttributeSpelling, number_value, spelling_of
+from scenario_compiler.vocabulary.word import AttributeSpelling, Number, number_value, spelling_of
 
 FOREIGN_LIMIT = Code(
     "SC501",
@@ -31,8 +34,10 @@ CROSSED_THRESHOLDS = Code(
     "SC516",
     "crossed-thresholds",
     "A warning of a <cause> ends at a lower value than it begins (`warning_over` is less than `warning_below`), so "
-    "that between the two it would end and begin again in turn.\n\n"
-    '    <cause kind="lane_confidence" warning_below="0.6" warning_over="0.5"/>     warning_over="0.7"',
+    "that between the two it would end and begin again in turn. Or it begins after the request: its threshold is less "
+    "than that of the request, or its budget is. `warning_below` may be 0, for a cause without a warning.\n\n"
+    '    <cause kind="lane_confidence" warning_below="0.6" warning_over="0.5"/>     warning_over="0.7"\n'
+    '    <cause kind="path_blocked" budget="7" warning_budget="5"/>     warning_budget="9"',
 )
 
 
@@ -62,3 +67,22 @@ def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
             if ends < begins:
                 message = f"the warning begins below {begins:g} and would end over {ends:g}"
                 sink.add(CROSSED_THRESHOLDS, message, cause.place_of("warning_over"))
+        _check_order(cause, plan.takeover.budget, values, sink)
+
+
+def _check_order(cause: Cause, budget: Number, values: Mapping[str, Value], sink: Diagnostics) -> None:
+    """Warn of a warning that begins after the request for its cause; `budget` is that of the policy, s."""
+    if cause.warning_below is not None and cause.request_below is not None:
+        warns, requests = (number_value(one, values) for one in (cause.warning_below, cause.request_below))
+        if 0.0 < warns < requests:
+            written = "request_below" if cause.written("warning_below") is None else "warning_below"
+            message = f"the warning begins below {warns:g}, after the request, which comes below {requests:g}"
+            sink.add(CROSSED_THRESHOLDS, message, cause.place_of(written), severity=Severity.WARNING)
+    if cause.warning_budget is not None:
+        own = budget if cause.budget is None else cause.budget
+        warns, requests = (number_value(one, values) for one in (cause.warning_budget, own))
+        if warns < requests:
+            message = (
+                f"the warning begins {warns:g} s before the limit, after the request, which comes {requests:g} s before"
+            )
+            sink.add(CROSSED_THRESHOLDS, message, cause.place_of("warning_budget"), severity=Severity.WARNING)

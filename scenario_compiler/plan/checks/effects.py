@@ -11,9 +11,14 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
     ActivateControllerAction,
+    AtRate,
     EnvironmentAction,
     FollowTrajectoryAction,
+    LaneChangeAction,
+    LaneChangeToAction,
     OverrideControllerAction,
+    RelativeSpeedAction,
+    SpeedAction,
     TrafficSwarmAction,
 )
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -26,8 +31,8 @@ WITHOUT_EFFECT = Code(
     "without-effect",
     "An action or an attribute has no effect: an <activate_controller> or an <environment> that changes nothing, the "
     "`deceleration` of an automation that does not slow down, a pedal beyond its limit, which acts as the limit, a "
-    "<timing> of a trajectory without times, or a swarm whose `inner_radius` contains its whole ellipse, so that no "
-    "vehicle appears.\n\n"
+    "<timing> of a trajectory without times, a rate of 0, which acts as a step, or a swarm whose `inner_radius` "
+    "contains its whole ellipse, so that no vehicle appears.\n\n"
     '    <automation after="follow" deceleration="2"/>     only after="slow_down" uses it\n'
     '    <override_controller input="throttle" active="true" value="5"/>     acts as 1, full throttle',
     Severity.WARNING,
@@ -35,6 +40,9 @@ WITHOUT_EFFECT = Code(
 
 SHARES = ("throttle", "brake", "clutch", "parking_brake")
 """Inputs with values from 0 to 1."""
+
+CHANGES = (SpeedAction, RelativeSpeedAction, LaneChangeAction, LaneChangeToAction)
+"""Actions whose change may be given by its rate."""
 
 SWITCHES = ("longitudinal", "lateral", "lighting", "animation")
 
@@ -59,6 +67,8 @@ def check_effects(plan: Plan, network: Network, sink: Diagnostics) -> None:
             _check_swarm(word, values, sink)
         elif isinstance(word, FollowTrajectoryAction):
             _check_timing(word, sink)
+        elif isinstance(word, CHANGES):
+            _check_rate(word, values, sink)
 
 
 def _check_automation(automation: Automation, sink: Diagnostics) -> None:
@@ -72,6 +82,17 @@ def _check_timing(word: FollowTrajectoryAction, sink: Diagnostics) -> None:
     if word.timing is not None and all(time is None for _, time in word.trajectory.times):
         message = "the trajectory has no times, so the entity follows it at its own speed"
         sink.add(WITHOUT_EFFECT, message, word.timing.origin, hint="give the trajectory times, or leave the timing out")
+
+
+def _check_rate(
+    word: SpeedAction | RelativeSpeedAction | LaneChangeAction | LaneChangeToAction,
+    values: Mapping[str, Value],
+    sink: Diagnostics,
+) -> None:
+    dynamics = word.dynamics
+    if isinstance(dynamics, AtRate) and word.shape != "step" and number_value(dynamics.value, values) == 0.0:
+        message = "a rate of 0 acts as a step: the change is made at once"
+        sink.add(WITHOUT_EFFECT, message, dynamics.place_of("value"))
 
 
 def _check_input(word: OverrideControllerAction, values: Mapping[str, Value], sink: Diagnostics) -> None:

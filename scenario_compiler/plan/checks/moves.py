@@ -27,7 +27,7 @@ TO_ITSELF = Code(
 TWO_DISTANCES = Code(
     "SC271",
     "distance-and-gap",
-    "An action specifies both a distance and a time gap; only one of them can be kept.\n\n"
+    "An action specifies both a distance and a time gap, of which only one can be kept, or neither.\n\n"
     '    <keep_distance to="truck" time_gap="2"/>',
 )
 TWO_STEADY_STATES = Code(
@@ -57,8 +57,11 @@ def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
         named = OTHERS.get(type(action))
         if named is not None and getattr(action, named) == actor:
             sink.add(TO_ITSELF, f"<{action.tag()}> of '{actor}' refers to '{actor}' itself", action.place_of(named))
-        if isinstance(action, LongitudinalDistanceAction) and None not in (action.distance, action.time_gap):
-            sink.add(TWO_DISTANCES, "both a distance and a time gap are given", action.place_of("time_gap"))
+        if isinstance(action, LongitudinalDistanceAction):
+            if None not in (action.distance, action.time_gap):
+                sink.add(TWO_DISTANCES, "both a distance and a time gap are given", action.place_of("time_gap"))
+            elif action.distance is None and action.time_gap is None:
+                sink.add(TWO_DISTANCES, "neither a distance nor a time gap is given", action.origin)
         if isinstance(action, SynchronizeAction) and action.final_speed is not None:
             final = action.final_speed
             if None not in (final.steady_time, final.steady_distance):

@@ -13,6 +13,7 @@ from scenario_compiler.plan.binding import is_bound
 from scenario_compiler.plan.checks.ranges import beyond
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import EnvironmentAction
 from scenario_compiler.vocabulary.conditions import (
     Condition,
     ElementStateCondition,
@@ -20,13 +21,16 @@ from scenario_compiler.vocabulary.conditions import (
     ReachPositionCondition,
     SimulationTimeCondition,
     StandstillCondition,
+    TakeoverStateCondition,
     TimeHeadwayCondition,
+    TimeOfDayCondition,
     TimeToCollisionCondition,
     TraveledDistanceCondition,
 )
 from scenario_compiler.vocabulary.positions import LanePositionWord
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.storyboard import Event, Trigger, TriggerCondition
+from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.word import number_value
 
 NEVER_FIRES = Code(
@@ -34,8 +38,11 @@ NEVER_FIRES = Code(
     "never-fires",
     "A condition can never be true at the parameters' values, so its actions never start: a distance or a time gap "
     "below 0, a speed that the vehicle cannot drive, a place that the ego vehicle cannot reach, a distance from an "
-    "entity to itself, events that wait for each other:\n\n"
-    '    <when><distance to="ego" below="0"/> <do>...</do></when>     a distance is never below 0\n\n'
+    "entity to itself, events that wait for each other. Or it never changes as its edge needs: a condition that is "
+    "true from the start does not rise, and the time does not fall below a limit again.\n\n"
+    '    <when><distance to="ego" below="0"/> <do>...</do></when>     a distance is never below 0\n'
+    '    <Condition conditionEdge="rising" ...> ... <SimulationTimeCondition value="0" rule="greaterOrEqual"/>     '
+    'write conditionEdge="none"\n\n'
     'Correct the number. If the condition can be true at other values of a parameter, write <allow code="SC401"/> at '
     "the start of the file.",
     Severity.WARNING,
@@ -50,6 +57,9 @@ AFTER_THE_END = Code(
     Severity.WARNING,
 )
 
+
+SAME_TIME = 1.0e-6
+"""Greatest difference of two times that are equal, s; that of the engine's comparisons."""
 
 AFTER_A_START = frozenset({"runningState", "completeState", "startTransition", "endTransition"})
 """States and transitions that an event reaches by starting."""
@@ -178,16 +188,55 @@ def _report(
 
 
 def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[str, Value]) -> Never | None:
+    """Return why a condition never triggers before the run ends; None if it may.
+
+    Of several triggering entities, all of which need not meet it, each must be unable to.
+    """
+    if isinstance(one.condition, SimulationTimeCondition):
+        return _never_at_a_time(one, one.condition, plan, values)
+    each = [one.condition.model_copy(update={"entity": entity}) for entity in one.entities] or [one.condition]
+    faults = [_never_true(condition, plan, network, values) for condition in each]
+    if not one.every and None in faults:
+        return None
+    return next((fault for fault in faults if fault is not None), None)
+
+
+def _never_at_a_time(
+    one: TriggerCondition, condition: SimulationTimeCondition, plan: Plan, values: Mapping[str, Value]
+) -> Never | None:
+    """Return why a condition on the time never triggers before the run ends; None if it may."""
+    limit = number_value(condition.after, values)
+    missed = beyond(condition, plan, values)
+    if missed is not None:
+        return Never(NEVER_FIRES, *missed)
+    if condition.rule == "equalTo" and abs(limit - round(limit / plan.step) * plan.step) > SAME_TIME:
+        between = f"the run has steps of {plan.step:g} s, and {limit:g} s is between two of them"
+        return Never(NEVER_FIRES, between, "after")
+    begins = condition.rule.startswith("greater")
+    if begins and limit + number_value(one.delay, values) >= plan.duration:
+        begin = limit + number_value(one.delay, values)
+        return Never(AFTER_THE_END, f"the run ends at {plan.duration:g} s, before {begin:g} s", "after")
+    from_start = begins and (limit < 0.0 or (limit == 0.0 and condition.rule == "greaterOrEqual"))
+    if from_start and one.edge != "none":
+        return Never(NEVER_FIRES, "the condition is true from the start, so that it never becomes true", "after")
+    if one.edge == "falling" and begins:
+        return Never(NEVER_FIRES, "the time passes its limit once, so that the condition never becomes false", "after")
+    if one.edge == "rising" and condition.rule.startswith("less"):
+        return Never(NEVER_FIRES, "the time passes its limit once, so that the condition never becomes true", "after")
+    return None
+
+
+def _never_true(condition: Condition, plan: Plan, network: Network, values: Mapping[str, Value]) -> Never | None:
     """Return why a condition is never true before the run ends; None if it may be true.
 
     A quantity is compared with its range, a travelled distance with the greatest possible one, and a position with the
     straight distance from the start.
     """
-    condition = one.condition
-    if isinstance(condition, SimulationTimeCondition) and condition.rule.startswith("greater"):
-        begin = number_value(condition.after, values) + number_value(one.delay, values)
-        late = f"the run ends at {plan.duration:g} s, before {begin:g} s"
-        return Never(AFTER_THE_END, late, "after") if begin >= plan.duration else None
+    if isinstance(condition, TimeOfDayCondition) and not _sets_the_time_of_day(plan):
+        return Never(NEVER_FIRES, "no environment action sets the time of day")
+    if isinstance(condition, TakeoverStateCondition) and condition.state == "minimum_risk":
+        without = "the vehicle has no minimum-risk manoeuvre"
+        return None if plan.takeover.minimum_risk else Never(NEVER_FIRES, without, "is")
     between = TimeHeadwayCondition | TimeToCollisionCondition
     if isinstance(condition, between) and condition.to and condition.to == condition.entity:
         return Never(NEVER_FIRES, f"'{condition.to}' cannot be ahead of itself", "to")
@@ -203,6 +252,10 @@ def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[s
         far = f"at most {reach:.0f} m are driven before the run ends"
         return Never(NEVER_FIRES, far, "distance") if way > reach else None
     return _never_so_far(condition, plan, network, values) if isinstance(condition, ReachPositionCondition) else None
+
+
+def _sets_the_time_of_day(plan: Plan) -> bool:
+    return any(isinstance(word, EnvironmentAction) and word.date_time for word in walk(plan.storyboard))
 
 
 def _top_speed(plan: Plan, entity: str) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity, did_you_mean
@@ -32,6 +32,8 @@ from scenario_compiler.vocabulary.conditions import (
     VariableCondition,
 )
 from scenario_compiler.vocabulary.conditions.by_value import ELEMENT_KINDS
+from scenario_compiler.vocabulary.signals import SignalState
+from scenario_compiler.vocabulary.storyboard import TriggerCondition
 from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.variables import NUMBERS, VariableType, is_value, number_of, seconds_of
 from scenario_compiler.vocabulary.word import Word
@@ -107,6 +109,19 @@ UNKNOWN_SIGNAL = Code(
     Severity.WARNING,
 )
 
+NEVER_SHOWN = Code(
+    "SC297",
+    "never-shown",
+    "A condition waits for a state of a traffic signal that no phase and no action gives to it, so it is never true. "
+    "States are texts of the scenario, compared letter by letter; a signal has none until it is given one.\n\n"
+    '    <phase name="stop" duration="20"><signal_state signal="11" state="red"/></phase>\n'
+    '    <when><traffic_signal signal="11" state="Red"/> <do>...</do></when>     the phase gives red',
+    Severity.WARNING,
+)
+
+Compared = DistanceCondition | RelativeSpeedCondition | RelativeAngleCondition | CollisionCondition
+"""Conditions that compare an entity with another one, but may be true of an entity and itself."""
+
 Paths = dict[str, set[str]]
 
 
@@ -119,6 +134,8 @@ def check_world(plan: Plan, network: Network, sink: Diagnostics) -> None:
         check = CHECKS_OF.get(type(word))
         if check is not None:
             check(plan, word, sink)
+        if isinstance(word, TriggerCondition) and isinstance(word.condition, Compared):
+            _check_other(word, word.condition, sink)
         if isinstance(word, ElementStateCondition) and word.element not in paths[word.kind]:
             message = f"there is no {word.kind} '{word.element}'"
             hint = _meant_element(word.element, paths[word.kind])
@@ -204,6 +221,36 @@ def _check_signals(plan: Plan, network: Network, sink: Diagnostics) -> None:
             message = f"the map has no traffic signal '{one.signal}'"
             hint = did_you_mean(one.signal, known) if known else "it has no traffic signals"
             sink.add(UNKNOWN_SIGNAL, message, one.place_of("signal"), hint=hint)
+    if any(isinstance(one, TrafficSignalCondition) for one in naming):
+        _check_shown(plan, network, naming, known, sink)
+
+
+def _check_shown(plan: Plan, network: Network, naming: Sequence[Word], on_map: set[str], sink: Diagnostics) -> None:
+    """Report conditions on states that no phase and no action gives to their signals.
+
+    Args:
+        plan: The plan.
+        network: Its map.
+        naming: All words of the plan that name a signal.
+        on_map: The map's signals; one that is neither there nor given any state is reported as unknown only.
+        sink: Receives the findings.
+    """
+    shown: dict[str, set[str]] = {signal: set() for signal in on_map}
+    for one in naming:
+        if isinstance(one, TrafficSignalStateAction | SignalState):
+            shown.setdefault(one.signal, set()).add(one.state)
+    for controller in plan.signal_controllers:
+        for state in {phase.state for phase in controller.phases} - {""}:
+            for signal in network.model().signals_of(controller.name):
+                shown.setdefault(signal, set()).add(state)
+    for one in naming:
+        if isinstance(one, TrafficSignalCondition) and one.state not in shown.get(one.signal, {one.state}):
+            message = (
+                f"nothing gives the state '{one.state}' to the traffic signal '{one.signal}', so this is never true"
+            )
+            known = sorted(shown[one.signal])
+            hint = did_you_mean(one.state, known) or ("its states are " + ", ".join(known) if known else "")
+            sink.add(NEVER_SHOWN, message, one.place_of("state"), hint=hint)
 
 
 def _check_date(plan: Plan, word: Any, sink: Diagnostics) -> None:
@@ -229,17 +276,13 @@ def _check_frame(plan: Plan, word: Any, sink: Diagnostics) -> None:
         sink.add(ALONG_ROAD, message, word.place_of("coordinates"))
 
 
-def _check_other(plan: Plan, word: Any, sink: Diagnostics) -> None:
-    del plan
-    field, attribute = ("with_entity", "with") if isinstance(word, CollisionCondition) else ("to", "to")
-    if word.entity and getattr(word, field) == word.entity:
-        message = f"<{word.tag()}> compares '{word.entity}' with itself"
-        sink.add(TO_ITSELF, message, word.place_of(attribute), severity=Severity.WARNING)
-
-
-def _check_distance(plan: Plan, word: Any, sink: Diagnostics) -> None:
-    _check_frame(plan, word, sink)
-    _check_other(plan, word, sink)
+def _check_other(word: TriggerCondition, condition: Compared, sink: Diagnostics) -> None:
+    named, attribute = (
+        (condition.with_entity, "with") if isinstance(condition, CollisionCondition) else (condition.to, "to")
+    )
+    if named and named in (word.entities or (condition.entity,)):
+        message = f"<{condition.tag()}> compares '{named}' with itself"
+        sink.add(TO_ITSELF, message, condition.place_of(attribute), severity=Severity.WARNING)
 
 
 def _check_target(plan: Plan, word: Any, sink: Diagnostics) -> None:
@@ -260,10 +303,7 @@ CHECKS_OF: dict[type[Word], Callable[[Plan, Any, Diagnostics], None]] = {
     UserDefinedValueCondition: _check_given,
     TimeToCollisionCondition: _check_target,
     TimeHeadwayCondition: _check_frame,
-    DistanceCondition: _check_distance,
-    RelativeSpeedCondition: _check_other,
-    RelativeAngleCondition: _check_other,
-    CollisionCondition: _check_other,
+    DistanceCondition: _check_frame,
     PositionDistanceCondition: _check_frame,
 }
 
