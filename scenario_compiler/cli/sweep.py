@@ -33,6 +33,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.terminal import complain, put, tell
 from scenario_compiler.diagnostics import CompileError, Diagnostics
+from scenario_compiler.garbage_collection import keep_loaded, paused
 
 if TYPE_CHECKING:
     from rich.progress import TaskID
@@ -139,10 +140,13 @@ def _add_search(parser: argparse.ArgumentParser) -> None:
 
 def sweep_command(options: argparse.Namespace) -> int:
     """Run a sweep, or a search, into its folder."""
-    from scenario_compiler.batch.distributions import SweepError
-    from scenario_compiler.batch.folder import MANIFEST
-    from scenario_compiler.languages import ScenarioNameNeededError
+    with paused():  # so that the collector never visits what is loaded here
+        from scenario_compiler.batch import execute  # noqa: F401  # loaded only
+        from scenario_compiler.batch.distributions import SweepError
+        from scenario_compiler.batch.folder import MANIFEST
+        from scenario_compiler.languages import ScenarioNameNeededError
 
+        keep_loaded()
     sink = new_sink(options)
     try:
         if options.boundary is not None or options.minimise is not None:
