@@ -66,7 +66,7 @@ LEARNED_FEATURES = (
     *("tilt", "tilt_deviation", "width_off"),
     *("other_painted", "other_present", "other_certain", "apart_slope", "apart_curvature"),
     *("noise", "remembered", "moved", "way"),
-    *("lever", "deviation_tilt", "seen_off"),
+    *("lever", "deviation_tilt", "seen_off", "bend"),
 )
 """Names of the features of its confidence."""
 
@@ -110,9 +110,12 @@ class LearnedLaneDetector:
         sides = [_Side(one, paint, self._v, tilt.pitch, self._scale) for one, paint in zip(told, painted, strict=True)]
         sigma_hat = noise_of(image)
         health = noise_health(sigma_hat)
+        turn = None if state.way is None else state.way.turn
         features = [
-            _features(side, other, tilt, seen_pitch, width, sigma_hat, before, state.way is not None)
-            for side, other, before in ((sides[0], sides[1], state.left), (sides[1], sides[0], state.right))
+            _features(sides[0], sides[1], tilt, seen_pitch, width, sigma_hat, state.left, turn),
+            _features(
+                sides[1], sides[0], tilt, seen_pitch, width, sigma_hat, state.right, None if turn is None else -turn
+            ),
         ]
         left, right = (
             _boundary(side, *p) for side, p in zip(sides, self.confidence(np.stack(features)).tolist(), strict=True)
@@ -260,8 +263,9 @@ def _features(
     width: float,
     sigma: float,
     before: Boundary | None,
-    way: bool,
+    turn: float | None,
 ) -> Floats:
+    """Return the features of a side; `turn` is by how much the planned route turns to that side, rad, if it is known."""
     x = np.array([12.0])
     off = abs(abs(side.curve[2] - other.curve[2]) - width)
     moved = 0.0
@@ -290,10 +294,11 @@ def _features(
             "noise": math.log(sigma + 1.0),
             "remembered": float(before is not None),
             "moved": min(4.0 * moved, 2.0),
-            "way": float(way),
+            "way": float(turn is not None),
             "lever": side.lever / 20.0,
             "deviation_tilt": math.log(side.lever * tilt.deviation / 0.1 + 0.1),
             "seen_off": min(side.lever * abs(seen_pitch - tilt.pitch), 1.5),
+            "bend": 0.0 if turn is None else 2.0 * turn,
         },
     )
 
