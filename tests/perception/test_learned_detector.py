@@ -14,6 +14,7 @@ from scenario_compiler.perception.calibration.scenes import Reference
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import PLACES
 from scenario_compiler.perception.lane_detector import LaneState
+from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.learned_detector import (
     COLUMNS,
     LEARNED_FEATURES,
@@ -98,14 +99,18 @@ def test_images_of_another_camera_are_warped_to_the_trained_one() -> None:
     assert turned[:2] / turned[2] == pytest.approx(np.stack(wanted), abs=1e-6)
 
 
-def test_the_confidence_knows_whether_a_junction_is_in_sight() -> None:
+def test_the_confidence_knows_whether_the_route_is_known() -> None:
     detector, way = LearnedLaneDetector(), LEARNED_FEATURES.index("way")
     image = RoadCamera(two_lanes(bend(0.0))).frame(bend(0.0).pose(60.0), [], CLEAR, 0.0, 0)
     free, (row, _) = detector.look(image)
-    crossing, (with_way, _) = detector.look(image, LaneState(way=(0.0, 0.0)))
+    straight = Course.along([(float(x), 0.0) for x in range(40)])
+    crossing, (with_way, _) = detector.look(image, LaneState(way=straight))
     assert (row[way], with_way[way]) == (0.0, 1.0)
     assert np.array_equal(np.delete(row, way), np.delete(with_way, way))
     assert crossing.left.y0 == free.left.y0
+    turning = Course.along([(float(x), 0.01 * x * x) for x in range(40)])
+    (left, right), bend_to = detector.look(image, LaneState(way=turning))[1], LEARNED_FEATURES.index("bend")
+    assert left[bend_to] == -right[bend_to] == pytest.approx(2.0 * math.atan(0.32), rel=0.1)
 
 
 @pytest.mark.parametrize("radius", [0.0, 50.0, -50.0])
