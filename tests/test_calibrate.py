@@ -51,12 +51,28 @@ def test_the_truth_of_a_clip_is_a_lane() -> None:
 def test_an_error_is_a_distance_from_the_true_boundary() -> None:
     ahead = np.linspace(-20.0, 40.0, 61)
     slanting, turning = np.stack([ahead, ahead], axis=1), np.stack([np.minimum(ahead, 10.0), ahead], axis=1)
-    truth = Truth((slanting, turning), (1.0, 1.0))
+    truth = Truth((slanting, slanting - [0.0, 3.5]), (1.0, 1.0))
     beside = Boundary(0.3, 1.0, 0.0, 0.9, 0.9, 0.9, (5.0, 25.0))
     assert truth.error(0, beside) == pytest.approx(0.3 / math.sqrt(2.0))
-    assert truth.error(1, beside) == pytest.approx(8.0)
+    assert truth.error(1, beside) == pytest.approx(3.8 / math.sqrt(2.0))
     assert truth.y(0, 6.5) == pytest.approx(6.5)
-    assert math.isinf(truth.y(1, 12.0))
+    assert math.isinf(Truth((turning, turning), (1.0, 1.0)).y(0, 12.0))
+
+
+@pytest.mark.parametrize("radius", [16.0, -16.0])
+def test_a_boundary_is_judged_as_far_as_18_m_ahead_along_the_lane(radius: float) -> None:
+    angles = np.arange(-4.0, 30.0, 0.5) / abs(radius)
+    arcs = [(abs(radius) - t) * np.sin(angles) for t in (1.75, -1.75)]
+    side = math.copysign(1.0, radius)
+    left, right = (np.stack([x, radius - side * (abs(radius) - t) * np.cos(angles)], axis=1)
+                   for x, t in zip(arcs, (1.75, -1.75), strict=True))  # fmt: skip
+    judged = (angles * abs(radius) > 5.5) & (angles * abs(radius) < 18.5)
+    x, y = left[judged].T
+    half, slope, y0 = np.polyfit(x, y, 2, w=np.cos(angles[judged])).tolist()
+    truth, straight = Truth((left, right), (1.0, 1.0)), Boundary(1.75, 0.0, 0.0, 0.9, 0.9, 0.9, (5.0, 25.0))
+    assert x.max() < 17.0
+    assert truth.error(0, replace(straight, y0=y0, slope=slope, curvature=2.0 * half)) < 0.25
+    assert truth.error(0, straight) > 4.0
 
 
 def test_a_boundary_that_leaves_the_planned_route_counts_as_the_automation_takes_it() -> None:
@@ -143,8 +159,8 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("detector", "digest"),
     [
-        ("classical", "9482156cd71a49c73f8d781f3d50f219b3529137f50ae6c98e0b3e7a8a13e1d3"),
-        ("learned", "7c503aabd9dcea5e43e4920548f04c1542095701343c17ae67bb51d4fe5dfe66"),
+        ("classical", "8e0164d649e740a4397392c47505be46d000115edd6c050c6c657ebfc51d82fc"),
+        ("learned", "e4fed329d6d9d014b443633fc83b92b92097f3f7a553c4ab0915e16fc171f829"),
     ],
 )
 def test_the_pages_are_about_the_packaged_confidence(detector: DetectorName, digest: str) -> None:

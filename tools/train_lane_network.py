@@ -55,7 +55,7 @@ from scenario_compiler.perception.learned_detector import (
     Rows,
     ground_of,
 )
-from scenario_compiler.perception.planned_way import Point
+from scenario_compiler.perception.route_ahead import Point
 from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.roads import load_network
 

@@ -25,7 +25,8 @@ from scenario_compiler.controllers.model import (
     SensorData,
     VehicleState,
 )
-from scenario_compiler.perception.planned_way import known_way, on_way
+from scenario_compiler.perception.planned_way import on_way
+from scenario_compiler.perception.route_ahead import known_way
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING, TRUSTED
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.perception.planned_way import LOOKED_AT, Point, stretch_of
+from scenario_compiler.perception.route_ahead import LOOKED_AT, Point, stretch_of
 
 Floats = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ BEYOND = 100.0
 LEAST_SCALE = 0.2
 """Least length of a line beside a metre of the route: the ground near the centre of a bend is not viewed."""
 
-STEPS = 4
+CROSSING_STEPS = 4
 """Steps of Newton's method to where a boundary crosses the route's normal."""
 
 
@@ -102,7 +102,7 @@ class Course:
         a, b, c = parabola
         heading, t = self.heading_at(s), np.zeros_like(s)
         sine, cosine = np.sin(heading), np.cos(heading)
-        for _ in range(STEPS):
+        for _ in range(CROSSING_STEPS):
             x, y = self.points(s, t)
             slope = b + c * x
             t = t - (y - (a + b * x + 0.5 * c * x * x)) / np.maximum(cosine + slope * sine, 0.1)

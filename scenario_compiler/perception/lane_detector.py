@@ -34,8 +34,8 @@ from scenario_compiler.perception.confidence import (
 )
 from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_fit import LEFT, RIGHT, Fit, LaneFitter, arc_y, parabola_of
-from scenario_compiler.perception.planned_way import SHARP
 from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, alike, tilt_beyond
+from scenario_compiler.perception.route_ahead import SHARP
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]

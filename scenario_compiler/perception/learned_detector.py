@@ -265,7 +265,7 @@ def _features(
     before: Boundary | None,
     turn: float | None,
 ) -> Floats:
-    """Return the features of a side; `turn` is by how much the planned route turns to that side, rad, if it is known."""
+    """Return the features of a side; `turn` is the planned route's turn to that side, rad, if the route is known."""
     x = np.array([12.0])
     off = abs(abs(side.curve[2] - other.curve[2]) - width)
     moved = 0.0

@@ -189,14 +189,15 @@ unknown tilt may do to the boundary. The ego's body pitches as it brakes, by the
 [vehicle](language.md#Vehicle).
 
 **Junctions and sharp bends.** While a junction is in sight, or the planned route turns by more than 0.15 rad up to 18 m
-ahead (a radius of 120 m, all the way), the detector views the ground along the route: a lane that follows it is straight
-there, however the road bends. It begins with such lanes, and then goes to where the paint is. Only the shape of the
-route is used, never the lane's position. By how much the boundaries then still bend shows the tilt, which a bend alone
-does not show: at a radius of 40 m, a tilt of 0.1 degrees moves the boundary 18 m ahead by 0.1 m. The map's curvature is
-taken to be right to 3 %. Where the map is wrong and the lane does not follow the route, the two observations of the
-tilt contradict each other, and the tilt counts as unknown. The automation also lowers the probabilities of geometry and
-confidence for a boundary that leaves the route, to 0 if it leaves it within 60 % of the stretch. The tables show the
-probabilities as the automation uses them. In one of five clips the automation does not know the route.
+ahead (a radius of 120 m, all the way), the detector views the ground along the route: a lane that follows it is
+straight there, however the road bends. It begins with such lanes, and then goes to where the paint is. Only the shape
+of the route is used, never the lane's position. By how much the boundaries then still bend shows the tilt, which a bend
+alone does not show: at a radius of 40 m, a tilt of 0.1 degrees moves the boundary 18 m ahead by 0.1 m. The map's
+curvature is taken to be right to 3 %. Where the map is wrong and the lane does not follow the route, the two
+observations of the tilt contradict each other, and the tilt counts as unknown. The automation also lowers the
+probabilities of geometry and confidence for a boundary that leaves the route, to 0 if it leaves it within 60 % of the
+stretch. The tables show the probabilities as the automation uses them. In one of five clips the automation does not
+know the route.
 
 **Bends.** The controller reduces the speed so that the lateral acceleration stays at 2.5 m/s2 (its property
 `lateral_acceleration`). It knows the bends of the planned route from the map, as far ahead as it needs to brake
@@ -211,9 +212,9 @@ the towns together, while driving and on single images; not on each town alone. 
 well, so its confidence is a mean over flat and hilly roads: on the towns, which are flat, it is too low, by up to 0.07
 between 0.1 and 0.8, and too high where the body is pitched. The errors on the towns also showed where the detector had
 to be corrected. Before the route was known in bends, trees had an area of 0.970 on the towns while driving and 0.966 on
-single images, and a network with 128 hidden units 0.965 and 0.960. Other roads, while driving, with an area (A), an expected
-error (E), a largest error (L), and shares of wrong sides among those with a confidence over 0.8 (W), as the tables
-explain them:
+single images, and a network with 128 hidden units 0.965 and 0.960. Other roads, while driving, with an area (A), an
+expected error (E), a largest error (L), and shares of wrong sides among those with a confidence over 0.8 (W), as the
+tables explain them:
 
 * The 46 other road files, a quarter of them left out of the fit at a time (with the made-up files in the fit): A 0.974,
   E 0.007, L 0.030, W 2.1 % by more than 0.25 m and less than 0.1 % by more than 1 m; single images: A 0.967, E 0.011, L
@@ -267,8 +268,8 @@ with half precision; when the whole command was run on another processor, the bo
 third of the maps, left out of a fit of the paint, its cross-entropy fell from 0.23 to 0.13, and with a vehicle less
 than 9 m ahead from 0.93 to 0.31. In 75 images behind a lorry 6 to 8 m ahead, with each of two kinds of dashes on one
 side, the better side is below 0.3 in one image; the solid line has a mean confidence of 0.75, and the dashes have 0.59
-and 0.67. Of the sides of Town03 and soderleden that are right and painted, 15 % with a vehicle 6 to 8 m ahead and 6 % with one at
-8 to 12 m have a confidence below 0.3.
+and 0.67. Of the sides of Town03 and soderleden that are right and painted, 15 % with a vehicle 6 to 8 m ahead and 6 %
+with one at 8 to 12 m have a confidence below 0.3.
 
 **Bends.** In bends with a radius of 40 m most errors are errors of the tilt: with the true tilt 99 % of the boundaries
 are right there, with the estimated one 76 % in a left and 91 % in a right bend. The outer boundary is moved nearly
@@ -278,8 +279,9 @@ tilt and the combined one are apart (`seen_off`). In the bank's left bend of thi
 confident and wrong, in the right one 5 %.
 
 **Junctions and sharp bends.** Two inputs of the confidence are whether the planned route was given (as to the classical
-detector) and by how much it turns; the boundaries are found without it. The first was chosen with the network before this one on the maps of the fit alone: on Town05 and fabriksgatan, the maps
-with junctions, each left out in turn, the cross-entropy while driving fell from 0.259 to 0.235 by it.
+detector) and by how much it turns; the boundaries are found without it. The first was chosen with the network before
+this one on the maps of the fit alone: on Town05 and fabriksgatan, the maps with junctions, each left out in turn, the
+cross-entropy while driving fell from 0.259 to 0.235 by it.
 
 **What the tables say.** Together all aims are met. On each map alone, while driving, the largest error of a bin is over
 the aim. On four times as many clips of Town03, where smaller bins count, it is 0.116 there and 0.092 with both maps

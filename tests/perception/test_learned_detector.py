@@ -13,8 +13,8 @@ import pytest
 from scenario_compiler.perception.calibration.scenes import Reference
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import PLACES
-from scenario_compiler.perception.lane_detector import LaneState
 from scenario_compiler.perception.course import Course
+from scenario_compiler.perception.lane_detector import LaneState
 from scenario_compiler.perception.learned_detector import (
     COLUMNS,
     LEARNED_FEATURES,

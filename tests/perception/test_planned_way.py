@@ -10,7 +10,8 @@ import pytest
 
 from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_detector import Boundary
-from scenario_compiler.perception.planned_way import Point, known_way, worth_on_way
+from scenario_compiler.perception.planned_way import worth_on_way
+from scenario_compiler.perception.route_ahead import Point
 
 STRAIGHT = Boundary(1.75, 0.0, 0.0, 0.9, 0.9, 0.9, (5.0, 25.0))
 
@@ -65,11 +66,3 @@ def test_both_boundaries_of_a_sharp_bend_keep_their_probability(radius: float, o
     y = [y + offset * math.cos(k / radius) for k, (_, y) in enumerate(route)][5:20]
     half, slope, y0 = np.polyfit(x, y, 2).tolist()
     assert worth_on_way(replace(STRAIGHT, y0=y0, slope=slope, curvature=2.0 * half), route) == 1.0
-
-
-def test_the_route_is_used_near_junctions_and_in_sharp_bends() -> None:
-    assert not known_way(way(40.0, 0.0), math.inf)
-    assert not known_way(way(0.0, 1.0 / 150.0), math.inf)
-    assert not known_way(way(0.0, 0.0), 18.5)
-    for route, junction in ((way(40.0, 0.0), 17.5), (way(0.0, 1.0 / 50.0), math.inf), (way(12.0, -0.05), math.inf)):
-        assert list(known_way(route, junction)) == route

@@ -13,7 +13,8 @@ from scenario_compiler.perception.calibration.maps import Conditions, MapRoads
 from scenario_compiler.perception.calibration.truth import Truth
 from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_detector import CalibratedDetector, LaneResult, LaneState
-from scenario_compiler.perception.planned_way import LEAST_SHARE, Point, worth_on_way
+from scenario_compiler.perception.planned_way import LEAST_SHARE, worth_on_way
+from scenario_compiler.perception.route_ahead import Point
 from scenario_compiler.perception.weather_look import look_of
 
 Floats = NDArray[np.float64]

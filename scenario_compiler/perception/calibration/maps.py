@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.calibration.truth import SEEN, Truth
 from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.planned_way import LOOKED_AT, Point, known_way
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.roadside import roadside_of
+from scenario_compiler.perception.route_ahead import LOOKED_AT, Point, known_way
 from scenario_compiler.perception.scene import Scene, joined_marks
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.perception.textures import GROUND_SEED

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import View, vehicle_axes
 from scenario_compiler.perception.lane_detector import Boundary
-from scenario_compiler.perception.planned_way import LEAST_SHARE, LOOKED_AT
+from scenario_compiler.perception.planned_way import LEAST_SHARE
+from scenario_compiler.perception.route_ahead import LOOKED_AT
 
 Floats = NDArray[np.float64]
 
