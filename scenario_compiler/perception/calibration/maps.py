@@ -65,7 +65,7 @@ class View:
     Attributes:
         image: (height, width, 3) uint8, BGR.
         truth: The lane's boundaries and paint.
-        way: Points of the path in the camera's ground frame that the automation knows; none where it does not use them.
+        way: Points of the path in the camera's ground frame, where the automation uses them; otherwise empty.
         number: Index in the clip.
     """
 
