@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import os
 import re
 import signal
 import socket
@@ -24,20 +25,26 @@ PATIENCE = 60.0
 """Time after which an answer that must come is no longer waited for, s: the machine may be slow and busy."""
 
 
+WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+PORTS = iter(range(12000 + 1000 * (WORKER % 20), 13000 + 1000 * (WORKER % 20), 2))
+"""Ports of this worker, each of which is given to one test."""
+
+
 def free_port() -> int:
     """Return a port that nobody listens on, nor on the next one, on which a server sends its pictures.
 
-    Other servers and Traffic Managers of other tests may run at that time.
+    Servers and Traffic Managers of other tests start at the same time. Two that are told the same port would share a
+    Traffic Manager, so each worker has ports of its own, below those that the system gives to sockets.
     """
-    while True:
+    for port in PORTS:
         with socket.socket() as one, socket.socket() as other:
-            one.bind(("127.0.0.1", 0))
-            port = int(one.getsockname()[1])
             try:
+                one.bind(("127.0.0.1", port))
                 other.bind(("127.0.0.1", port + 1))
-            except (OSError, OverflowError):  # it is taken, or there is none
+            except OSError:  # it is taken
                 continue
             return port
+    raise RuntimeError("no port is free")
 
 
 @dataclass
