@@ -98,7 +98,10 @@ class Course:
         return x - aside * np.sin(heading), y + aside * np.cos(heading)
 
     def across(self, s: Floats, parabola: tuple[float, float, float]) -> Floats:
-        """Return t (n,) at s (n,) of the curve y = a + b x + c x**2 / 2 given by a, b and c."""
+        """Return t (n,) at s (n,) of the curve y = a + b x + c x**2 / 2 given by a, b and c.
+
+        It is not finite where the curve does not cross the route's normal on this side of the centre of the bend.
+        """
         a, b, c = parabola
         heading, t = self.heading_at(s), np.zeros_like(s)
         sine, cosine = np.sin(heading), np.cos(heading)

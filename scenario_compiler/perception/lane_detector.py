@@ -320,8 +320,9 @@ class ClassicalLaneDetector:
 
 def _before(state: LaneState, side: int) -> Before:
     trusted = (state.left, state.right)[side]
+    middle = None if trusted is None else _at(trusted, MIDDLE, state.way)
     return Before(
-        None if trusted is None else float(_at(trusted, MIDDLE, state.way)),
+        None if middle is None else float(middle),
         None if state.last is None else _at(state.last[side], PLACES, state.way),
         None if state.evidence is None else np.array(state.evidence[side]),
         max(NEWEST, 1.0 / (state.images + 1)),
@@ -338,18 +339,25 @@ def _width(left: Fit, right: Fit) -> float:
     return float((arc_y(left.curve, at) - arc_y(right.curve, at))[0])
 
 
-def _at(boundary: Boundary, ahead: Floats, way: Course | None) -> Floats:
-    """Return how far to the left a boundary is at some distances ahead, along the route if it is known, m."""
+def _at(boundary: Boundary, ahead: Floats, way: Course | None) -> Floats | None:
+    """Return how far to the left a boundary is at some distances ahead, along the route if it is known, m.
+
+    It is None if the boundary does not cross the route's normal there.
+    """
     if way is None:
         return boundary.y(ahead)
-    return way.across(ahead, (boundary.y0, boundary.slope, boundary.curvature))
+    across = way.across(ahead, (boundary.y0, boundary.slope, boundary.curvature))
+    return across if np.isfinite(across).all() else None
 
 
 def _curve(boundary: Boundary | None, way: Course | None) -> Floats | None:
-    """Return offset, slope and curvature of a boundary 5 m ahead."""
+    """Return offset, slope and curvature of a boundary 5 m ahead; None if there is none along the route."""
     if boundary is None:
         return None
     if way is None:
         return np.array([float(boundary.y(X_FROM)), boundary.slope + boundary.curvature * X_FROM, boundary.curvature])
-    half, slope, offset = np.polyfit(PLACES - X_FROM, _at(boundary, PLACES, way), 2)
+    places = _at(boundary, PLACES, way)
+    if places is None:
+        return None
+    half, slope, offset = np.polyfit(PLACES - X_FROM, places, 2)
     return np.array([offset, slope, 2.0 * half])

@@ -145,7 +145,8 @@ def tilt_of_bend(left: Fit, right: Fit, course: Course, height: float) -> Tilt:
     seen = 0.5 * float(left.curve[2] + right.curve[2])
     fitted = min(left.deviations[1], right.deviations[1]) / LEVER
     deviation = math.hypot(FIT_DEVIATION, fitted, MAP_DEVIATION * course.bend)
-    if bends == 0.0 or not math.isfinite(min(left.slope_deviation, right.slope_deviation)):
+    known = math.isfinite(bends) and bends != 0.0
+    if not known or not math.isfinite(min(left.slope_deviation, right.slope_deviation)):
         return Tilt(0.0, math.inf)
     return Tilt(seen / bends, deviation / abs(bends))
 

@@ -1,8 +1,11 @@
+import math
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from scenario_compiler.perception.calibration.scenes import Fading, Line, Reference, Strip, make_scene
 from scenario_compiler.perception.calibration.truth import Truth
@@ -176,6 +179,31 @@ def test_the_route_adds_no_paint(way: tuple[float, float], quality: float) -> No
     for without, with_way in ((blind.left, told.left), (blind.right, told.right)):
         assert float(np.abs(without.y([6.0, 18.0]) - with_way.y([6.0, 18.0])).max()) < 0.2
         assert with_way.p_geom < without.p_geom + 0.1
+
+
+TURNED = RoadCamera(two_lanes(bend(60.0))).frame(bend(60.0).pose(70.0), [], CLEAR, 0.0, 0)
+
+
+@settings(deadline=None, max_examples=30)
+@given(
+    radius=st.floats(2.0, 60.0),
+    side=st.sampled_from([-1.0, 1.0]),
+    aside=st.floats(-5.0, 5.0),
+    begin=st.floats(-6.0, 15.0),
+)
+def test_every_route_gives_numbers(radius: float, side: float, aside: float, begin: float) -> None:
+    angles = np.maximum(np.arange(-3.0, 36.0) - begin, 0.0) / radius
+    x = np.minimum(np.arange(-3.0, 36.0), begin) + radius * np.sin(angles)
+    y = aside + side * radius * (1.0 - np.cos(angles))
+    course, state = Course.along(list(zip(x.tolist(), y.tolist(), strict=True))), LaneState()
+    for way in (None, course, course, None):
+        found, rows = DETECTOR.look(TURNED, replace(state, way=way))
+        state = state.after(found)
+        assert all(np.isfinite(row).all() for row in rows)
+        for one in (found.left, found.right):
+            assert np.isfinite([one.y0, one.slope, one.curvature, one.p_geom, one.p_paint, one.p]).all()
+        assert math.isfinite(found.tilt.pitch)
+        assert math.isfinite(found.tilt.deviation)
 
 
 def test_detection_depends_on_its_arguments_only() -> None:
