@@ -33,7 +33,7 @@ PORTS = iter(range(12000 + 1000 * (WORKER % 20), 13000 + 1000 * (WORKER % 20), 2
 def free_port() -> int:
     """Return a port that nobody listens on, nor on the next one, on which a server sends its pictures.
 
-    Servers and Traffic Managers of other tests start at the same time. Two that are told the same port would share a
+    Servers and Traffic Managers of other tests start at the same time. Two with the same port would share a
     Traffic Manager, so each worker has ports of its own, below those that the system gives to sockets.
     """
     for port in PORTS:
