@@ -257,7 +257,7 @@ class _Middle:
 
     def _half_width(self, boundary: Boundary, x: float) -> float:
         """Return half the lane's width, measured in y where the boundary has a heading."""
-        return self.width / 2.0 * math.hypot(1.0, boundary.slope + boundary.curvature * x)
+        return self.width / 2.0 * math.hypot(1.0, boundary.slope_at(x))
 
 
 def _to_world(path: list[Point], vehicle: VehicleState) -> list[Point]:

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.birds_eye import X_FROM, X_STEP, Ridges
-from scenario_compiler.perception.course import Course
+from scenario_compiler.perception.course import Course, moved_aside
 from scenario_compiler.perception.lane_fit import STANDS_OUT, Fit, arc_y, parabola_of
 from scenario_compiler.perception.road_plane import Tilt
 
@@ -348,14 +348,11 @@ def _paint(fit: Fit, near: slice, brightness: float) -> dict[str, float]:
 
 
 def _deviations(fit: Fit, known: Circumstances) -> dict[str, float]:
-    """Return how far the boundary may be off where it has to be right, by its rows and by the tilt.
-
-    A tilt p moves what is seen at x to x (1 - p x / h), y (1 - p x / h), h being the camera's height (see
-    `road_plane`): with the slope m = dy/dx the boundary moves sideways by p x (x m - y) / (h sqrt(1 + m^2)).
-    """
+    """Return how far the boundary may be off where it has to be right, by its rows and by the tilt."""
     (x, y), (further_x, further_y) = (_ground(fit, s, known.way) for s in (PLACES, PLACES + SHORT))
     dx, dy = further_x - x, further_y - y
-    lever = float(np.nan_to_num(np.abs(x * (x * dy - y * dx) / np.hypot(dx, dy))).max()) / known.height
+    moved = moved_aside(x, y, dx, dy) / np.hypot(dx, dy)
+    lever = float(np.nan_to_num(np.abs(moved)).max()) / known.height
     tilted = lever * known.tilt.deviation
     near, far = fit.deviations
     return {

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +68,7 @@ class Course:
         x, y = points.T
         return Course(s, x, y, 0.5 * (s[:-1] + s[1:]), np.unwrap(np.arctan2(dy, dx)))
 
-    @property
+    @cached_property
     def aside(self) -> float:
         """Distance from the camera to the left to the route, m."""
         begin = np.zeros(1)
@@ -112,11 +113,22 @@ class Course:
         return t
 
     def lever(self, s: Floats, height: float) -> Floats:
-        """Return by how many metres to the left the route appears to move at s for a radian of upward tilt, (n,).
-
-        Seen from above through a camera at a height h that is tilted up by p, a point at (x, y) appears moved towards
-        the camera by the share p x / h (see `road_plane`).
-        """
+        """Return by how many metres to the left the route appears to move at s for a radian of upward tilt, (n,)."""
         x, y = self.points(s, np.zeros_like(s))
         heading = self.heading_at(s)
-        return np.asarray(x * (x * np.sin(heading) - y * np.cos(heading)) / height)
+        return moved_aside(x, y, np.cos(heading), np.sin(heading)) / height
+
+
+def moved_aside(x: Floats, y: Floats, dx: Floats, dy: Floats) -> Floats:
+    """Return by how far to its left a line appears to move for a small tilt p, divided by p and multiplied by h, (n,).
+
+    Seen from above through a camera at a height h that is tilted up by p, what is at (x, y) appears at (1 - p x / h)
+    times that (see `road_plane`).
+
+    Args:
+        x: (n,) points of the line, m ahead of the camera.
+        y: (n,) its points, m to the left of the camera.
+        dx: (n,) its direction there, a vector; the result grows with its length.
+        dy: (n,) the same, to the left.
+    """
+    return np.asarray(x * (x * dy - y * dx))

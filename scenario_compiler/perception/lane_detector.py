@@ -94,6 +94,10 @@ class Boundary:
         ahead = np.asarray(x, np.float64)
         return self.y0 + self.slope * ahead + 0.5 * self.curvature * ahead * ahead
 
+    def slope_at(self, x: float) -> float:
+        """Return dy/dx at x metres ahead of the camera."""
+        return self.slope + self.curvature * x
+
 
 @dataclass(frozen=True)
 class LaneResult:
@@ -355,7 +359,7 @@ def _curve(boundary: Boundary | None, way: Course | None) -> Floats | None:
     if boundary is None:
         return None
     if way is None:
-        return np.array([float(boundary.y(X_FROM)), boundary.slope + boundary.curvature * X_FROM, boundary.curvature])
+        return np.array([float(boundary.y(X_FROM)), boundary.slope_at(X_FROM), boundary.curvature])
     places = _at(boundary, PLACES, way)
     if places is None:
         return None

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import PLACES, Confidence, in_order, load_confidence, noise_of
+from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_detector import Boundary, LaneResult, LaneState
 from scenario_compiler.perception.road_plane import Tilt, tilt_of_widening
 
@@ -110,12 +111,12 @@ class LearnedLaneDetector:
         sides = [_Side(one, paint, self._v, tilt.pitch, self._scale) for one, paint in zip(told, painted, strict=True)]
         sigma_hat = noise_of(image)
         health = noise_health(sigma_hat)
-        turn = None if state.way is None else state.way.turn
         features = [
-            _features(sides[0], sides[1], tilt, seen_pitch, width, sigma_hat, state.left, turn),
-            _features(
-                sides[1], sides[0], tilt, seen_pitch, width, sigma_hat, state.right, None if turn is None else -turn
-            ),
+            _features(side, other, tilt, seen_pitch, width, sigma_hat, before, state.way, sign)
+            for side, other, before, sign in (
+                (sides[0], sides[1], state.left, 1.0),
+                (sides[1], sides[0], state.right, -1.0),
+            )
         ]
         left, right = (
             _boundary(side, *p) for side, p in zip(sides, self.confidence(np.stack(features)).tolist(), strict=True)
@@ -263,9 +264,10 @@ def _features(
     width: float,
     sigma: float,
     before: Boundary | None,
-    turn: float | None,
+    way: Course | None,
+    sign: float,
 ) -> Floats:
-    """Return the features of a side; `turn` is the planned route's turn to that side, rad, if the route is known."""
+    """Return the features of a side; `sign` is 1 for the left one and -1 for the right one."""
     x = np.array([12.0])
     off = abs(abs(side.curve[2] - other.curve[2]) - width)
     moved = 0.0
@@ -294,11 +296,11 @@ def _features(
             "noise": math.log(sigma + 1.0),
             "remembered": float(before is not None),
             "moved": min(4.0 * moved, 2.0),
-            "way": float(turn is not None),
+            "way": float(way is not None),
             "lever": side.lever / 20.0,
             "deviation_tilt": math.log(side.lever * tilt.deviation / 0.1 + 0.1),
             "seen_off": min(side.lever * abs(seen_pitch - tilt.pitch), 1.5),
-            "bend": 0.0 if turn is None else 2.0 * turn,
+            "bend": 0.0 if way is None else 2.0 * sign * way.turn,
         },
     )
 

@@ -59,10 +59,6 @@ def _aside(boundary: Boundary, point: Point) -> float:
     """Return the distance from a point of the route to the boundary, m, positive if the boundary is to its left."""
     x, (begin, y) = point[0], point
     for _ in range(NEAREST_STEPS):
-        slope = boundary.slope + boundary.curvature * x
-        x -= (x - begin + (_y(boundary, x) - y) * slope) / (1.0 + slope * slope)
-    return math.copysign(math.hypot(x - begin, _y(boundary, x) - y), _y(boundary, begin) - y)
-
-
-def _y(boundary: Boundary, x: float) -> float:
-    return boundary.y0 + boundary.slope * x + 0.5 * boundary.curvature * x * x
+        slope = boundary.slope_at(x)
+        x -= (x - begin + (float(boundary.y(x)) - y) * slope) / (1.0 + slope * slope)
+    return math.copysign(math.hypot(x - begin, float(boundary.y(x)) - y), float(boundary.y(begin)) - y)

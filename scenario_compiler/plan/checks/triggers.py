@@ -213,8 +213,8 @@ def _never_at_a_time(
         between = f"the run has steps of {plan.step:g} s, and {limit:g} s is between two of them"
         return Never(NEVER_FIRES, between, "after")
     begins = condition.rule.startswith("greater")
-    if begins and limit + number_value(one.delay, values) >= plan.duration:
-        begin = limit + number_value(one.delay, values)
+    begin = limit + number_value(one.delay, values)
+    if begins and begin >= plan.duration:
         return Never(AFTER_THE_END, f"the run ends at {plan.duration:g} s, before {begin:g} s", "after")
     from_start = begins and (limit < 0.0 or (limit == 0.0 and condition.rule == "greaterOrEqual"))
     if from_start and one.edge != "none":
