@@ -261,10 +261,10 @@ slightly other pictures, and agrees with itself in {ceiling}.
 There is no request in {asked} with the surrogate.
 Aims that are missed: {missed}.
 
-A fit to 1016 runs was compared, with today's detector and the confidence before it, a network fitted to 60 maps: it had
-the camera's answer in 91 % of these runs as they were then, as the coefficients had, but among those in which the
-driver does not respond it left the lane more often (38 %). So the coefficients were kept. A fit to 625 runs, 500
-of them with today's camera, has its answer in 357 of the runs of this page, and the coefficients in 356.
+A fit to 1016 runs was compared, with the detector before it knew the route in bends, and a network fitted to 60 maps as
+its confidence: it had the camera's answer in 91 % of these runs as they were then, as the coefficients had, but among
+those in which the driver does not respond it left the lane more often (38 %). So the coefficients were kept. A fit to
+625 runs, 500 of them with today's camera, has its answer in 357 of the runs of this page, and the coefficients in 356.
 
 436 more runs with the camera are on other drawn roads (247) and on lanes of 43 road files of other projects (189),
 among them roundabouts, steep bends and bridges; their numbers were not in the fit, but many of these maps were. They
