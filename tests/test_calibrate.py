@@ -159,8 +159,8 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("detector", "digest"),
     [
-        ("classical", "8e0164d649e740a4397392c47505be46d000115edd6c050c6c657ebfc51d82fc"),
-        ("learned", "e4fed329d6d9d014b443633fc83b92b92097f3f7a553c4ab0915e16fc171f829"),
+        ("classical", "afc9359efca4c3a5a5dd079de145ca385b65cfcb2f6762d3fbff65b6011abf7f"),
+        ("learned", "5c429b0ad3a8424df1285a6f29fc91e955fc934eebb369a1f803bf3c550914e5"),
     ],
 )
 def test_the_pages_are_about_the_packaged_confidence(detector: DetectorName, digest: str) -> None:

@@ -55,7 +55,7 @@ from scenario_compiler.perception.learned_detector import (
     Rows,
     ground_of,
 )
-from scenario_compiler.perception.route_ahead import Point
+from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.roads import load_network
 
@@ -436,7 +436,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
         truth: Truth,
         clip: int,
         about: tuple[float, ...],
-        way: tuple[Point, ...] = (),
+        way: tuple[WayPoint, ...] = (),
     ) -> LaneState:
         result = taker.look(image, state, truth, clip, about, way)
         told, _, _, _ = detector.tell(image)

@@ -14,7 +14,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from pydantic import Field
 
@@ -26,13 +26,14 @@ from scenario_compiler.controllers.model import (
     VehicleState,
 )
 from scenario_compiler.perception.planned_way import on_way
-from scenario_compiler.perception.route_ahead import known_way
+from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING, TRUSTED
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from scenario_compiler.perception.course import Course
     from scenario_compiler.perception.lane_detector import Boundary, LaneDetector, LaneResult, LaneState
 
 Point = tuple[float, float]
@@ -137,12 +138,12 @@ class LaneDetectionController(ControllerModel):
         self._seen_at = sensor_data.t
         ahead = vehicle.center + sensor_data.camera.x
         left = sensor_data.camera.y
-        lanes = self._detect(sensor_data, _way_of(sensor_data, ahead), self._travelled(vehicle))
+        lanes = self._detect(sensor_data, ahead, self._travelled(vehicle))
         middle = self._middle(lanes)
-        if middle is not None:
-            seen = [(x + ahead, middle(float(x)) + left) for x in range(-2, PATH_LENGTH + 1)]
+        if middle:
+            seen = [spot.moved(ahead, left) for spot in middle]
             trust = max(lanes.left.p, lanes.right.p)
-            path = _blend(_to_vehicle(self._path, vehicle), seen, ahead + NEAREST, trust, self._bend)
+            path = _blend(_to_vehicle(self._path, vehicle), seen, trust, self._bend)
             self._path = _to_world(path, vehicle)
 
     def _pedals(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> tuple[float, float]:
@@ -203,7 +204,7 @@ class LaneDetectionController(ControllerModel):
         before, self._place = self._place, (vehicle.x, vehicle.y)
         return 0.0 if before is None else math.dist(before, self._place)
 
-    def _detect(self, sensor_data: SensorData, way: Sequence[Point], travelled: float) -> LaneResult:
+    def _detect(self, sensor_data: SensorData, ahead: float, travelled: float) -> LaneResult:
         from scenario_compiler.perception.course import Course
         from scenario_compiler.perception.lane_detector import LaneState
         from scenario_compiler.perception.sensor_health import SensorMonitor
@@ -214,7 +215,9 @@ class LaneDetectionController(ControllerModel):
             self._monitor = SensorMonitor()
             self._prior = LaneState()
         assert self._prior is not None
-        lanes = self._detector.detect(sensor_data.image, replace(self._prior, way=Course.along(way)))
+        way = _way_of(sensor_data, ahead)
+        self._prior = replace(self._prior, way=Course.along(way))
+        lanes = self._detector.detect(sensor_data.image, self._prior)
         self._prior = self._prior.after(lanes)
         health = self._monitor.observe(sensor_data.image, travelled).health
         left, right = (on_way(boundary, way) for boundary in (lanes.left, lanes.right))
@@ -228,36 +231,67 @@ class LaneDetectionController(ControllerModel):
         )
         return self._lanes
 
-    def _middle(self, lanes: LaneResult) -> _Middle | None:
-        """Return the lane's middle from the trusted sides; None if neither is trusted."""
-        width = self._prior.width if self._prior is not None and self._prior.width is not None else USUAL_WIDTH
-        left = lanes.left.p if lanes.left.p >= TRUSTED else 0.0
-        right = lanes.right.p if lanes.right.p >= TRUSTED else 0.0
-        if left + right == 0.0:
-            return None
-        return _Middle(lanes.left, lanes.right, left / (left + right), width)
+    def _middle(self, lanes: LaneResult) -> list[_Spot]:
+        """Return the lane's middle from the trusted sides, in the camera's ground frame; nothing without any."""
+        expected = None if self._prior is None else self._prior.expected_width
+        width = USUAL_WIDTH if expected is None else expected
+        left, right = lanes.left, lanes.right
+        if left.course is not right.course:
+            left, right = left.as_parabola(), right.as_parabola()
+        trusted = [side.p if side.p >= TRUSTED else 0.0 for side in (left, right)]
+        if sum(trusted) == 0.0:
+            return []
+        share = trusted[0] / sum(trusted)
+        ahead = list(range(-2, PATH_LENGTH + 1))
+        across = [
+            share * (of_left - _half(width, left, x)) + (1.0 - share) * (of_right + _half(width, right, x))
+            for x, of_left, of_right in zip(
+                ahead, left.across(ahead).tolist(), right.across(ahead).tolist(), strict=True
+            )
+        ]
+        if left.course is None:
+            return [_Spot(x, y, 0.0, x >= NEAREST) for x, y in zip(ahead, across, strict=True)]
+        return _along_course(left.course, ahead, across)
 
 
-def _way_of(sensor_data: SensorData, ahead: float) -> Sequence[Point]:
-    """Return the planned route in the camera's ground frame where it is used (see `known_way`)."""
-    junction = math.inf if sensor_data.junction is None else sensor_data.junction - ahead
-    return known_way([(x - ahead, y - sensor_data.camera.y) for x, y in sensor_data.route], junction)
+def _way_of(sensor_data: SensorData, ahead: float) -> Sequence[WayPoint]:
+    """Return the planned route in the camera's ground frame."""
+    points = [(x - ahead, y - sensor_data.camera.y) for x, y in sensor_data.route]
+    if not sensor_data.route_widths:
+        return [WayPoint(x, y) for x, y in points]
+    of_map = zip(sensor_data.route_widths, sensor_data.route_heights, sensor_data.route_banks, strict=True)
+    return [WayPoint(x, y, *more) for (x, y), more in zip(points, of_map, strict=True)]
 
 
-class _Middle:
-    """The middle of a lane as a function of the distance ahead of the camera."""
+class _Spot(NamedTuple):
+    """A point of the middle of a lane: x, y and the direction of the line along which the lane is measured, m and rad.
 
-    def __init__(self, left: Boundary, right: Boundary, share: float, width: float) -> None:
-        self.left, self.right, self.share, self.width = left, right, share, width
+    Nearer than `NEAREST` the camera does not see the ground, and the boundaries are extrapolated.
+    """
 
-    def __call__(self, x: float) -> float:
-        from_left = float(self.left.y(x)) - self._half_width(self.left, x)
-        from_right = float(self.right.y(x)) + self._half_width(self.right, x)
-        return self.share * from_left + (1.0 - self.share) * from_right
+    x: float
+    y: float
+    heading: float
+    visible: bool
 
-    def _half_width(self, boundary: Boundary, x: float) -> float:
-        """Return half the lane's width, measured in y where the boundary has a heading."""
-        return self.width / 2.0 * math.hypot(1.0, boundary.slope_at(x))
+    def moved(self, dx: float, dy: float) -> _Spot:
+        """Return it seen from a place that is behind by dx and to the right by dy, m."""
+        return self._replace(x=self.x + dx, y=self.y + dy)
+
+
+def _half(width: float, boundary: Boundary, x: float) -> float:
+    """Return half a lane's width, measured across the line along which the boundary is, m."""
+    return width / 2.0 * math.hypot(1.0, boundary.slope_at(x))
+
+
+def _along_course(course: Course, ahead: Sequence[float], across: Sequence[float]) -> list[_Spot]:
+    """Return the points at some distances ahead along a course and to the left of it, but those that are undefined."""
+    import numpy as np
+
+    s = np.array(ahead, np.float64)
+    x, y = course.points(s, np.array(across))
+    rows = zip(x.tolist(), y.tolist(), course.heading_at(s).tolist(), ahead, strict=True)
+    return [_Spot(x, y, heading, s >= NEAREST) for x, y, heading, s in rows if math.isfinite(x)]
 
 
 def _to_world(path: list[Point], vehicle: VehicleState) -> list[Point]:
@@ -271,17 +305,19 @@ def _to_vehicle(path: list[Point], vehicle: VehicleState) -> list[Point]:
     return [(c * x + s * y, -s * x + c * y) for x, y in moved]
 
 
-def _blend(old: list[Point], seen: list[Point], nearest: float, trust: float, bend: float) -> list[Point]:
+def _blend(old: list[Point], seen: list[_Spot], trust: float, bend: float) -> list[Point]:
     """Return the remembered path, moved towards the seen one by its trust; the seen one if nothing is remembered.
 
-    Nearer than `nearest` the camera does not see the ground and the boundaries are extrapolated, so the remembered path
-    has more weight there. Beyond its end the remembered path continues in its direction with the curvature `bend`, 1/m.
+    Where the lane is extrapolated, the remembered path has more weight. Beyond its end the remembered path continues in
+    its direction with the curvature `bend`, 1/m.
     """
     blended = []
-    for x, y in seen:
-        before = _y_at(old, x, bend)
-        share = trust * (NEW_SHARE if x >= nearest else UNSEEN_SHARE)
-        blended.append((x, y if before is None else before + share * (y - before)))
+    for spot in seen:
+        c, s = math.cos(spot.heading), math.sin(spot.heading)
+        from_here = [(x - spot.x, y - spot.y) for x, y in old]
+        before = _y_at([(c * x + s * y, c * y - s * x) for x, y in from_here], 0.0, bend)
+        kept = 0.0 if before is None else before * (1.0 - trust * (NEW_SHARE if spot.visible else UNSEEN_SHARE))
+        blended.append((spot.x - s * kept, spot.y + c * kept))
     return blended
 
 

@@ -104,6 +104,9 @@ class SensorData:
         lead_speed: Speed of that thing along the path, m/s.
         route: The planned route ahead, as a navigation system knows it: points (x ahead, y to the left) relative to
             the rear axle, m, one metre apart, beginning beside the axle; empty if the ego is off every road.
+        route_widths: Width of the lane at each of these points by the map, m.
+        route_heights: Height of each of them above the plane of the road below the ego by the map, m.
+        route_banks: By how much the road rises to the left there for each metre, against that plane.
         junction: Distance along the route to the next junction, m, rounded to the metre, 0 inside a junction; None if
             there is none on the known route.
         bend_speed: Greatest speed from which comfortable braking suffices for the bends of the planned route, m/s. The
@@ -117,6 +120,9 @@ class SensorData:
     lead_gap: float | None = None
     lead_speed: float = 0.0
     route: tuple[tuple[float, float], ...] = ()
+    route_widths: tuple[float, ...] = ()
+    route_heights: tuple[float, ...] = ()
+    route_banks: tuple[float, ...] = ()
     junction: float | None = None
     bend_speed: float = math.inf
 

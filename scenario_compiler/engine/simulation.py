@@ -40,6 +40,9 @@ class Outlook(NamedTuple):
         bend_speed: Greatest speed from which comfortable braking suffices for the bends ahead, m/s; FAR if none
             limits it.
         way: Points of the planned route, 1 m apart, as (x ahead, y left) of the reference point, m.
+        widths: Width of the lane at each of them, m.
+        heights: Height of each above the plane of the road at the first, m.
+        banks: By how much the road rises to the left there per metre, against that plane.
     """
 
     gap: float
@@ -47,6 +50,9 @@ class Outlook(NamedTuple):
     junction: float
     bend_speed: float
     way: tuple[tuple[float, float], ...]
+    widths: tuple[float, ...]
+    heights: tuple[float, ...]
+    banks: tuple[float, ...]
 
 
 class Simulation:
@@ -234,8 +240,9 @@ class Simulation:
         """Return the road ahead of the ego, as its controller receives it."""
         out = array("d", bytes(8 * op.OUTLOOK_SIZE))
         count = self.form.enter("look_out", out)
-        points = tuple(zip(out[op.OUTLOOK_HEAD :: 2][:count], out[op.OUTLOOK_HEAD + 1 :: 2][:count], strict=True))
-        return Outlook(out[0], out[1], out[2], out[3], points)
+        x, y, *others = (out[op.OUTLOOK_HEAD + k :: op.OUTLOOK_POINT][:count] for k in range(op.OUTLOOK_POINT))
+        widths, heights, banks = (tuple(one) for one in others)
+        return Outlook(out[0], out[1], out[2], out[3], tuple(zip(x, y, strict=True)), widths, heights, banks)
 
     def look_at_view(self) -> NDArray[np.float64] | None:
         """Return the features of surrogate perception, (2, VIEW_SIZE), for the left and for the right side.

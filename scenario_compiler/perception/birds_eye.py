@@ -52,6 +52,7 @@ class Ridges:
         scale: (rows,) the row's deviation, grey levels.
         green: (rows, columns) greenness of the greener side, grey levels: green minus the mean of red and blue.
         ground: (rows, columns) brightness, grey levels.
+        seen: (rows, columns) 1 if a cell and its sides lie in the image, else 0.
     """
 
     strength: Map
@@ -59,6 +60,7 @@ class Ridges:
     scale: Map
     green: Map
     ground: Map
+    seen: Map
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +104,12 @@ class BirdsEye:
 
     def _tilted(self, pitch: float, course: Course | None = None) -> Lookup:
         s, t = self.x[:, None].astype(np.float64), self.y.astype(np.float64)
-        x, y = np.broadcast_arrays(s, t) if course is None else course.points(s, t)
-        u, v = self.camera.project_ground(x, y, pitch)
+        if course is None:
+            x, y = np.broadcast_arrays(s, t)
+            u, v = self.camera.project_ground(x, y, pitch)
+        else:
+            x, y = course.points(s, t)
+            u, v = self.camera.project_ground(x, y, pitch, course.height(s, t))
         width, height = self.camera.width, self.camera.height
         inside = ((u >= 1) & (u < width - 2) & (v >= 0) & (v < height - 1)).astype(np.float32)
         seen: Map = np.asarray(cv2.erode(inside, np.ones((1, 2 * self.side + 1), np.uint8)), np.float32)
@@ -116,7 +122,8 @@ class BirdsEye:
         Args:
             image: (height, width, 3) uint8, BGR.
             pitch: Upward tilt of the camera against its mounting, rad.
-            course: The line along which the ground is viewed; rows are along it then. None for straight ahead.
+            course: The line along which the ground is viewed; rows are along it then, and the pitch is that against
+                the map. None for straight ahead.
         """
         lookup = self.lookup(pitch) if course is None else self._tilted(pitch, course)
         bright = cv2.max(image[:, :, 1], image[:, :, 2])
@@ -131,7 +138,7 @@ class BirdsEye:
         contrast *= lookup.seen
         scale = self._deviation(np.abs(curve) * lookup.seen, lookup.count)
         strength = np.minimum(contrast / scale[:, None], STRONGEST)
-        return Ridges(strength, contrast, scale, self._green(image, lookup), above)
+        return Ridges(strength, contrast, scale, self._green(image, lookup), above, lookup.seen)
 
     def _second_difference(self, above: Map) -> tuple[Map, Map]:
         """Return across the road the second difference of brightness, and it less the difference of the two sides."""

@@ -84,18 +84,21 @@ class Camera:
         foot = np.array([pose.x, pose.y, pose.z]) + axes[:, 0] * (box_offset + self.x) + axes[:, 1] * self.y
         return View(self, pose, foot, foot + axes[:, 2] * self.z, self.rotation @ axes.T)
 
-    def project_ground(self, x: ArrayLike, y: ArrayLike, pitch: float = 0.0) -> tuple[Floats, Floats]:
+    def project_ground(
+        self, x: ArrayLike, y: ArrayLike, pitch: float = 0.0, z: ArrayLike = 0.0
+    ) -> tuple[Floats, Floats]:
         """Return the pixels (u, v) of points on the ground; NaN for points that are not in front of the lens.
 
         Args:
             x: Ground coordinate ahead, m, any shape.
             y: Ground coordinate left, m, of the same shape.
             pitch: Upward tilt of the camera relative to its mounting, rad: positive where the ground ahead falls away.
+            z: Height above the plane of the ground, m, of the same shape as x.
         """
         ahead, left = np.asarray(x, np.float64), np.asarray(y, np.float64)
         cos, sin = math.cos(pitch), math.sin(pitch)
         right, down, depth = self.rotation @ np.array([[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]])
-        height = -self.z
+        height = np.asarray(z, np.float64) - self.z
         far = depth[0] * ahead + depth[1] * left + depth[2] * height
         far = np.where(far > 1e-3, far, np.nan)
         u = self.width / 2.0 + (right[0] * ahead + right[1] * left + right[2] * height) / far * self.focal

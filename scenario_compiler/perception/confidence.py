@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.birds_eye import X_FROM, X_STEP, Ridges
 from scenario_compiler.perception.course import Course, moved_aside
-from scenario_compiler.perception.lane_fit import STANDS_OUT, Fit, arc_y, parabola_of
+from scenario_compiler.perception.lane_fit import STANDS_OUT, Fit, arc_y
 from scenario_compiler.perception.road_plane import Tilt
 
 Floats = NDArray[np.float64]
@@ -40,7 +40,7 @@ FEATURES = (
     *("prominence", "painted", "residual", "contrast", "support", "row_scale", "width_off", "along", "stretch"),
     *("contrast_along", "green", "blind", "reach", "curvature", "offset", "slope_deviation", "near", "far"),
     *("inner_rival", "outer_rival", "tilt", "tilt_deviation", "moved", "remembered", "way"),
-    *("bend", "misfit"),
+    *("bend", "in_view", "other_in_view"),
     *("other_prominence", "other_along", "other_slope_deviation", "other_far", "apart_slope", "apart_curvature"),
     *("weber", "weber_spread", "uneven", "beside", "ground", "gap", "gap_at", "deviation_near", "deviation_far"),
     *("lever", "deviation_tilt", "deviation", "turn", "place", "heading", "last_moved", "last_far", "unsettled"),
@@ -229,7 +229,10 @@ def features(
         for fit, other, past, sign in ((left, right, before[0], 1.0), (right, left, before[1], -1.0))
     ]
     rows = []
-    for own, others, other, past in ((mine[0], mine[1], right, before[0]), (mine[1], mine[0], left, before[1])):
+    for fit, own, others, other, past in (
+        (left, mine[0], mine[1], right, before[0]),
+        (right, mine[1], mine[0], left, before[1]),
+    ):
         of_both = {
             **own,
             "other_weber": others["weber"],
@@ -237,7 +240,9 @@ def features(
             "other_near": float((other.on_curve[_HALVES[0]] > STANDS_OUT).mean()),
         }
         now = np.array([of_both[name] for name in LASTING])
-        lately = now if past.evidence is None else past.evidence + past.share * (now - past.evidence)
+        # What lies outside the image is no evidence against what was seen.
+        share = past.share * fit.in_view
+        lately = now if past.evidence is None else past.evidence + share * (now - past.evidence)
         means = {name + LATELY: float(mean) for name, mean in zip(LASTING, lately, strict=True)}
         rows.append(in_order(FEATURES, {**of_both, **means}))
     return rows[0], rows[1]
@@ -301,7 +306,8 @@ def _of_side(
         "remembered": 0.0 if moved is None else 1.0,
         "way": 0.0 if known.way is None else 1.0,
         "bend": 0.0 if known.way is None else 2.0 * sign * known.way.turn,
-        "misfit": min(5.0 * parabola_of(fit.curve, known.way)[1], 5.0),
+        "in_view": fit.in_view,
+        "other_in_view": other.in_view,
         "other_prominence": math.log(max(other.prominence, 0.1)),
         "other_along": _along(other),
         "other_slope_deviation": _log_deviation(other),

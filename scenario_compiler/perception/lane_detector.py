@@ -32,8 +32,17 @@ from scenario_compiler.perception.confidence import (
     load_confidence,
     noise_of,
 )
-from scenario_compiler.perception.course import Course
-from scenario_compiler.perception.lane_fit import LEFT, RIGHT, Fit, LaneFitter, arc_y, parabola_of
+from scenario_compiler.perception.course import WIDTH_AT, Course
+from scenario_compiler.perception.lane_fit import (
+    LEFT,
+    NEARBY,
+    RIGHT,
+    Fit,
+    LaneFitter,
+    arc_y,
+    nearest_parabola,
+    parabola_of,
+)
 from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, alike, tilt_beyond
 from scenario_compiler.perception.route_ahead import SHARP
 
@@ -44,8 +53,8 @@ Votes = NDArray[np.float32]
 USUAL_WIDTH, USUAL_SPREAD = 3.45, 0.5
 """Prior width of a lane and its deviation, m: rural and urban lanes have 3.0 to 3.75 m, some 4."""
 
-TRACKED_SPREAD = 0.25
-"""Deviation of the width once it is known, m."""
+KNOWN_SPREAD = 0.25
+"""Deviation of the width if it is known from the map or from the images before, m."""
 
 MOST_ROUNDS = 3
 """Greatest number of times that an image is processed with a better pitch; usually one suffices."""
@@ -60,16 +69,18 @@ BEND_STARTS = tuple(math.radians(0.5 * k) for k in (0, 1, -1, 2, -2, 3, -3, 4, -
 FORGOTTEN = 0.7
 """Deviation of the tilt, relative to the usual one, above which it counts as unknown."""
 
-WIDTH_AT = 10.0
-"""Distance ahead of the camera at which the width of the lane is taken, m."""
-
-REMEMBERED = 0.5
-"""Probability above which a boundary is searched at its previous position."""
+REMEMBERED, IN_VIEW = 0.5, 0.25
+"""Probability above which a boundary is searched at its previous position, and the share of the judged stretch in the
+image below which the search there goes on, whatever the probability is.
+"""
 
 
 @dataclass(frozen=True)
 class Boundary:
     """One boundary of the lane: y = y0 + slope x + curvature x**2 / 2 in the camera's ground frame.
+
+    A boundary with a course is measured along that: x and y are then its s and t, and a boundary that follows it is
+    straight, however sharply both bend.
 
     Attributes:
         y0: Offset below the camera, m, positive to the left.
@@ -79,6 +90,8 @@ class Boundary:
         p_paint: Probability that most of that stretch is painted, however little of it the camera sees.
         p: Confidence, the probability of both: without paint a right guess is luck.
         x_range: Nearest and farthest x at which paint was seen, m.
+        course: The planned route along which it is measured; None for straight ahead.
+        in_view: Share of the stretch from 6 to 18 m ahead that lies in the image.
     """
 
     y0: float
@@ -88,15 +101,42 @@ class Boundary:
     p_paint: float
     p: float
     x_range: tuple[float, float]
+    course: Course | None = None
+    in_view: float = 1.0
+
+    def across(self, ahead: ArrayLike) -> Floats:
+        """Return how far to the left it is at distances ahead, along its course if it has one, m."""
+        distance = np.asarray(ahead, np.float64)
+        return self.y0 + self.slope * distance + 0.5 * self.curvature * distance * distance
+
+    def points(self, ahead: ArrayLike) -> tuple[Floats, Floats]:
+        """Return x and y in the camera's ground frame at distances ahead (n,) along its course if it has one, m.
+
+        They are NaN near the centre of a bend and beyond it.
+        """
+        distance = np.asarray(ahead, np.float64)
+        across = self.across(distance)
+        return (distance, across) if self.course is None else self.course.points(distance, across)
 
     def y(self, x: ArrayLike) -> Floats:
-        """Return the lateral position at x metres ahead of the camera."""
-        ahead = np.asarray(x, np.float64)
-        return self.y0 + self.slope * ahead + 0.5 * self.curvature * ahead * ahead
+        """Return the lateral position at x metres straight ahead of the camera (see `as_parabola`)."""
+        return self.as_parabola().across(x)
 
     def slope_at(self, x: float) -> float:
-        """Return dy/dx at x metres ahead of the camera."""
+        """Return dy/dx at x metres ahead."""
         return self.slope + self.curvature * x
+
+    def as_parabola(self) -> Boundary:
+        """Return the boundary without a course: the parabola straight ahead that is nearest to it 5 to 19 m ahead.
+
+        In a bend with a radius of 10 m, they differ by 0.5 to 2 m.
+        """
+        if self.course is None:
+            return self
+        x, y = self.points(NEARBY)
+        slopes = np.arctan(self.slope + self.curvature * NEARBY)
+        y0, slope, curvature = nearest_parabola(x, y, self.course.heading_at(NEARBY) + slopes)
+        return replace(self, y0=y0, slope=slope, curvature=curvature, course=None)
 
 
 @dataclass(frozen=True)
@@ -131,11 +171,12 @@ class LaneState:
     """The memory from one image to the next.
 
     Attributes:
-        left: Left boundary, if it was trusted.
-        right: Right boundary, if it was trusted.
+        left: Left boundary, if it was trusted when it was last in view.
+        right: Right boundary, if it was trusted when it was last in view.
         width: Lane width, m, averaged over the images in which both sides were sure; None before the first one.
-        way: The planned route, where lanes branch off or bend sharply; the search begins with boundaries along it.
-        tilt: Tilt of the camera against the ground ahead, relative to its mounting.
+        way: The planned route, if it is known; the search begins with boundaries along it.
+        tilt: Tilt of the camera, relative to its mounting, against the ground ahead as the map has it; without a map,
+            against the plane that the car stands on.
         last: Both boundaries of the last image, trusted or not.
         evidence: The detector's memory of each side in addition to the boundary.
         images: Number of images so far.
@@ -150,18 +191,22 @@ class LaneState:
     evidence: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     images: int = 0
 
+    @property
+    def expected_width(self) -> float | None:
+        """Width of the lane by the map, or else as it was seen, m; None if neither is known."""
+        return self.width if self.way is None or self.way.width is None else self.way.width
+
     def after(self, result: LaneResult) -> LaneState:
         """Return the state after one more image."""
         width = self.width
         if min(result.left.p, result.right.p) > 0.8:
             width = result.lane_width if width is None else 0.9 * width + 0.1 * result.lane_width
-        left = result.left if result.left.p > REMEMBERED else None
-        right = result.right if result.right.p > REMEMBERED else None
         return LaneState(
-            left,
-            right,
+            _remembered(self.left, result.left),
+            _remembered(self.right, result.right),
             width,
-            tilt=result.tilt.later(),
+            self.way,
+            tilt=result.tilt.less(_grade_of(result.left.course)).later(),
             last=(result.left, result.right),
             evidence=result.evidence,
             images=self.images + 1,
@@ -255,14 +300,14 @@ class ClassicalLaneDetector:
     ) -> tuple[tuple[Fit, Fit], tuple[Floats, Floats], Tilt]:
         """Return the fits of the left and the right side, the features of their confidence, and the detected tilt."""
         state = prior if prior is not None else LaneState()
-        width, spread = (USUAL_WIDTH, USUAL_SPREAD)
-        if state.width is not None:
-            width, spread = state.width, TRACKED_SPREAD
+        expected = state.expected_width
+        width, spread = (USUAL_WIDTH, USUAL_SPREAD) if expected is None else (expected, KNOWN_SPREAD)
+        grade = _grade_of(state.way)
         known = Circumstances(width, Tilt(0.0, 0.0), Tilt(0.0, 0.0), 0.0, self.camera.z, noise, state.way)
         before = _before(state, 0), _before(state, 1)
         if pitch is not None:
-            tilt = Tilt(pitch, 0.0)
-            ridges = self.birds_eye.ridges(image, pitch, state.way)
+            tilt = Tilt(pitch - grade, 0.0)
+            ridges = self.birds_eye.ridges(image, tilt.pitch, state.way)
             fits = self._fit(ridges, state, width, spread)
             known = replace(known, tilt=tilt, seen=tilt)
         else:
@@ -286,11 +331,12 @@ class ClassicalLaneDetector:
                 ridges = self.birds_eye.ridges(image, tilt.pitch, state.way)
                 fits = self._fit(ridges, state, width, spread)
             known = replace(known, tilt=tilt)
-        return fits, features(fits, ridges, known, before), tilt
+        return fits, features(fits, ridges, known, before), tilt.less(-grade)
 
-    def _painted(self, rows: tuple[Floats, Floats]) -> float:
-        """Return the probability that both sides are painted; only then can the tilt be estimated from them."""
-        return float(self.confidence(np.stack(rows))[:, 1].prod())
+    def _painted(self, rows: tuple[Floats, Floats]) -> tuple[float, float]:
+        """Return the probabilities that the sides are painted; only from paint can the tilt be estimated."""
+        left, right = self.confidence(np.stack(rows))[:, 1].tolist()
+        return left, right
 
     def _first_pitch(self, image: Image, state: LaneState, width: float, spread: float) -> float:
         """Return the initial pitch: the remembered one, or else the one with most paint on two arcs."""
@@ -314,12 +360,15 @@ class ClassicalLaneDetector:
     ) -> tuple[tuple[Votes, Votes], tuple[int, int]]:
         """Return the votes for the arcs of both sides, and the numbers of the two arcs that are chosen."""
         votes = (self.fitter.votes(ridges, LEFT), self.fitter.votes(ridges, RIGHT))
-        tracked = (_curve(state.left, state.way), _curve(state.right, state.way))
+        scores = (
+            self.fitter.scores(votes[LEFT], LEFT, _curve(state.left, state.way)),
+            self.fitter.scores(votes[RIGHT], RIGHT, _curve(state.right, state.way)),
+        )
         if state.way is None:
-            return votes, self.fitter.pair(votes, width, spread, tracked)
+            return votes, self.fitter.pair(scores, width, spread)
         # The way only says where to begin: the paint decides what is there, and the probability keeps its sense.
-        begun = self.fitter.pair(votes, width, spread, tracked, on_course=True)
-        return votes, self.fitter.settle(votes, width, spread, begun)
+        begun = self.fitter.pair(scores, width, spread, on_course=True)
+        return votes, self.fitter.settle(scores, width, spread, begun)
 
 
 def _before(state: LaneState, side: int) -> Before:
@@ -334,8 +383,22 @@ def _before(state: LaneState, side: int) -> Before:
 
 
 def _boundary(fit: Fit, way: Course | None, p_geom: float, p_paint: float, p: float) -> Boundary:
-    (y0, slope, curvature), _ = parabola_of(fit.curve, way)
-    return Boundary(y0, slope, curvature, p_geom, p_paint, p, (fit.nearest, fit.farthest))
+    y0, slope, curvature = parabola_of(fit.curve)
+    return Boundary(y0, slope, curvature, p_geom, p_paint, p, (fit.nearest, fit.farthest), way, fit.in_view)
+
+
+def _remembered(before: Boundary | None, now: Boundary) -> Boundary | None:
+    """Return the boundary to search for in the next image, None if there is none to trust.
+
+    What lies outside the image does not contradict what was seen.
+    """
+    if now.p > REMEMBERED:
+        return now
+    return before if now.in_view < IN_VIEW else None
+
+
+def _grade_of(way: Course | None) -> float:
+    return 0.0 if way is None else way.grade
 
 
 def _width(left: Fit, right: Fit) -> float:
@@ -350,6 +413,8 @@ def _at(boundary: Boundary, ahead: Floats, way: Course | None) -> Floats | None:
     """
     if way is None:
         return boundary.y(ahead)
+    if boundary.course is not None:
+        return boundary.across(ahead) + way.beside(boundary.course)
     across = way.across(ahead, (boundary.y0, boundary.slope, boundary.curvature))
     return across if np.isfinite(across).all() else None
 
@@ -358,8 +423,6 @@ def _curve(boundary: Boundary | None, way: Course | None) -> Floats | None:
     """Return offset, slope and curvature of a boundary 5 m ahead; None if there is none along the route."""
     if boundary is None:
         return None
-    if way is None:
-        return np.array([float(boundary.y(X_FROM)), boundary.slope_at(X_FROM), boundary.curvature])
     places = _at(boundary, PLACES, way)
     if places is None:
         return None

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.birds_eye import X_FROM, Y_FROM, Y_STEP, BirdsEye, Ridges
-from scenario_compiler.perception.course import Course
+from scenario_compiler.perception.route_ahead import LOOKED_AT
 
 Floats = NDArray[np.float64]
 
@@ -122,6 +122,7 @@ class Fit:
         deviations: Standard deviations of the arc 6 and 18 m ahead, from those other ridges, m.
         nearest: Smallest x with paint on two rows, m; the map's last row if there is none.
         farthest: Largest x with paint on two rows, m.
+        in_view: Share of the rows from 6 to 18 m ahead in which the arc lies in the image.
     """
 
     curve: Floats
@@ -141,6 +142,7 @@ class Fit:
     deviations: tuple[float, float]
     nearest: float
     farthest: float
+    in_view: float
 
 
 def added_up(rows: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -211,50 +213,54 @@ class LaneFitter:
         counted = strength.take(self._cells[side]) * self._weights[side]
         return np.asarray(added_up(counted) / self._norms[side], np.float32)
 
+    def scores(self, votes: NDArray[np.float32], side: int, previous: Floats | None) -> Floats:
+        """Return the votes for the arcs of a side, less what an arc costs by its distance from the remembered one.
+
+        Args:
+            votes: The votes.
+            side: The side.
+            previous: The side's boundary in the previous image as offset, slope and curvature at d = 0, if any.
+        """
+        score = votes.astype(np.float64)
+        if previous is not None:
+            away = np.abs(self.curves[side] - previous) @ np.array([1.2, 6.0, 30.0])
+            score -= 2.5 * np.minimum(away, 2.0)
+        return score
+
     def pair(
-        self,
-        votes: tuple[NDArray[np.float32], NDArray[np.float32]],
-        width: float,
-        width_sigma: float,
-        previous: tuple[Floats | None, Floats | None],
-        on_course: bool = False,
+        self, scores: tuple[Floats, Floats], width: float, width_sigma: float, on_course: bool = False
     ) -> tuple[int, int]:
         """Return the best left and right arc.
 
         Args:
-            votes: Votes of the two sides.
+            scores: Scores of the arcs of the two sides.
             width: Expected distance between the boundaries, m.
             width_sigma: Its standard deviation, m.
-            previous: The boundaries of the previous frame as offset, slope and curvature at d = 0, if any.
             on_course: Whether the ground is viewed along the planned route, so that its lane is straight ahead.
         """
-        left, right = (self._best_of_bins(votes[side], side, previous[side], on_course) for side in (LEFT, RIGHT))
+        left, right = (self._best_of_bins(scores[side], side, on_course) for side in (LEFT, RIGHT))
         return self._best_pair(left, right, width, width_sigma)
 
     def settle(
-        self,
-        votes: tuple[NDArray[np.float32], NDArray[np.float32]],
-        width: float,
-        width_sigma: float,
-        chosen: tuple[int, int],
+        self, scores: tuple[Floats, Floats], width: float, width_sigma: float, chosen: tuple[int, int]
     ) -> tuple[int, int]:
         """Return the left and right arc that are better than all near them, by hill climbing from the chosen ones.
 
         It is for ground that is viewed along the planned route, with which the boundaries are nearly parallel.
         """
         for _ in range(MOST_STEPS):
-            left, right = (self._near(votes[side], side, chosen[side]) for side in (LEFT, RIGHT))
+            left, right = (self._near(scores[side], side, chosen[side]) for side in (LEFT, RIGHT))
             better = self._best_pair(left, right, width, width_sigma)
             if better == chosen:
                 break
             chosen = better
         return chosen
 
-    def _near(self, votes: NDArray[np.float32], side: int, chosen: int) -> tuple[NDArray[np.int64], Floats]:
-        """Return the arcs near a chosen one, and their votes."""
+    def _near(self, scores: Floats, side: int, chosen: int) -> tuple[NDArray[np.int64], Floats]:
+        """Return the arcs near a chosen one, and their scores."""
         curves = self.curves[side]
         near = np.flatnonzero((np.abs(curves - curves[chosen]) <= NEIGHBOURS).all(axis=1))
-        return near, votes[near] - self._turned[side][near]
+        return near, scores[near] - self._turned[side][near]
 
     def _best_pair(
         self,
@@ -272,16 +278,9 @@ class LaneFitter:
         i, j = np.unravel_index(int(np.argmax(joint)), joint.shape)
         return int(left[i]), int(right[j])
 
-    def _best_of_bins(
-        self, votes: NDArray[np.float32], side: int, previous: Floats | None, on_course: bool
-    ) -> tuple[NDArray[np.int64], Floats]:
+    def _best_of_bins(self, scores: Floats, side: int, on_course: bool) -> tuple[NDArray[np.int64], Floats]:
         """Return the best arc for each offset, and its score; of equal ones the first."""
-        score = votes.astype(np.float64)
-        if previous is not None:
-            away = np.abs(self.curves[side] - previous) @ np.array([1.2, 6.0, 30.0])
-            score -= 2.5 * np.minimum(away, 2.0)
-        if on_course:
-            score -= self._off_course[side]
+        score = scores - self._off_course[side] if on_course else scores
         ends = pairwise(self._bins[side])
         best = np.array([first + int(np.argmax(score[first:end])) for first, end in ends])
         return best, score[best]
@@ -366,7 +365,15 @@ class LaneFitter:
             deviations=deviations,
             nearest=float(shown[0]) if len(shown) else float(self.x[-1]),
             farthest=float(shown[-1]) if len(shown) else float(self.x[-1]),
+            in_view=self._in_view(ridges, curve),
         )
+
+    def _in_view(self, ridges: Ridges, curve: Floats) -> float:
+        """Return the share of the judged stretch of an arc that lies in the image."""
+        rows = self.rows[(self.x > LOOKED_AT[0]) & (self.x < LOOKED_AT[1])]
+        column = self._column(curve, self.d[rows])
+        inside = (column >= 0) & (column < self.columns)
+        return float(np.where(inside, ridges.seen[rows, np.clip(column, 0, self.columns - 1)], 0.0).mean())
 
     def _rivals(self, votes: NDArray[np.float32], side: int, chosen: int) -> tuple[float, float]:
         beyond = self._middles[side] - self._middles[side][chosen]
@@ -441,29 +448,33 @@ def arc_y(curve: Floats, d: Floats) -> Floats:
     return np.asarray(offset + d * (sine + turned) / both)
 
 
-def parabola_of(curve: Floats, way: Course | None) -> tuple[tuple[float, float, float], float]:
-    """Return the parabola in the camera's ground frame that is nearest to an arc, and how far apart they are.
+def parabola_of(curve: Floats) -> tuple[float, float, float]:
+    """Return the parabola that is nearest to an arc 5 to 19 m ahead.
 
     Args:
         curve: (3,) offset, slope and curvature of the arc at d = 0.
-        way: The line along which the ground is viewed, None for straight ahead.
 
     Returns:
-        y below the camera, m, dy/dx there and the second derivative, 1/m; and the largest distance of the arc from the
-        parabola 5 to 19 m ahead, m, infinite where the arc is beyond the centre of a bend.
+        y below the camera, m, dy/dx there and the second derivative, 1/m.
     """
-    t = arc_y(curve, NEARBY - X_FROM)
-    if way is None:
-        x, y = NEARBY, t
-        coefficients = TO_PARABOLA @ t
-    else:
-        x, y = way.points(NEARBY, t)
-        turned = way.heading_at(NEARBY) + np.arctan(curve[1] + curve[2] * (NEARBY - X_FROM))
-        kept = np.isfinite(x) & (np.abs(turned) < MOST_HEADING)
-        weight = np.cos(turned[kept])
-        system = np.concatenate([np.vander(x[kept], 3) * weight[:, None], np.diag(HELD)])
-        values = np.concatenate([y[kept] * weight, np.zeros(3)])
-        coefficients = np.linalg.lstsq(system, values, rcond=None)[0]
-    half, slope, y0 = (float(value) for value in coefficients)
-    apart = np.abs(y - (y0 + slope * x + half * x * x)) / np.hypot(1.0, slope + 2.0 * half * x)
-    return (y0, slope, 2.0 * half), float(np.nan_to_num(apart, nan=math.inf).max())
+    half, slope, y0 = (TO_PARABOLA @ arc_y(curve, NEARBY - X_FROM)).tolist()
+    return y0, slope, 2.0 * half
+
+
+def nearest_parabola(x: Floats, y: Floats, heading: Floats) -> tuple[float, float, float]:
+    """Return the parabola that is nearest to a line, without the points that are NaN and those that lead aside.
+
+    Args:
+        x: (n,) points of the line, m ahead of the camera.
+        y: (n,) its points, m to the left of the camera.
+        heading: (n,) its direction there, rad.
+
+    Returns:
+        y below the camera, m, dy/dx there and the second derivative, 1/m.
+    """
+    kept = np.isfinite(x) & (np.abs(heading) < MOST_HEADING)
+    weight = np.cos(heading[kept])
+    system = np.concatenate([np.vander(x[kept], 3) * weight[:, None], np.diag(HELD)])
+    values = np.concatenate([y[kept] * weight, np.zeros(3)])
+    half, slope, y0 = np.linalg.lstsq(system, values, rcond=None)[0].tolist()
+    return y0, slope, 2.0 * half

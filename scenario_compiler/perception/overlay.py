@@ -197,14 +197,26 @@ def _encoded(image: Image, suffix: str, setting: int, value: int) -> bytes:
 
 def _draw_boundaries(image: Image, camera: Camera, lane: LaneResult, shift: tuple[float, float]) -> None:
     for boundary, p in ((lane.left, lane.p_left), (lane.right, lane.p_right)):
-        x = np.arange(5.0, max(boundary.x_range[1], 12.0) + 0.1, 0.5)
+        ahead = np.arange(5.0, max(boundary.x_range[1], 12.0) + 0.1, 0.5)
         colour = GREEN if p >= 0.3 else FAINT
-        _polyline(image, camera, x + shift[0], boundary.y(x) + shift[1], colour, lane.tilt.pitch)
+        x, y = boundary.points(ahead)
+        course, pitch, z = boundary.course, lane.tilt.pitch, np.zeros_like(x)
+        if course is not None:
+            pitch, z = pitch - course.grade, course.height(ahead, boundary.across(ahead))
+        _polyline(image, camera, x + shift[0], y + shift[1], colour, pitch, z)
 
 
-def _polyline(image: Image, camera: Camera, x: ArrayLike, y: ArrayLike, colour: Colour, pitch: float = 0.0) -> None:
-    """Draw a line on the ground, against which the camera is tilted up by `pitch`, rad."""
-    u, v = camera.project_ground(x, y, pitch)
+def _polyline(
+    image: Image,
+    camera: Camera,
+    x: ArrayLike,
+    y: ArrayLike,
+    colour: Colour,
+    pitch: float = 0.0,
+    z: ArrayLike = 0.0,
+) -> None:
+    """Draw a line on the ground or above it, against which the camera is tilted up by `pitch`, rad."""
+    u, v = camera.project_ground(x, y, pitch, z)
     points = np.stack([u, v], axis=1)
     points = points[np.isfinite(points).all(axis=1) & (np.asarray(x, np.float64) > 1.0)]
     fixed = np.clip(np.round(points * 8.0), -(2**18), 2**18).astype(np.int32)

@@ -15,10 +15,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenario_compiler.perception.birds_eye import X_FROM
 from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_fit import Fit, arc_y
+
+Floats = NDArray[np.float64]
 
 COMPARED = (6.0, 20.0)
 """Distances ahead of the camera at which the lane's widths are compared, m."""
@@ -42,6 +45,9 @@ FIT_DEVIATION, MAP_DEVIATION, LEVER = 0.001, 0.03, 84.5
 """Standard deviations of the curvature of a well visible boundary, 1/m, and of the map's, in parts of it, and by how
 much a unit of curvature moves a boundary 18 m ahead, m2.
 """
+
+SHORTEST, LEAST_EFFECT = 1.5, 1e-9
+"""Length of the visible part of a boundary, m, and the effect of a tilt from which a tilt can be observed."""
 
 WIDTHS, BENDS = 5.0, 0.04
 """Ranges of the two over which boundaries that belong to no lane are spread, m and 1/m."""
@@ -74,6 +80,10 @@ class Tilt:
         apart = max(abs(self.pitch - other.pitch) - self.deviation - other.deviation, 0.0)
         return Tilt(pitch, math.hypot(deviation, apart))
 
+    def less(self, grade: float) -> Tilt:
+        """Return the tilt against a plane that is itself tilted by `grade`, rad."""
+        return Tilt(self.pitch - grade, self.deviation)
+
     def later(self) -> Tilt:
         """Return the prediction for the next image."""
         return Tilt(KEPT * self.pitch, min(math.hypot(self.deviation, PITCH_CHANGE), USUAL_PITCH))
@@ -105,6 +115,9 @@ class Tilt:
 LEVEL = Tilt(0.0, USUAL_PITCH)
 """The tilt without any image."""
 
+UNKNOWN = Tilt(0.0, math.inf)
+"""An observation that says nothing."""
+
 
 def tilt_beyond(left: Fit, right: Fit, height: float, course: Course | None = None) -> Tilt:
     """Return the remaining tilt after two boundaries were fitted in a map of the ground.
@@ -127,9 +140,10 @@ def tilt_beyond(left: Fit, right: Fit, height: float, course: Course | None = No
 
 
 def tilt_of_bend(left: Fit, right: Fit, course: Course, height: float) -> Tilt:
-    """Return the tilt at which two boundaries, fitted along the planned route, bend as the route does.
+    """Return the tilt at which the better visible boundary, fitted along the planned route, is parallel to the route.
 
-    A tilt moves what is seen the more, the farther it is, and in a bend also sideways (see `Course.lever`).
+    A tilt moves what is seen the more, the farther it is, and in a bend also sideways (see `moved_aside`), so that a
+    boundary leaves the route's direction and bends differently. The two contradict each other if it is no tilt.
 
     Args:
         left: The left boundary.
@@ -140,32 +154,46 @@ def tilt_of_bend(left: Fit, right: Fit, course: Course, height: float) -> Tilt:
     Returns:
         The remaining tilt, rad, with an infinite deviation if the route is straight or no paint was found.
     """
-    at = np.linspace(*COMPARED, 15)
-    bends = 2.0 * float(np.polyfit(at, course.lever(at, height), 2)[0])
-    seen = 0.5 * float(left.curve[2] + right.curve[2])
-    fitted = min(left.deviations[1], right.deviations[1]) / LEVER
-    deviation = math.hypot(FIT_DEVIATION, fitted, MAP_DEVIATION * course.bend)
-    known = math.isfinite(bends) and bends != 0.0
-    if not known or not math.isfinite(min(left.slope_deviation, right.slope_deviation)):
-        return Tilt(0.0, math.inf)
-    return Tilt(seen / bends, deviation / abs(bends))
+    seen = min((left, right), key=lambda fit: fit.slope_deviation)
+    if not math.isfinite(seen.slope_deviation) or seen.farthest - seen.nearest < SHORTEST:
+        return UNKNOWN
+    s = np.linspace(seen.nearest, seen.farthest, 15)
+    middle = 0.5 * (seen.nearest + seen.farthest)
+    d = s - X_FROM
+    lever = course.lever(s, arc_y(seen.curve, d), seen.curve[1] + seen.curve[2] * d, height)
+    if not np.isfinite(lever).all():
+        return UNKNOWN
+    half, leaning, _ = np.polyfit(s - middle, lever, 2).tolist()
+    slope = float(seen.curve[1] + seen.curve[2] * (middle - X_FROM))
+    curved = math.hypot(FIT_DEVIATION, seen.deviations[1] / LEVER, MAP_DEVIATION * course.bend)
+    leaned = _tilt_of(slope, leaning, math.hypot(seen.slope_deviation, TAPER))
+    return leaned.and_also(_tilt_of(float(seen.curve[2]), 2.0 * half, curved))
 
 
-def alike(left: Fit, right: Fit, width: float, spread: float, painted: float) -> float:
-    """Return the probability that two boundaries, painted with some probability, are those of one lane.
+def _tilt_of(seen: float, of_tilt: float, deviation: float) -> Tilt:
+    """Return the tilt from a quantity, its change for each radian of tilt, and its deviation."""
+    return Tilt(seen / of_tilt, deviation / abs(of_tilt)) if abs(of_tilt) > LEAST_EFFECT else UNKNOWN
 
-    The sides of a lane are as far apart as it is wide, and bend alike. Those that belong to nothing are anywhere.
+
+def alike(left: Fit, right: Fit, width: float, spread: float, painted: tuple[float, float]) -> float:
+    """Return the probability that a tilt is observed: that of two boundaries which are painted and those of one lane.
+
+    The sides of a lane are as far apart as it is wide, and bend alike. Those that belong to nothing are anywhere. Where
+    only one of them is visible, nothing but its paint counts.
 
     Args:
         left: The left boundary.
         right: The right boundary.
         width: Expected width of the lane, m.
         spread: Its standard deviation, m.
-        painted: Probability that both sides are painted.
+        painted: Probabilities that the left and the right side are painted.
     """
+    if left.in_view == 0.0 or right.in_view == 0.0:
+        return painted[1] if left.in_view == 0.0 else painted[0]
+    both = painted[0] * painted[1]
     off, apart = float(left.curve[0] - right.curve[0]) - width, float(left.curve[2] - right.curve[2])
-    true = painted * _normal(off, math.hypot(spread, WIDTH_DEVIATION)) * _normal(apart, BEND_DEVIATION)
-    false = (1.0 - painted) / (WIDTHS * BENDS)
+    true = both * _normal(off, math.hypot(spread, WIDTH_DEVIATION)) * _normal(apart, BEND_DEVIATION)
+    false = (1.0 - both) / (WIDTHS * BENDS)
     return true / (true + false)
 
 
@@ -187,7 +215,7 @@ def tilt_of_widening(slope: float, width: float, bend: float, variance: float, h
         The tilt, rad, with an infinite deviation if the lane is less than 1 m wide.
     """
     if width < 1.0:
-        return Tilt(0.0, math.inf)
+        return UNKNOWN
     doubt = TAPER + BEND_DOUBT * bend * bend
     deviation = math.sqrt(variance + doubt * doubt)
     return Tilt(-height * slope / width, height * deviation / width)

@@ -1,12 +1,30 @@
-"""The planned route ahead of the camera, and where the automation uses it."""
+"""The planned route ahead of the camera, as a map with the lanes' widths and heights knows it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from itertools import dropwhile, pairwise
+from typing import NamedTuple
 
-Point = tuple[float, float]
+
+class WayPoint(NamedTuple):
+    """A point of the planned route, with what the map knows of its lane there; by default a level lane.
+
+    Attributes:
+        x: Distance ahead of the camera, m.
+        y: Distance to the left of it, m.
+        width: Width of the lane, m.
+        height: Height above the plane of the road below the ego, m.
+        bank: By how much the road rises to the left for each metre, against that plane.
+    """
+
+    x: float
+    y: float
+    width: float = 3.5
+    height: float = 0.0
+    bank: float = 0.0
+
 
 LOOKED_AT = (6.0, 18.0)
 """Beginning and end of the stretch ahead of the camera to which the probability of a boundary refers, m."""
@@ -17,38 +35,28 @@ SHARP = 0.15
 """
 
 
-def known_way(route: Sequence[Point], junction: float) -> Sequence[Point]:
-    """Return the planned route where the camera alone does not determine the lane ahead; otherwise no points.
-
-    Args:
-        route: Points of the route in the camera's ground frame, (x ahead, y left), m.
-        junction: Distance from the camera to the next junction, m; infinite without one in reach.
-    """
-    return route if junction <= LOOKED_AT[1] or abs(_turn(route)) > SHARP else ()
-
-
-def stretch_of(way: Sequence[Point]) -> list[Point]:
+def stretch_of(way: Sequence[WayPoint]) -> list[WayPoint]:
     """Return the points of the route on the compared stretch, by their distance along it from beside the camera."""
     covered, found = 0.0, []
     for before, point in pairwise(_until_the_end(way)):
-        covered += math.dist(before, point)
+        covered += math.dist(before[:2], point[:2])
         if covered >= LOOKED_AT[0]:
             found.append(point)
     return found
 
 
-def _until_the_end(way: Sequence[Point]) -> list[Point]:
+def turn_of(route: Sequence[WayPoint]) -> float:
+    """Return the change of the route's heading from beside the camera to the end of the compared stretch, rad."""
+    headings = [math.atan2(b.y - a.y, b.x - a.x) for a, b in pairwise(_until_the_end(route))]
+    return sum(math.remainder(after - before, math.tau) for before, after in pairwise(headings))
+
+
+def _until_the_end(way: Sequence[WayPoint]) -> list[WayPoint]:
     """Return the points of the route from beside the camera to the end of the compared stretch."""
-    covered, found = 0.0, list[Point]()
-    for point in dropwhile(lambda point: point[0] < 0.0, way):
-        covered += math.dist(found[-1], point) if found else 0.0
+    covered, found = 0.0, list[WayPoint]()
+    for point in dropwhile(lambda point: point.x < 0.0, way):
+        covered += math.dist(found[-1][:2], point[:2]) if found else 0.0
         if covered > LOOKED_AT[1]:
             break
         found.append(point)
     return found
-
-
-def _turn(route: Sequence[Point]) -> float:
-    """Return the change of the route's heading from beside the camera to the end of the compared stretch, rad."""
-    headings = [math.atan2(y1 - y0, x1 - x0) for (x0, y0), (x1, y1) in pairwise(_until_the_end(route))]
-    return sum(math.remainder(after - before, math.tau) for before, after in pairwise(headings))

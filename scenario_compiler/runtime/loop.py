@@ -336,6 +336,9 @@ class Execution:
             lead_gap=None if outlook.gap >= op.FAR else outlook.gap,
             lead_speed=0.0 if outlook.gap >= op.FAR else outlook.lead_speed,
             route=outlook.way,
+            route_widths=outlook.widths,
+            route_heights=outlook.heights,
+            route_banks=outlook.banks,
             junction=None if outlook.junction >= op.FAR else outlook.junction,
             bend_speed=math.inf if outlook.bend_speed >= op.FAR else outlook.bend_speed,
         )
@@ -359,10 +362,11 @@ class Execution:
         st.conf_left[0], st.conf_right[0] = control.confidence_left, control.confidence_right
         st.health[0] = control.sensor_health
         st.auto_request[0] = asks
+        lanes = control.lanes
+        seen_lanes = {} if lanes is None else {"left": lanes.left.as_parabola(), "right": lanes.right.as_parabola()}
         for column in LANE_COLUMNS:
             side, _, name = column.partition("_")
-            boundary = getattr(control.lanes, side, None)
-            self.lanes[column][0] = getattr(boundary, name, math.nan)
+            self.lanes[column][0] = getattr(seen_lanes.get(side), name, math.nan)
 
     def _note_events(self) -> None:
         """Record the events that the engine has logged since the last call, and the messages to the driver."""

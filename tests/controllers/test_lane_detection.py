@@ -1,4 +1,4 @@
-"""The lane-keeping automation uses the planned route at junctions only, and never instead of a lane."""
+"""The lane-keeping automation looks for the lane along the planned route, and never follows a route without a lane."""
 
 from __future__ import annotations
 
@@ -44,19 +44,16 @@ def commands(found: list[Control]) -> list[tuple[float, float, float]]:
     return [(one.steer, one.confidence_left, one.confidence_right) for one in found]
 
 
-@pytest.mark.parametrize("route", [AHEAD, GENTLE])
-@pytest.mark.parametrize("junction", [None, 25.0])
-def test_without_a_junction_in_sight_a_route_without_sharp_bends_changes_nothing(
-    route: tuple[tuple[float, float], ...], junction: float | None
-) -> None:
-    assert commands(driven(1.0, route, junction)) == commands(driven(1.0, (), None))
+@pytest.mark.parametrize("junction", [None, 5.0])
+def test_a_lane_along_the_route_is_trusted_as_much_as_without_a_route(junction: float | None) -> None:
+    here, there = driven(1.0, AHEAD, junction)[-1], driven(1.0, (), None)[-1]
+    assert here.confidence_left == pytest.approx(there.confidence_left, abs=0.1)
+    assert here.confidence_right == pytest.approx(there.confidence_right, abs=0.1)
+    assert here.steer == pytest.approx(there.steer, abs=0.02)
 
 
-def test_a_lane_along_the_route_is_trusted_nearly_as_much_as_without_a_route() -> None:
-    """A route is used only near junctions and in sharp bends, where boundaries were right less often in the fit."""
-    here, there = driven(1.0, AHEAD, 5.0)[-1], driven(1.0, (), None)[-1]
-    assert there.confidence_left - 0.2 < here.confidence_left < there.confidence_left + 0.05
-    assert there.confidence_right - 0.2 < here.confidence_right < there.confidence_right + 0.05
+def test_a_lane_is_followed_although_the_route_is_a_little_different() -> None:
+    here, there = driven(1.0, GENTLE, None)[-1], driven(1.0, (), None)[-1]
     assert here.steer == pytest.approx(there.steer, abs=0.02)
 
 

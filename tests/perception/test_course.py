@@ -10,14 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scenario_compiler.perception.course import Course
+from scenario_compiler.perception.route_ahead import WayPoint
 
 S = np.array([0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0])
 
 
-def arc(radius: float, aside: float = 0.0, begin: float = -2.0) -> list[tuple[float, float]]:
+def arc(radius: float, aside: float = 0.0, begin: float = -2.0) -> list[WayPoint]:
     """Return the points of a route, a metre apart, that passes the camera `aside` to the left in an arc."""
     angles = [(begin + k) / radius for k in range(40)]
-    return [((radius - aside) * math.sin(a), radius - (radius - aside) * math.cos(a)) for a in angles]
+    return [WayPoint((radius - aside) * math.sin(a), radius - (radius - aside) * math.cos(a)) for a in angles]
 
 
 @pytest.mark.parametrize("aside", [-3.0, 0.0, 1.2])
@@ -59,9 +60,35 @@ def test_a_tilt_moves_the_route_sideways_in_a_bend_only() -> None:
     assert straight is not None
     assert bend is not None
     height, tilt = 1.3, 1e-4
-    assert np.abs(straight.lever(S, height)).max() < 1e-2
-    x, y = bend.points(S, np.zeros_like(S))
+    beside = np.zeros_like(S)
+    assert np.abs(straight.lever(S, beside, beside, height)).max() < 1e-2
+    x, y = bend.points(S, beside)
     heading = bend.heading_at(S)
     shrunk = tilt * x / height
     aside = shrunk * (x * np.sin(heading) - y * np.cos(heading))
-    assert bend.lever(S, height) * tilt == pytest.approx(aside)
+    assert bend.lever(S, beside, beside, height) * tilt == pytest.approx(aside)
+
+
+def test_distances_from_the_route_follow_the_width_of_the_lane() -> None:
+    """A lane that becomes narrower is straight along the route, like one of constant width."""
+    course = Course.along([WayPoint(float(k), 0.5, 4.0 - 0.05 * k) for k in range(-3, 37)])
+    assert course is not None
+    assert course.width == pytest.approx(3.5)
+    for side in (-1.0, 1.0):
+        x, y = course.points(S, np.full_like(S, 0.5 + side * 1.75))
+        assert y == pytest.approx(0.5 + side * (2.0 - 0.025 * x))
+
+
+def test_a_lane_that_begins_has_no_width_to_expect() -> None:
+    course = Course.along([WayPoint(float(k), 0.0, 0.15 * max(k, 0)) for k in range(-3, 37)])
+    assert course is not None
+    assert course.width is None
+    assert course.points(S, np.full_like(S, 1.0))[1] == pytest.approx(1.0)
+
+
+def test_the_road_rises_along_the_route_and_to_its_side() -> None:
+    course = Course.along([WayPoint(float(k), 1.0, 3.5, -0.04 * max(k, 0), 0.02) for k in range(-3, 37)])
+    assert course is not None
+    assert course.height(S, np.full_like(S, 1.0)) == pytest.approx(-0.04 * S)
+    assert course.height(S, np.full_like(S, 3.0)) == pytest.approx(-0.04 * S + 0.04)
+    assert course.grade == pytest.approx(0.04)

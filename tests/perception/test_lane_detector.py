@@ -13,6 +13,7 @@ from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.lane_detector import Boundary, ClassicalLaneDetector, LaneResult, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.perception.scene import Scene
 from scenario_compiler.roads.mesh import Material
 from scenario_compiler.roads.positions import Pose
@@ -41,7 +42,7 @@ def in_ground(points: np.ndarray, pose: Pose) -> np.ndarray:
 def route(reference: Reference, pose: Pose) -> Course | None:
     begin, _ = reference.offset(pose.x, pose.y)
     ground = in_ground(reference.at(begin + np.arange(40.0)), pose)
-    return Course.along([(float(x), float(y)) for x, y in ground])
+    return Course.along([WayPoint(float(x), float(y)) for x, y in ground])
 
 
 @pytest.mark.parametrize("dash", [SOLID, US_DASH, EU_DASH], ids=["solid", "us", "eu"])
@@ -171,7 +172,7 @@ def test_the_route_adds_no_paint(way: tuple[float, float], quality: float) -> No
     reference = bend(0.0)
     image = RoadCamera(two_lanes(reference, quality=quality)).frame(reference.pose(40.0), [], CLEAR, 0.0, 0)
     slope, curvature = way
-    course = Course.along([(float(x), slope * x + 0.5 * curvature * x * x) for x in range(40)])
+    course = Course.along([WayPoint(float(x), slope * x + 0.5 * curvature * x * x) for x in range(40)])
     blind, told = DETECTOR.detect(image), DETECTOR.detect(image, LaneState(way=course))
     if quality == 0.0:
         assert max(told.p_left, told.p_right) < 0.3
@@ -196,7 +197,7 @@ def test_every_route_gives_numbers(radius: float, side: float, aside: float, beg
     angles = np.maximum(np.arange(-3.0, 36.0) - begin, 0.0) / radius
     x = np.minimum(np.arange(-3.0, 36.0), begin) + radius * np.sin(angles)
     y = aside + side * radius * (1.0 - np.cos(angles))
-    course, state = Course.along(list(zip(x.tolist(), y.tolist(), strict=True))), LaneState()
+    course, state = Course.along([WayPoint(*one) for one in zip(x.tolist(), y.tolist(), strict=True)]), LaneState()
     for way in (None, course, course, None):
         found, rows = DETECTOR.look(TURNED, replace(state, way=way))
         state = state.after(found)

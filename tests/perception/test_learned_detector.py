@@ -28,6 +28,7 @@ from scenario_compiler.perception.learned_detector import (
     tilt_between,
 )
 from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.perception.solids import Box
 from tests.perception.scenery import CLEAR, EU_DASH, US_DASH, bend, two_lanes
 
@@ -103,12 +104,12 @@ def test_the_confidence_knows_whether_the_route_is_known() -> None:
     detector, way = LearnedLaneDetector(), LEARNED_FEATURES.index("way")
     image = RoadCamera(two_lanes(bend(0.0))).frame(bend(0.0).pose(60.0), [], CLEAR, 0.0, 0)
     free, (row, _) = detector.look(image)
-    straight = Course.along([(float(x), 0.0) for x in range(40)])
+    straight = Course.along([WayPoint(float(x), 0.0) for x in range(40)])
     crossing, (with_way, _) = detector.look(image, LaneState(way=straight))
     assert (row[way], with_way[way]) == (0.0, 1.0)
     assert np.array_equal(np.delete(row, way), np.delete(with_way, way))
     assert crossing.left.y0 == free.left.y0
-    turning = Course.along([(float(x), 0.01 * x * x) for x in range(40)])
+    turning = Course.along([WayPoint(float(x), 0.01 * x * x) for x in range(40)])
     (left, right), bend_to = detector.look(image, LaneState(way=turning))[1], LEARNED_FEATURES.index("bend")
     assert left[bend_to] == -right[bend_to] == pytest.approx(2.0 * math.atan(0.32), rel=0.1)
 

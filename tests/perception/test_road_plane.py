@@ -96,14 +96,14 @@ def fits_of(width: float, apart: float) -> tuple[Fit, Fit]:
 
 
 def test_two_sides_are_less_likely_one_lane_if_they_are_far_apart_or_differ() -> None:
-    chances = [alike(*fits_of(3.5 + off, 0.0), 3.5, 0.25, 0.5) for off in (0.0, 0.4, 0.8, 1.6)]
+    chances = [alike(*fits_of(3.5 + off, 0.0), 3.5, 0.25, (0.5, 1.0)) for off in (0.0, 0.4, 0.8, 1.6)]
     assert chances == sorted(chances, reverse=True)
     assert chances[0] > 0.9
     assert chances[-1] < 0.05
-    bends = [alike(*fits_of(3.5, apart), 3.5, 0.25, 0.5) for apart in (0.0, 0.003, 0.006, 0.012)]
+    bends = [alike(*fits_of(3.5, apart), 3.5, 0.25, (0.5, 1.0)) for apart in (0.0, 0.003, 0.006, 0.012)]
     assert bends == sorted(bends, reverse=True)
     assert bends[-1] < 0.05
-    assert alike(*fits_of(3.5, 0.0), 3.5, 0.25, 0.0) == 0.0
+    assert alike(*fits_of(3.5, 0.0), 3.5, 0.25, (0.0, 1.0)) == 0.0
 
 
 def test_beside_one_broken_line_the_tilt_stays_near_the_estimate() -> None:

@@ -1,22 +1,21 @@
-"""The automation uses the planned route near junctions and in sharp bends."""
+"""The planned route is looked at from beside the camera, along its own length."""
 
 from __future__ import annotations
 
-import math
+import pytest
 
-from scenario_compiler.perception.route_ahead import known_way, stretch_of
+from scenario_compiler.perception.route_ahead import stretch_of, turn_of
 from tests.perception.test_planned_way import way
-
-
-def test_the_route_is_used_near_junctions_and_in_sharp_bends() -> None:
-    assert not known_way(way(40.0, 0.0), math.inf)
-    assert not known_way(way(0.0, 1.0 / 150.0), math.inf)
-    assert not known_way(way(0.0, 0.0), 18.5)
-    for route, junction in ((way(40.0, 0.0), 17.5), (way(0.0, 1.0 / 50.0), math.inf), (way(12.0, -0.05), math.inf)):
-        assert list(known_way(route, junction)) == route
 
 
 def test_the_compared_stretch_is_measured_along_the_route() -> None:
     bend = way(0.0, 1.0 / 10.0)
     assert len(stretch_of(bend)) == len(stretch_of(way(40.0, 0.0))) == 13
-    assert max(x for x, _ in stretch_of(bend)) < 11.0
+    assert max(point.x for point in stretch_of(bend)) < 11.0
+
+
+@pytest.mark.parametrize(("begin", "radius", "turn"), [(40.0, 10.0, 0.0), (0.0, 50.0, 17 / 50), (9.0, -20.0, -8 / 20)])
+def test_a_route_turns_by_what_its_heading_changes_up_to_18_metres_ahead(
+    begin: float, radius: float, turn: float
+) -> None:
+    assert turn_of(way(begin, 1.0 / radius)) == pytest.approx(turn)

@@ -398,7 +398,10 @@ OUTLOOK_HEAD = 4
 """Number of values of an outlook before its points: gap to the leader, its speed, distance to the next junction, and
 speed for the bends ahead."""
 
-OUTLOOK_SIZE = OUTLOOK_HEAD + 2 * (ROUTE_REACH + 1)
+OUTLOOK_POINT = 5
+"""Number of values of each point: x, y, width, height and rise to the left."""
+
+OUTLOOK_SIZE = OUTLOOK_HEAD + OUTLOOK_POINT * (ROUTE_REACH + 1)
 
 DRAW_PERSON = 0
 DRAW_SEED = 1

@@ -6,7 +6,7 @@ where the lanes end.
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, sin, tan
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -18,7 +18,7 @@ from scenario_compiler.engine.ego.reach import look_with_sensor
 from scenario_compiler.engine.motion.path import advance_routed
 from scenario_compiler.engine.motion.signals_ahead import red_ahead
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_pose
+from scenario_compiler.roads.lanes import lane_direction, lane_pose, lane_width
 from scenario_compiler.roads.tables import RoadTables
 
 
@@ -28,8 +28,9 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
 
     `out` has OUTLOOK_SIZE numbers: the gap from the front bumper to what the automation keeps its distance to, m (see
     `gap_to_keep`; FAR without such an object), and its speed along the path, m/s; the distance to the next junction, m
-    (FAR if there is none in reach); the speed for the bends ahead, m/s (see `speed_for_bends`); then x (ahead) and y
-    (left) of each point in the ego's axes, m.
+    (FAR if there is none in reach); the speed for the bends ahead, m/s (see `speed_for_bends`); then for each point x
+    (ahead) and y (left) in the ego's axes, m, the width of the lane there, m, its height above the plane of the road at
+    the first point, m, and by how much the road rises to the left there against that plane.
     """
     ego = p.ego[0]
     look_with_sensor(n, p, st, ego)
@@ -47,14 +48,34 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
     c = cos(st.h[ego])
     w = sin(st.h[ego])
     count = 0
+    plane_x = 0.0
+    plane_y = 0.0
+    begin_x = 0.0
+    begin_y = 0.0
+    begin_z = 0.0
     while left <= 0.0 and count <= op.ROUTE_REACH:
         if out[2] >= op.FAR and n.road_junction[road] >= 0:
             out[2] = 1.0 * count
-        x, y, _, _, _, _ = lane_pose(n, road, lane, s, 0.0)
+        x, y, z, heading, pitch, roll = lane_pose(n, road, lane, s, 0.0)
+        ahead_x = cos(heading)
+        ahead_y = sin(heading)
+        rise_x = -tan(pitch) * ahead_x - tan(roll) * ahead_y
+        rise_y = -tan(pitch) * ahead_y + tan(roll) * ahead_x
+        if count == 0:
+            plane_x = rise_x
+            plane_y = rise_y
+            begin_x = x
+            begin_y = y
+            begin_z = z
         dx = x - st.x[ego]
         dy = y - st.y[ego]
-        out[op.OUTLOOK_HEAD + 2 * count] = c * dx + w * dy
-        out[op.OUTLOOK_HEAD + 2 * count + 1] = c * dy - w * dx
+        sense = 1.0 * lane_direction(n, road, lane)
+        at = op.OUTLOOK_HEAD + op.OUTLOOK_POINT * count
+        out[at] = c * dx + w * dy
+        out[at + 1] = c * dy - w * dx
+        out[at + 2] = lane_width(n, road, lane, s)
+        out[at + 3] = z - begin_z - plane_x * (x - begin_x) - plane_y * (y - begin_y)
+        out[at + 4] = sense * ((rise_y - plane_y) * ahead_x - (rise_x - plane_x) * ahead_y)
         count = count + 1
         road, lane, s, left = advance_routed(n, p, st, road, lane, s, 1.0)
     return count

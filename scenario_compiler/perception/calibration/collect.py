@@ -14,7 +14,7 @@ from scenario_compiler.perception.calibration.truth import Truth
 from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_detector import CalibratedDetector, LaneResult, LaneState
 from scenario_compiler.perception.planned_way import LEAST_SHARE, worth_on_way
-from scenario_compiler.perception.route_ahead import Point
+from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.perception.weather_look import look_of
 
 Floats = NDArray[np.float64]
@@ -88,7 +88,7 @@ class Taker:
         truth: Truth,
         clip: int,
         about: tuple[float, ...],
-        way: Sequence[Point] = (),
+        way: Sequence[WayPoint] = (),
     ) -> LaneResult:
         """Run the detector on one image; `way` is the planned route in the camera's ground frame."""
         result, rows = self.detector.look(image, replace(state, way=Course.along(way)))

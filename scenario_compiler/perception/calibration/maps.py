@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.calibration.truth import SEEN, Truth
-from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.camera import Camera, vehicle_axes
+from scenario_compiler.perception.camera import View as CameraView
+from scenario_compiler.perception.course import NARROWEST
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.roadside import roadside_of
-from scenario_compiler.perception.route_ahead import LOOKED_AT, Point, known_way
+from scenario_compiler.perception.route_ahead import LOOKED_AT, WayPoint
 from scenario_compiler.perception.scene import Scene, joined_marks
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.perception.textures import GROUND_SEED
@@ -65,13 +67,13 @@ class View:
     Attributes:
         image: (height, width, 3) uint8, BGR.
         truth: The lane's boundaries and paint.
-        way: Points of the path in the camera's ground frame, where the automation uses them; otherwise empty.
+        way: Points of the path in the camera's ground frame, if the automation knows them; otherwise empty.
         number: Index in the clip.
     """
 
     image: NDArray[np.uint8]
     truth: Truth
-    way: tuple[Point, ...]
+    way: tuple[WayPoint, ...]
     number: int
 
 
@@ -192,8 +194,8 @@ class MapRoads:
         contrast = look_of(conditions.weather).contrast
         for number in range(IMAGES):
             at = BEHIND + number * step
-            pose = way.pose(at, offset + drift * number * step, drift)
-            pose = pose._replace(pitch=pose.pitch + conditions.pitch)
+            road = way.pose(at, offset + drift * number * step, drift)
+            pose = road._replace(pitch=road.pitch + conditions.pitch)
             dx, dy = way.moved(number * step)
             moved = [box._replace(x=box.x + dx, y=box.y + dy) for box in boxes]
             image = camera.frame(pose, moved, conditions.weather, conditions.sigma, number)
@@ -205,11 +207,9 @@ class MapRoads:
                 for quality in (way.left_paint(lines), way.right_paint(lines))
             ]
             truth = Truth.of(view, way.left, way.right, (painted[0], painted[1]))
-            meant: Sequence[Point] = ()
+            meant: Sequence[WayPoint] = ()
             if conditions.navigated:
-                middle = view.world_to_ground(0.5 * (way.left + way.right))[way.distance >= at]
-                route = [(float(x), float(y)) for x, y in middle]
-                meant = known_way(route, way.junction - at - camera.box_offset - self.camera.x)
+                meant = way.points(view, at, road)
             yield View(image, truth, tuple(meant), number)
 
     def _way(self, here: LanePosition) -> _Way | None:
@@ -315,6 +315,16 @@ class _Way:
         return _Way(
             gone, np.array(left), np.array(right), np.unwrap(heading), pitch, roll, left_line, right_line, junction
         )
+
+    def points(self, view: CameraView, at: float, road: Pose) -> list[WayPoint]:
+        """Return the points of the path from a place on, at which the road lies in the ground plane of a pose."""
+        ahead = self.distance >= at
+        x, y = view.world_to_ground(0.5 * (self.left + self.right)[ahead]).T
+        up = vehicle_axes(road)[:, 2]
+        left, right = ((one[ahead] - np.array(road[:3])) @ up for one in (self.left, self.right))
+        width = np.linalg.norm((self.left - self.right)[ahead], axis=1)
+        rows = np.stack([x, y, width, 0.5 * (left + right), (left - right) / np.maximum(width, NARROWEST)], axis=1)
+        return [WayPoint(*row) for row in rows.tolist()]
 
     @property
     def curvature(self) -> float:

@@ -61,8 +61,9 @@ class Truth:
 
     def error(self, side: int, boundary: Boundary) -> float:
         """Return the largest distance of the true boundary from a detected one, 6 to 18 m ahead along the lane, m."""
-        detected = np.stack([DRAWN, boundary.y(DRAWN)], axis=1)
-        return float(_distances(self._judged(side), detected).max())
+        detected = np.stack(boundary.points(DRAWN), axis=1)
+        detected = detected[np.isfinite(detected[:, 0])]
+        return float(_distances(self._judged(side), detected).max()) if len(detected) > 1 else math.inf
 
     def _judged(self, side: int) -> Floats:
         """Return points (len(X), 2) of the true boundary, 6 to 18 m ahead along the lane."""
