@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import atan2, cos, hypot, pi, sin
 
 import pytest
@@ -20,6 +21,7 @@ from scenario_compiler.vocabulary.actions import (
     ConnectTrailerAction,
     DeleteEntityAction,
     DisconnectTrailerAction,
+    LaneChangeToAction,
     TeleportAction,
     VisibilityAction,
 )
@@ -52,7 +54,7 @@ from scenario_compiler.vocabulary.storyboard import (
 from scenario_compiler.vocabulary.weather import Weather
 from tests.engine.both import run_both
 from tests.engine.make import bend, highway, lane, network_of, road
-from tests.roads.test_lane_end import SECTIONS
+from tests.roads.test_lane_end import RENUMBERED, SECTIONS
 
 CAR = Vehicle(
     name="car", length=4.5, width=1.8, height=1.5, wheelbase=2.7, center=1.4, hitch=-1.0, coupler=3.0, max_speed=80.0
@@ -314,6 +316,21 @@ def test_where_a_lane_ends_its_traffic_continues_in_the_nearest_one() -> None:
         step(network.tables, program, state)
     assert (state.x[0], state.y[0]) == pytest.approx((103.0, -1.75), abs=1e-5)
     assert (state.lane[0], state.ended[0]) == (-1, 0)
+
+
+def test_a_lane_change_keeps_its_place_where_its_lane_is_renumbered() -> None:
+    network = network_of(RENUMBERED)
+    change = at_time(0.0, 0, LaneChangeToAction(lane=-1, over_time=3.0, shape="linear"))
+    starts: dict[str, Position | None] = {"b": LanePositionWord(road="1", lane=-2, s=72.0)}
+    plan, _ = planned(network, starts, board(change), speed=20.0)
+    program = build_program(plan, network)
+    state, _ = begun(network, plan)
+    places = [(state.x[0], state.y[0])]
+    for _ in range(50):
+        step(network.tables, program, state)
+        places.append((state.x[0], state.y[0]))
+    ways = [hypot(x - before_x, y - before_y) for (before_x, before_y), (x, y) in pairwise(places)]
+    assert ways[1:] == pytest.approx([1.0] * 49)
 
 
 def test_both_forms_leave_the_same_bytes_at_a_lanes_end() -> None:
