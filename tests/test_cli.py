@@ -117,9 +117,9 @@ def test_wrong_use_exits_with_2(
 @pytest.mark.parametrize(
     "words",
     [
-        "calibrate -o out --jobs 0",
-        "library . --jobs -3",
-        "validate . --jobs none",
+        "calibrate -o out --workers 0",
+        "library . --workers -3",
+        "validate . --workers none",
         "drive obstacle_ahead --port 65536",
         "serve-carla --port 65535",
         "run obstacle_ahead --world carla --carla-port 0",
@@ -384,7 +384,7 @@ def test_commands_start_no_threads_for_linear_algebra() -> None:
         ),
         ("run fade.xml --sede=3", "scenario-compiler run: error: there is no option '--sede' (did you mean '--seed'?)"),
         ("map info a.xodr --vrbose", "scenario-compiler map info: error: there is no option '--vrbose'"),
-        ("calibrate -o out --workers 2", "scenario-compiler calibrate: error: there is no option '--workers'"),
+        ("calibrate -o out --jobs 2", "scenario-compiler calibrate: error: there is no option '--jobs'"),
         ("run fade.xml other.xml", "scenario-compiler run: error: unrecognized arguments: other.xml"),
         ("--vrsion list", "scenario-compiler: error: there is no option '--vrsion' (did you mean '--version'?)"),
     ],

@@ -56,7 +56,7 @@ def is_off_road(n: RoadTables, st: State, i: int) -> int:
 
 @compiled
 def heads_at_speed(v: float, heading: float, pitch: float) -> tuple[float, float, float]:
-    """Return the velocity (x, y, z) at a speed in the plane along a heading, m/s; `pitch` is that of the ground, rad."""
+    """Return the velocity (x, y, z), m/s, at a speed in the plane along a heading; `pitch` is that of the ground."""
     slope = clip(pitch, -STEEPEST, STEEPEST)
     return v * cos(heading), v * sin(heading), -v * tan(slope)
 
