@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import atan2, cos, hypot, pi, sin
+from typing import Literal
 
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
 from scenario_compiler.engine.columns.opcodes import FAULT_OFF_ROAD_START
 from scenario_compiler.engine.columns.state import State, make_draws, new_state
+from scenario_compiler.engine.motion.ahead import point_on_way, walk
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.lower import lower
@@ -316,6 +318,42 @@ def test_where_a_lane_ends_its_traffic_continues_in_the_nearest_one() -> None:
         step(network.tables, program, state)
     assert (state.x[0], state.y[0]) == pytest.approx((103.0, -1.75), abs=1e-5)
     assert (state.lane[0], state.ended[0]) == (-1, 0)
+
+
+CIRCLE = 200.0
+"""Length of a road that is its own successor, m."""
+
+
+def circle() -> Network:
+    """Return a road in a circle with a lane each way."""
+    own = '<predecessor elementType="road" elementId="1" contactPoint="end"/>'
+    own += '<successor elementType="road" elementId="1" contactPoint="start"/>'
+    lanes = [lane(k, link=f'<predecessor id="{k}"/><successor id="{k}"/>') for k in (-1, 1)]
+    return network_of(
+        road(1, CIRCLE, lanes[0], left=lanes[1], shape=f'<arc curvature="{2.0 * pi / CIRCLE!r}"/>', link=own)
+    )
+
+
+@pytest.mark.parametrize("along", ["road", "lane"])
+def test_a_position_ahead_goes_on_over_the_start_of_a_circle(along: Literal["road", "lane"]) -> None:
+    """It ended where the road ends, which is the same road's start."""
+    start = LanePositionWord(road="1", lane=-1, s=190.0)
+    ahead = LanesAwayPosition(entity="a", lanes=0, distance=30.0, along=along)
+    state, _ = teleported(circle(), start, ahead)
+    stretch = 1.0 if along == "road" else 1.0 + 1.75 * 2.0 * pi / CIRCLE
+    assert state.s[1] == pytest.approx(190.0 + 30.0 / stretch - CIRCLE, abs=0.01)
+    state, _ = teleported(circle(), start, RelativeRoadPosition(entity="a", ds=30.0, dt=0.0))
+    assert state.s[1] == pytest.approx(20.0, abs=0.01)
+
+
+def test_the_way_ahead_goes_on_over_the_start_of_a_circle() -> None:
+    network = circle()
+    plan, _ = planned(network, {"b": LanePositionWord(road="1", lane=-1, s=190.0)}, Storyboard(), speed=1.0)
+    state, _ = begun(network, plan)
+    walk(network.tables, state, 0, -1, 190.0, 1, 100.0, -1)
+    assert state.way_count[0] == 2
+    found, s, _, distance = point_on_way(network.tables, state, 0, 20.0, -1.75, 0.0, 0.0)
+    assert (found, s, distance) == pytest.approx((1, 20.0, 30.0), abs=0.01)
 
 
 def test_a_lane_change_keeps_its_place_where_its_lane_is_renumbered() -> None:

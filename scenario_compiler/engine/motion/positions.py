@@ -68,11 +68,10 @@ def advance_by_way(
         left = left - step
         if left <= 0.0 or rest > 0.0:
             return road, lane, s
-        before = road
         next_road, next_lane, next_s, rest = advance(
             n, road, lane, s, forward * min(left, STEP_OVER), turn_for(n, p, st, i, other, road)
         )
-        if rest > 0.0 or next_road == before:
+        if rest > 0.0:
             return road, lane, s
         road = next_road
         lane = next_lane
