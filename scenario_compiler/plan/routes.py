@@ -9,7 +9,7 @@ from scenario_compiler.expressions import Value
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction
 from scenario_compiler.roads.tables import RoadTables
-from scenario_compiler.roads.ways import Stretch, onward, path_between, travel_time
+from scenario_compiler.roads.ways import Stretch, joints, onward, path_between, travel_time
 from scenario_compiler.vocabulary.positions import (
     FreePosition,
     InRouteEntity,
@@ -93,13 +93,14 @@ def place_on_route(network: Network, values: Values, position: RoutePosition) ->
     places = [waypoint.position for waypoint in position.route.waypoints]
     s = _waypoint_s(network, values, next(one for one in places if stretch_of(network, values, one) is not None))
     for following in (*path[1:], None):
-        room = n.road_length[road] - s if sense > 0 else s
-        if rest <= room or following is None:
+        joint = next((one for one in joints(n, (road, sense)) if one.to == following), None)
+        s_left = joint.s_left if joint is not None else n.road_length[road] if sense > 0 else 0.0
+        room = max(sense * (s_left - s), 0.0)
+        if rest <= room or joint is None:
             s += sense * min(rest, room)
             break
         rest -= room
-        road, sense = following
-        s = 0.0 if sense > 0 else n.road_length[road]
+        (road, sense), s = joint.to, joint.s_entered
     if isinstance(place, InRouteLane):
         return road, place.lane, s, number_value(place.offset, values)
     t = number_value(place.t, values)

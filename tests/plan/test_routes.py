@@ -8,7 +8,11 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.plan.routes import place_on_route
+from scenario_compiler.vocabulary.positions import InRouteLane, LanePositionWord, RoutePosition, RouteWord, Waypoint
 from tests.engine.make import lane, road
+from tests.roads.make import network
+from tests.roads.test_attachments import attached
 
 APART = road(1, 200.0, lane(-1), left=lane(1)) + road(2, 200.0, lane(-1), left=lane(1), x=500.0)
 """Two roads without a connection."""
@@ -56,3 +60,15 @@ def test_an_entity_that_leaps_to_another_road_may_acquire_a_position_there(tmp_p
     leap = f'<teleport><lane road="2" lane="{lane}" s="20"/></teleport>'
     more = f'<when><time after="0.5"/><do>{leap}</do></when>'
     assert reported(tmp_path, f"<acquire_position>{THERE}</acquire_position>", more) == []
+
+
+def test_a_place_on_a_route_lies_behind_the_joint_of_a_branch(tmp_path: Path) -> None:
+    """The branch leaves road 1 at 40 m, 20 m after the start of the route; the whole road was counted."""
+    made = network(tmp_path, *attached("+", "predecessor"))
+    corners = (LanePositionWord(road="1", lane=-1, s=20.0), LanePositionWord(road="2", lane=-1, s=25.0))
+    word = RouteWord(waypoints=tuple(Waypoint(position=one) for one in corners))
+    for s, road_id, at in ((15.0, "1", 35.0), (30.0, "2", 10.0)):
+        place = RoutePosition(route=word, place=InRouteLane(s=s, lane=-1))
+        index, lane_id, found, offset = place_on_route(made, {}, place)
+        assert (made.road_ids[index], lane_id) == (road_id, -1)
+        assert (found, offset) == pytest.approx((at, 0.0))
