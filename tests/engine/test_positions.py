@@ -18,6 +18,7 @@ from scenario_compiler.plan.lower import lower
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
+    AcquirePositionAction,
     Action,
     AddEntityAction,
     ConnectTrailerAction,
@@ -344,6 +345,20 @@ def test_a_position_ahead_goes_on_over_the_start_of_a_circle(along: Literal["roa
     assert state.s[1] == pytest.approx(190.0 + 30.0 / stretch - CIRCLE, abs=0.01)
     state, _ = teleported(circle(), start, RelativeRoadPosition(entity="a", ds=30.0, dt=0.0))
     assert state.s[1] == pytest.approx(20.0, abs=0.01)
+
+
+def test_a_position_ahead_follows_a_route_to_a_road_that_begins_inside_another_one() -> None:
+    """Road 2 leaves road 1 at 40 m; the position lay on road 1, past the branch."""
+    inside = '<predecessor elementType="road" elementId="1" elementS="40" elementDir="+"/>'
+    network = network_of(road(1, 100.0, lane(-1)), road(2, 60.0, lane(-1), x=40.0, link=inside))
+    init = (
+        InitAction(entity="a", action=AcquirePositionAction(position=LanePositionWord(road="2", lane=-1, s=50.0))),
+        InitAction(entity="b", action=TeleportAction(position=LanesAwayPosition(entity="a", lanes=0, distance=30.0))),
+    )
+    plan, _ = planned(network, {"a": LanePositionWord(road="1", lane=-1, s=20.0), "b": None}, board(init=init))
+    state, _ = begun(network, plan)
+    assert network.road_ids[state.road[1]] == "2"
+    assert state.s[1] == pytest.approx(10.0)
 
 
 def test_the_way_ahead_goes_on_over_the_start_of_a_circle() -> None:
