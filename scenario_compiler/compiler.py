@@ -134,6 +134,9 @@ def read_source(path: str | Path, sink: Diagnostics) -> tuple[Document, Source] 
 
 def found_target(target: str | Path, sink: Diagnostics) -> str | Path | None:
     """Return FILE#name for the name of a conflict of the library, and any other target unchanged; None if unknown."""
+    if not split_target(target)[0]:
+        sink.add(UNREADABLE, "no file is named before the '#'", FilePlace(str(target)), hint="write FILE#NAME")
+        return None
     try:
         return library_target(target)
     except ConflictNotFoundError as missing:

@@ -130,7 +130,7 @@ def test_a_share_has_a_unit_and_a_number_that_does_not_exist_is_a_dash(tmp_path:
 def test_a_file_that_is_not_a_map_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "no.xodr").write_text("<OpenDRIVE", encoding="utf-8")
     arguments = [str(tmp_path / "no.xodr"), "-o", str(tmp_path / "out"), "--clips", "1", "--pictures", "1"]
-    assert main(["calibrate", *arguments, "--jobs", "1"]) == 1
+    assert main(["calibrate", *arguments, "--workers", "1"]) == 1
     assert "no.xodr:1:11: error[SC102]: not well-formed XML" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
@@ -149,7 +149,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
     road = find_map("highway_loop")
     other = find_map("town_grid")
     arguments = ["calibrate", str(road), str(other), "-o", str(tmp_path), "--clips", "30", "--pictures", "2"]
-    assert main([*arguments, "--fit", "--leave-out", "highway_loop", "--jobs", "2"]) == 0
+    assert main([*arguments, "--fit", "--leave-out", "highway_loop", "--workers", "2"]) == 0
     page = (tmp_path / "perception.md").read_text(encoding="utf-8")
     assert "The tables show highway_loop: each judged by a fit to all other maps." in page
     assert (tmp_path / "images" / "perception_reliability.png").stat().st_size > 10_000

@@ -15,6 +15,7 @@ import pytest
 from scenario_compiler.cli import GROUPS, Parser, make_parser
 from scenario_compiler.worlds import WORLDS
 from tests.command import call
+from tests.roads.make import network, road
 
 CONFLICT = """\
 <scenarios version="1">
@@ -117,9 +118,9 @@ def test_wrong_use_exits_with_2(
 @pytest.mark.parametrize(
     "words",
     [
-        "calibrate -o out --jobs 0",
-        "library . --jobs -3",
-        "validate . --jobs none",
+        "calibrate -o out --workers 0",
+        "library . --workers -3",
+        "validate . --workers none",
         "drive obstacle_ahead --port 65536",
         "serve-carla --port 65535",
         "run obstacle_ahead --world carla --carla-port 0",
@@ -384,7 +385,7 @@ def test_commands_start_no_threads_for_linear_algebra() -> None:
         ),
         ("run fade.xml --sede=3", "scenario-compiler run: error: there is no option '--sede' (did you mean '--seed'?)"),
         ("map info a.xodr --vrbose", "scenario-compiler map info: error: there is no option '--vrbose'"),
-        ("calibrate -o out --workers 2", "scenario-compiler calibrate: error: there is no option '--workers'"),
+        ("calibrate -o out --jobs 2", "scenario-compiler calibrate: error: there is no option '--jobs'"),
         ("run fade.xml other.xml", "scenario-compiler run: error: unrecognized arguments: other.xml"),
         ("--vrsion list", "scenario-compiler: error: there is no option '--vrsion' (did you mean '--version'?)"),
     ],
@@ -394,6 +395,15 @@ def test_an_unknown_option_is_an_error_of_its_command(
 ) -> None:
     assert call(*words.split()) == 2
     assert capsys.readouterr().err.splitlines()[-1] == said
+
+
+def test_a_maps_speed_limits_are_rounded(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """30 km/h were 8.333333333333334 m/s."""
+    limits = ('max="30" unit="km/h"', 'max="no limit"')
+    types = (f'<type s="{50 * k}" type="town"><speed {one}/></type>' for k, one in enumerate(limits))
+    network(tmp_path, road(more="".join(types)))
+    assert call("map", "info", next(tmp_path.glob("*.xodr"))) == 0
+    assert "speed limits              8.33: 1, inf: 1\n" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", ["run", "drive", "study"])

@@ -71,7 +71,7 @@ it.
 
 COMMANDS = {
     "validate": "validate mine.xml",
-    "validate in processes": "validate many --jobs 2",
+    "validate in processes": "validate many --workers 2",
     "compile": "compile mine.xml -o plan.json",
     "run": "run mine.xml --perception ideal -o out --trajectory t.csv",
     "run with a camera": "run mine.xml -o out --duration 0.3",

@@ -208,3 +208,13 @@ def test_a_run_folder_is_reported_from_anywhere(tmp_path: Path, monkeypatch: pyt
     assert (elsewhere / "moved" / "report.html").read_bytes() == report
     assert call("run", elsewhere / "moved" / "plan.json", "--trajectory", elsewhere / "again.csv") == 0
     assert call("compare", elsewhere / "moved", elsewhere / "moved") == 0
+
+
+@pytest.mark.parametrize("command", [one for one in COMMANDS if not one.startswith("validate")])
+def test_a_name_without_a_file_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    """The message had no path, and its hint named the files of the folder."""
+    monkeypatch.chdir(tmp_path)
+    assert call(*command.format("#gone").split()) == 1
+    assert "#gone: error[SC101]: no file is named before the '#'\n" in capsys.readouterr().err

@@ -8,7 +8,16 @@ import time
 from importlib import import_module
 from pathlib import Path
 
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_jobs, is_filled, needing, whole_number
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    FINE,
+    Commands,
+    WrongUse,
+    add_workers,
+    is_filled,
+    needing,
+    whole_number,
+)
 from scenario_compiler.cli.terminal import complain, put, put_raw
 from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import CompileError, did_you_mean
@@ -58,7 +67,7 @@ def add(commands: Commands) -> None:
         metavar="N",
         help="number of pictures of each situation",
     )
-    add_jobs(parser)
+    add_workers(parser)
     parser.set_defaults(command=calibrate_command)
 
 
@@ -80,7 +89,7 @@ def calibrate_command(options: argparse.Namespace) -> int:
     progress = _shown if sys.stderr.isatty() else None
     try:
         gathered = gather(
-            options.detector, maps, options.clips, options.pictures, options.jobs, options.leave_out, progress
+            options.detector, maps, options.clips, options.pictures, options.workers, options.leave_out, progress
         )
     except CompileError as error:
         put_raw(formatted(error.diagnostics, "text"), sys.stderr)
@@ -100,7 +109,7 @@ def calibrate_command(options: argparse.Namespace) -> int:
     ]
     command = " ".join(["scenario-compiler calibrate", *given, "MAPS"])
     names = tuple(sorted(gathered.maps))
-    measured = Measured(options.detector, command, minutes, options.jobs, names, options.clips, options.pictures)
+    measured = Measured(options.detector, command, minutes, options.workers, names, options.clips, options.pictures)
     write_perception_page(figures, measured, options.output)
     if confidence is not None:
         text = confidence_text(confidence, detector.features)

@@ -13,9 +13,9 @@ from scenario_compiler.cli.options import (
     Commands,
     WrongUse,
     add_diagnostics,
-    add_jobs,
     add_maps,
     add_templates,
+    add_workers,
     is_filled,
     new_sink,
     show,
@@ -58,7 +58,7 @@ def add(commands: Commands) -> None:
         default="ideal",
         help="source of the lane confidence in the runs of --separation",
     )
-    add_jobs(parser)
+    add_workers(parser)
     add_maps(parser)
     add_templates(parser)
     add_diagnostics(parser)
@@ -76,7 +76,7 @@ def library_command(options: argparse.Namespace) -> int:
     sink = new_sink(options)
     with shown_progress("scenarios") as progress:
         found = survey(
-            options.folder, sink, runs=options.runs, processes=options.jobs, maps=options.maps, progress=progress
+            options.folder, sink, runs=options.runs, processes=options.workers, maps=options.maps, progress=progress
         )
     failed = show(sink, options)
     _print(found, text_stream(options))
@@ -120,7 +120,7 @@ def _separate(found: Survey, options: argparse.Namespace) -> None:
     with shown_progress("scenarios") as progress:
         runs = separate_all(
             targets,
-            processes=options.jobs,
+            processes=options.workers,
             maps=options.maps,
             perception=options.perception,
             progress=progress,

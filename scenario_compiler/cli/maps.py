@@ -93,7 +93,7 @@ def map_info_command(options: argparse.Namespace) -> int:
 
 def _listed(value: object) -> str:
     if isinstance(value, dict):
-        return ", ".join(f"{name}: {_listed(count)}" for name, count in value.items()) or "none"
+        return ", ".join(f"{_listed(name)}: {_listed(count)}" for name, count in value.items()) or "none"
     if isinstance(value, tuple):
         return ", ".join(_listed(one) for one in value)
     return f"{value:.2f}" if isinstance(value, float) else str(value)

@@ -209,10 +209,10 @@ MOST_PROCESSES = 1024
 """Greatest number of processes that an option can ask for."""
 
 
-def add_jobs(parser: argparse.ArgumentParser) -> None:
+def add_workers(parser: argparse.ArgumentParser) -> None:
     """Add the option for the number of processes."""
     parser.add_argument(
-        "--jobs",
+        "--workers",
         type=whole_number(1, MOST_PROCESSES),
         default=available_cores(),
         metavar="N",

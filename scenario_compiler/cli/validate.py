@@ -12,10 +12,10 @@ from scenario_compiler.cli.options import (
     Commands,
     WrongUse,
     add_diagnostics,
-    add_jobs,
     add_maps,
     add_templates,
     add_trust,
+    add_workers,
     judged,
     show,
 )
@@ -44,7 +44,7 @@ def add(commands: Commands) -> None:
         "OpenSCENARIO files by ASAM's own checker and its rules (needs the extra 'asam')",
     )
     parser.add_argument("--strict", action="store_true", dest="strict_warnings", help="treat warnings as errors")
-    add_jobs(parser)
+    add_workers(parser)
     parser.set_defaults(command=validate_command)
 
 
@@ -59,7 +59,7 @@ def validate_command(options: argparse.Namespace) -> int:
     if not files:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")
     insisted = frozenset(options.error)
-    checked = validate_files(files, options.maps, options.jobs, options.xsd, insisted, Trust(tuple(options.trust)))
+    checked = validate_files(files, options.maps, options.workers, options.xsd, insisted, Trust(tuple(options.trust)))
     found = list({one.identity: one for some in checked for one in some}.values())
     failed = show(found, options)
     if options.format == "text":

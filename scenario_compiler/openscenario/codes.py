@@ -174,3 +174,14 @@ NO_ACTOR = Code(
     '    <Actors selectTriggeringEntities="false"/>     <Actors ...><EntityRef entityRef="Ego"/></Actors>',
     Severity.WARNING,
 )
+PARAMETER_IN_TEXT = Code(
+    "SC761",
+    "parameter-in-text",
+    "The name of a parameter is a part of a longer text, where it is not replaced: in OpenSCENARIO a parameter is the "
+    "whole value of an attribute, or a part of an expression.\n\n"
+    '    <EntityRef entityRef="Car$number"/>     the name Car$number\n'
+    '    <EntityRef entityRef="$car"/>           the value of the parameter car\n'
+    '    <... value="${$speed / 2}"/>            an expression\n\n'
+    "Declare a parameter for the whole text, or write a backslash before the $ if the text is meant as it is.",
+    Severity.WARNING,
+)

@@ -19,7 +19,7 @@ from scenario_compiler.markup import codes
 from scenario_compiler.markup.names import UNKNOWN_ENTITY
 from scenario_compiler.markup.values import report_expression
 from scenario_compiler.openscenario.catalog_files import CatalogFolders
-from scenario_compiler.openscenario.codes import ONE_ENTITY
+from scenario_compiler.openscenario.codes import ONE_ENTITY, PARAMETER_IN_TEXT
 from scenario_compiler.openscenario.scope import Bound, Scope, described_number, literal_number
 from scenario_compiler.structure.walk import local_name
 
@@ -183,7 +183,12 @@ class Node:
     def text(self, attribute: str, default: str | None = None) -> str:
         """Return an attribute's text with parameters resolved; it is required if there is no default."""
         found = self._present(attribute, required=default is None, joined=True)
-        return (default or "") if found is None else found
+        if found is None:
+            return default or ""
+        inside = self.scope.inside(str(self.element.get(attribute)))
+        if inside:
+            self.report(PARAMETER_IN_TEXT, f"'${inside}' is not replaced in a longer text", attribute)
+        return found
 
     def number(self, attribute: str, default: Real | None = None) -> Real | Expression:
         """Return a number in the file's SI unit, as an expression if it depends on the scenario's open parameters."""
@@ -312,5 +317,8 @@ class Node:
         severity: Severity | None = None,
     ) -> _Value:
         message = f"'{text}' is not {expected} ({self.tag}/{attribute})"
+        inside = self.scope.inside(str(self.element.get(attribute)))
+        if inside:
+            hint = f"'${inside}' is replaced only if it is the whole value; ${{...}} is an expression"
         self.report(codes.WRONG_VALUE, message, attribute, hint, severity)
         return default

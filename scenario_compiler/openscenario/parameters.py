@@ -63,7 +63,9 @@ def assigned_parameters(reference: Node) -> dict[str, Bound]:
     found: dict[str, Bound] = {}
     for group in reference.children("ParameterAssignments"):
         for one in group.children("ParameterAssignment"):
-            found[assigned_name(one)] = replace(bound("", one, "value"), place=one.origin)
+            value = bound("", one, "value")
+            if value is not None:
+                found[assigned_name(one)] = replace(value, place=one.origin)
     return found
 
 
@@ -73,8 +75,15 @@ def assigned_name(assignment: Node) -> str:
     return str(assignment.element.get("parameterRef", "")).lstrip("$")
 
 
-def bound(kind: str, node: Node, attribute: str) -> Bound:
-    """Return the meaning of a parameter of a type whose value an attribute gives."""
+def stand_in(kind: str) -> Bound:
+    """Return a value of a type in place of one that has a fault, so that its uses are not reported too."""
+    return Bound(
+        kind, "0" if kind in NUMERIC else {"boolean": "false", "dateTime": "2000-01-01T00:00:00"}.get(kind, "")
+    )
+
+
+def bound(kind: str, node: Node, attribute: str) -> Bound | None:
+    """Return the meaning of a parameter of a type whose value an attribute gives; None if it has a fault."""
     raw = str(node.element.get(attribute, ""))
     node.has(attribute)
     try:
@@ -86,7 +95,7 @@ def bound(kind: str, node: Node, attribute: str) -> Bound:
         if together is not None:
             return Bound("string", together)
         report_expression(error, raw, node.reading.sink, node.place(attribute))
-        return Bound(kind, "")
+        return None
     return Bound(kind or ("string" if literal_number(found) is None else "double"), found)
 
 
@@ -94,10 +103,13 @@ def _declared(declaration: Node, name: str, given: Given) -> Bound:
     kind = declaration.choice("parameterType", TYPES, "string")
     own = bound(kind, declaration, "value")
     place: Place = declaration.place("value")
-    value = own
+    value = own or stand_in(kind)
     if name in given:
         value = replace(given[name], type=kind)
         place = value.place or place
+    elif own is None:
+        declaration.read_whole()
+        return value
     if not fits(value, kind):
         message = f"'{value.text}', the value of '{name}', is not of the type {kind}"
         declaration.reading.sink.add(WRONG_TYPE, message, place)

@@ -19,6 +19,7 @@ NUMERIC = ("double", "integer", "int", "unsignedInt", "unsignedShort")
 
 _NAME = re.compile(r"\$([^\s${}]+)\Z")
 _EXPRESSION = re.compile(r"\$\{(.*)\}\Z", re.DOTALL)
+_INSIDE = re.compile(r"(?<!\\)\$([A-Za-z_][A-Za-z0-9_]*)")
 _OPEN_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 
 
@@ -116,6 +117,13 @@ class Scope:
             return None
         return "".join(self.bound[part[1:]].text if part.startswith("$") else part for part in parts)
 
+    def inside(self, text: str) -> str:
+        """Return the first parameter whose name is a part of a longer text, where it is not replaced; '' if none is."""
+        if _EXPRESSION.match(text.strip()):
+            return ""
+        names = (found.group(1) for found in _INSIDE.finditer(text.strip()) if found.group() != text.strip())
+        return next((name for name in names if name in self.bound), "")
+
     def opened(self, name: str, one: Bound) -> Bound:
         """Return the scenario's parameter as an open one, if it is a number and its name is possible in expressions."""
         value = one.value
@@ -127,7 +135,9 @@ class Scope:
     def _find(self, name: str, offset: int) -> Bound:
         if name not in self.bound:
             error = UnknownNameError(name, offset, {})
-            error.hint = did_you_mean(name, self.bound) or "declare it in <ParameterDeclarations>"
+            part = self.inside(f"${name}")
+            whole = f"'${part}' is replaced only if it is the whole value" if part else ""
+            error.hint = whole or did_you_mean(name, self.bound) or "declare it in <ParameterDeclarations>"
             raise error
         return self.bound[name]
 

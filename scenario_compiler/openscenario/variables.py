@@ -9,7 +9,7 @@ from scenario_compiler.document import Origin
 from scenario_compiler.markup import names
 from scenario_compiler.openscenario.codes import UNKNOWN_VARIABLE, WRONG_TYPE
 from scenario_compiler.openscenario.node import Node
-from scenario_compiler.openscenario.parameters import TYPES, bound, fits, variable_type
+from scenario_compiler.openscenario.parameters import TYPES, bound, fits, stand_in, variable_type
 from scenario_compiler.openscenario.scope import Bound, Scope
 from scenario_compiler.vocabulary.actions import ModifyVariableAction, SetVariableAction
 from scenario_compiler.vocabulary.conditions import VariableCondition
@@ -34,7 +34,7 @@ def read_variables(root: Node) -> dict[str, Variable]:
                 )
             monitor = node.tag == "MonitorDeclaration"
             kind = "boolean" if monitor else node.choice("variableType", TYPES, "string")
-            value = bound(kind, node, "value")
+            value = bound(kind, node, "value") or stand_in(kind)
             if not fits(value, kind):
                 node.report(WRONG_TYPE, f"'{value.text}', the value of '{name}', is not of the type {kind}", "value")
                 kind = "string"

@@ -13,7 +13,7 @@ from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Severit
 from scenario_compiler.expressions import Expression, Value, parse_expression
 from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
-from scenario_compiler.plan.checks.routes import NOT_IN_A_LANE
+from scenario_compiler.plan.checks.routes import NO_ROUTE, NOT_IN_A_LANE
 from scenario_compiler.plan.criteria import check_criteria
 from scenario_compiler.plan.defaults import complete_takeover
 from scenario_compiler.plan.init_order import in_order, placed_before
@@ -57,14 +57,6 @@ POSITION_CYCLE = Code(
     "an independent position.\n\n"
     '    <static id="a"><at><ahead_of entity="b" distance="5"/></at></static>\n'
     '    <static id="b"><at><ahead_of entity="a" distance="5"/></at></static>',
-)
-NO_ROUTE = Code(
-    "SC379",
-    "no-route",
-    "No route along the map's lanes leads from the start to the destination, so the ego vehicle can never reach it. "
-    "Check the direction of travel of both lanes.\n\n"
-    '    <start><lane road="3" lane="-1" s="20"/></start>\n'
-    '    <destination><lane road="3" lane="1" s="90"/></destination>     the oncoming lane',
 )
 NO_DURATION = Code(
     "SC601",

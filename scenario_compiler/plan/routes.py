@@ -9,7 +9,7 @@ from scenario_compiler.expressions import Value
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction
 from scenario_compiler.roads.tables import RoadTables
-from scenario_compiler.roads.ways import Stretch, path_between, travel_time
+from scenario_compiler.roads.ways import Stretch, joints, onward, path_between, travel_time
 from scenario_compiler.vocabulary.positions import (
     FreePosition,
     InRouteEntity,
@@ -17,6 +17,7 @@ from scenario_compiler.vocabulary.positions import (
     LanePositionWord,
     RoutePosition,
     RouteWord,
+    Waypoint,
 )
 from scenario_compiler.vocabulary.word import Word, number_value
 
@@ -41,8 +42,14 @@ def cost_of_road(n: RoadTables, strategy: str, road: int) -> float:
 
 def route_path(network: Network, values: Values, route: RouteWord) -> list[Stretch]:
     """Return the stretches of a route; waypoints that cannot be reached are skipped."""
+    return path_and_missed(network, values, route)[0]
+
+
+def path_and_missed(network: Network, values: Values, route: RouteWord) -> tuple[list[Stretch], list[Waypoint]]:
+    """Return the stretches of a route, and the waypoints on roads that are skipped because no way leads there."""
     n = network.tables
     path: list[Stretch] = []
+    missed: list[Waypoint] = []
     for waypoint in route.waypoints:
         goal = stretch_of(network, values, waypoint.position)
         if goal is None:
@@ -56,9 +63,18 @@ def route_path(network: Network, values: Values, route: RouteWord) -> list[Stret
             turned = (path[0][0], -path[0][1])
             tries += [(turned, goal), (turned, (goal[0], -goal[1]))]
         found = next((way for start, end in tries if (way := path_between(n, start, end, cost))), None)
-        if found is not None:
+        if found is None:
+            missed.append(waypoint)
+        else:
             path = [*path[:-1], *found]
-    return path
+    return path, missed
+
+
+def leads_to(network: Network, start: Stretch, goal: Stretch) -> bool:
+    """Return whether a way leads from a road, driven in either direction, to another one."""
+    n = network.tables
+    ways = (onward(n, (goal[0], sense), lambda road: n.road_length[road]) for sense in (1, -1))
+    return start[0] == goal[0] or any((start[0], sense) in way for way in ways for sense in (1, -1))
 
 
 def place_on_route(network: Network, values: Values, position: RoutePosition) -> tuple[int, int, float, float]:
@@ -77,13 +93,14 @@ def place_on_route(network: Network, values: Values, position: RoutePosition) ->
     places = [waypoint.position for waypoint in position.route.waypoints]
     s = _waypoint_s(network, values, next(one for one in places if stretch_of(network, values, one) is not None))
     for following in (*path[1:], None):
-        room = n.road_length[road] - s if sense > 0 else s
-        if rest <= room or following is None:
+        joint = next((one for one in joints(n, (road, sense)) if one.to == following), None)
+        s_left = joint.s_left if joint is not None else n.road_length[road] if sense > 0 else 0.0
+        room = max(sense * (s_left - s), 0.0)
+        if rest <= room or joint is None:
             s += sense * min(rest, room)
             break
         rest -= room
-        road, sense = following
-        s = 0.0 if sense > 0 else n.road_length[road]
+        (road, sense), s = joint.to, joint.s_entered
     if isinstance(place, InRouteLane):
         return road, place.lane, s, number_value(place.offset, values)
     t = number_value(place.t, values)

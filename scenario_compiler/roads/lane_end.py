@@ -20,7 +20,8 @@ FAR_AWAY = 1.0e9
 def lane_going_on(n: RoadTables, road: int, lane: int, s: float, t: float, along: int) -> int:
     """Return the lane nearest to t that continues beyond s, where `lane` ends; 0 if there is none.
 
-    Only lanes with the same direction of travel count. At the end of the road they must have a successor.
+    Only lanes with the same direction of travel count. A lane of the next section may have the number of the one that
+    ends. At the end of the road lanes must have a successor.
 
     Args:
         n: The tables.
@@ -43,7 +44,7 @@ def lane_going_on(n: RoadTables, road: int, lane: int, s: float, t: float, along
     nearest = FAR_AWAY
     for row in range(n.section_lane[section], n.section_lane[section + 1]):
         beside = n.lane_id[row]
-        fits = beside not in (0, lane) and lane_direction(n, road, beside) == direction
+        fits = beside != 0 and lane_direction(n, road, beside) == direction
         if fits and row_width(n, row, beyond) >= LEAST_WIDTH:
             centre, _ = row_centre(n, road, row, beyond)
             follows = 0

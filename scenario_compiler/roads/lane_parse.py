@@ -9,7 +9,7 @@ from operator import itemgetter
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.attachments import CUT_TOLERANCE
-from scenario_compiler.roads.elements import PlainElement, grandchildren
+from scenario_compiler.roads.elements import Element, PlainElement, grandchildren
 from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, NONE
 from scenario_compiler.roads.marks import (
     CHANGE_BOTH,
@@ -107,6 +107,14 @@ NO_CENTRE = PlainElement("lane")
 """Stands for the centre lane of a section without one."""
 
 
+def are_two_sides(one: Element, other: Element) -> bool:
+    """Return whether two lane sections are one-sided, one for each side of the road."""
+    for section in (one, other):
+        if section.get("singleSide") not in TRUE or (section.find("left") is None) == (section.find("right") is None):
+            return False
+    return (one.find("left") is None) != (other.find("left") is None)
+
+
 class LaneReader:
     """Reads the lanes of the roads, one road after the other."""
 
@@ -137,6 +145,7 @@ class LaneReader:
         sections = self._sections(lanes, length)
         left: Side = (None, 0.0)
         right: Side = (None, 0.0)
+        kept_left = kept_right = True
         for i, (s, element) in enumerate(sections):
             end = sections[i + 1][0] if i + 1 < len(sections) else length
             new_left, new_right = element.find("left"), element.find("right")
@@ -145,11 +154,15 @@ class LaneReader:
             keep_right = one_sided and new_right is None
             left = left if keep_left else (new_left, s)
             right = right if keep_right else (new_right, s)
+            kept_left, kept_right = kept_left and keep_left, kept_right and keep_right
+            if end == s:
+                continue
             inside = self._inside(element, s, end, cuts) if cuts else ()
             for k, span in enumerate(pairwise((s, *inside, end))):
                 self._section(element, road, span, s, left, right)
                 if one_sided or k > 0:
-                    self._continue(keep_left or k > 0, keep_right or k > 0)
+                    self._continue(kept_left or k > 0, kept_right or k > 0)
+            kept_left = kept_right = True
 
     def _inside(self, section: PlainElement, start: float, end: float, cuts: Sequence[float]) -> list[float]:
         """Return the cuts inside a section, as many as `COPY_LIMIT` allows."""
@@ -164,17 +177,23 @@ class LaneReader:
         return found
 
     def _sections(self, lanes: PlainElement, length: float) -> list[tuple[float, PlainElement]]:
-        """Return the usable lane sections with their start, in ascending order."""
-        found: list[tuple[float, PlainElement]] = []
-        for element in lanes.findall("laneSection"):
-            s = self._reader.number(element, "s", 0.0, limit=LENGTH_LIMIT)
-            if found and (s >= length or s == found[-1][0]):
-                self._reader.report(BAD_SECTION, f"the lane section at s = {s:g} is left out", element, "s")
-                continue
-            if found and s < found[-1][0]:
+        """Return the usable lane sections with their start, in ascending order.
+
+        Two one-sided sections may start at the same place, one for each side.
+        """
+        elements = lanes.findall("laneSection")
+        written = [(self._reader.number(one, "s", 0.0, limit=LENGTH_LIMIT), one) for one in elements]
+        for (before, _), (s, element) in pairwise(written):
+            if s < before:
                 self._reader.report(UNSORTED, "s is smaller than that of the lane section before", element, "s")
-            found.append((s if found else min(s, 0.0), element))
-        found.sort(key=itemgetter(0))
+        found: list[tuple[float, PlainElement]] = []
+        for s, element in sorted(written, key=itemgetter(0)):
+            if not found:
+                found.append((min(s, 0.0), element))
+            elif s >= length or (s <= found[-1][0] and not are_two_sides(found[-1][1], element)):
+                self._reader.report(BAD_SECTION, f"the lane section at s = {s:g} is left out", element, "s")
+            else:
+                found.append((s, element))
         return found
 
     def _section(

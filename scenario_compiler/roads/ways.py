@@ -7,7 +7,8 @@ it is driven: 1 along s, -1 against s.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 from scenario_compiler.roads.lane_types import ROAD_TYPES
 from scenario_compiler.roads.lanes import lane_direction
@@ -50,22 +51,37 @@ def travel_time(n: RoadTables, road: int) -> float:
 
 
 def followers(n: RoadTables, stretch: Stretch) -> list[Stretch]:
-    """Return the stretches to which lanes of a stretch lead in their directions of travel, in the lanes' order."""
+    """Return the stretches to which lanes of a stretch lead in their directions of travel, in the lanes' order.
+
+    A road may also be left before its end, where another one is attached to it (`attachments`).
+    """
+    return list(dict.fromkeys(joint.to for joint in joints(n, stretch)))
+
+
+class Joint(NamedTuple):
+    """Where a lane leads to another stretch: the s at which the road is left, and that on the other road, m."""
+
+    to: Stretch
+    s_left: float
+    s_entered: float
+
+
+def joints(n: RoadTables, stretch: Stretch) -> Iterator[Joint]:
+    """Yield the joints of a stretch with others, along its way and in the lanes' order."""
     road, sense = stretch
-    if n.road_section[road] >= n.road_section[road + 1]:
-        return []
-    section = n.road_section[road + 1] - 1 if sense == 1 else n.road_section[road]
+    sections = range(n.road_section[road], n.road_section[road + 1])[::sense]
     end = AT_END if sense == 1 else AT_START
-    found: list[Stretch] = []
-    for row in range(n.section_lane[section], n.section_lane[section + 1]):
-        if n.lane_id[row] == 0 or lane_direction(n, road, n.lane_id[row]) != sense:
-            continue
-        for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
-            other = n.section_road[n.lane_section[n.link_lane[link]]]
-            to = (other, 1 if n.link_contact[link] == AT_START else -1)
-            if to not in found:
-                found.append(to)
-    return found
+    for section in sections:
+        s_left = n.section_end[section] if sense == 1 else n.section_s[section]
+        for row in range(n.section_lane[section], n.section_lane[section + 1]):
+            if n.lane_id[row] == 0 or lane_direction(n, road, n.lane_id[row]) != sense:
+                continue
+            for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
+                beyond = n.lane_section[n.link_lane[link]]
+                other, along = n.section_road[beyond], n.link_contact[link] == AT_START
+                if other != road or section == sections[-1]:
+                    s_entered = n.section_s[beyond] if along else n.section_end[beyond]
+                    yield Joint((other, 1 if along else -1), s_left, s_entered)
 
 
 def predecessors(n: RoadTables) -> dict[Stretch, list[Stretch]]:

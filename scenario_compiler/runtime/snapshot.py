@@ -6,12 +6,11 @@ import math
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE, IMPULSES_AT_ONE
 from scenario_compiler.engine.ego.failures import severity_of
-from scenario_compiler.engine.motion.watching import STEEPEST, farthest_without_leap
+from scenario_compiler.engine.motion.watching import farthest_without_leap, heads_at_speed
 from scenario_compiler.engine.moves.appearance import LIGHTS
 from scenario_compiler.perception.faults import FAULTLESS, CameraFaults
 from scenario_compiler.roads import Pose
@@ -34,7 +33,7 @@ def entities_of(state: State, step: float) -> Entities:
     present, visible, lights = list(state.present), list(state.visible), list(state.lights)
     poses = [list(column) for column in (state.x, state.y, state.z, state.h, state.pitch, state.roll)]
     speed, steering, throttle, brake = (list(one) for one in (state.v, state.steer, state.throttle, state.brake))
-    gains = list(state.a)
+    gains, body_pitch = list(state.a), list(state.body_pitch)
     velocities = [list(column) for column in (state.velocity_x, state.velocity_y, state.velocity_z)]
     before = [list(column) for column in (state.before_x, state.before_y, state.before_z)]
 
@@ -44,12 +43,7 @@ def entities_of(state: State, step: float) -> Entities:
         x, y, z = pose.x - before[0][i], pose.y - before[1][i], pose.z - before[2][i]
         if math.hypot(x, y) <= farthest_without_leap(speed[i], step):
             return x / step, y / step, z / step
-        v = speed[i]  # in the plane
-        return (
-            v * math.cos(pose.heading),
-            v * math.sin(pose.heading),
-            -v * math.tan(clip(pose.pitch, -STEEPEST, STEEPEST)),
-        )
+        return heads_at_speed(speed[i], pose.heading, pose.pitch - body_pitch[i])
 
     def state_of(i: int) -> EntityState:
         pose = Pose(*(column[i] for column in poses))

@@ -1,7 +1,10 @@
-"""A limit shared by the language and the engine. It is separate because the engine is built without the words."""
+"""Limits shared by the language and the engine. They are separate because the engine is built without the words."""
 
 HORIZON = 30.0
 """Greatest time to collision, s. A longer one is undefined, because nobody keeps speed and path for so long.
 
 The number is our own choice. Without it, almost equal speeds would give meaningless times of hours.
 """
+
+TOLERANCE = 1.0e-6
+"""Tolerance of every comparison of times, s, and of the values of conditions, in their units (esmini 3.6)."""

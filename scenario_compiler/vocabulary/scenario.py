@@ -57,6 +57,17 @@ ParameterKind = Literal[
     "boolean",
 ]  # fmt: skip
 
+OTHER_KINDS = (
+    ("duration", "time"),
+    ("distance", "length"),
+    ("double", "number"),
+    ("float", "number"),
+    ("int", "integer"),
+    ("bool", "boolean"),
+    ("string", "text"),
+)
+"""Words of OpenSCENARIO and of programming languages for kinds of parameters, each with ours."""
+
 
 class Parameter(Word):
     """A typed parameter of a scenario or a template."""
@@ -68,7 +79,8 @@ class Parameter(Word):
     )
     type: ParameterKind = attribute(
         "Quantity that the parameter measures. Numbers are in the unit that XML uses for this quantity. A fraction is "
-        "from 0 to 1, unless `min` and `max` set other limits."
+        "from 0 to 1, unless `min` and `max` set other limits.",
+        retired=OTHER_KINDS,
     )
     default: str | None = attribute(
         "Default value, which cannot depend on other parameters. "

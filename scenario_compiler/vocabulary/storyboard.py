@@ -152,6 +152,10 @@ class Storyboard(Word):
         """Yield every action with each entity that executes it (empty for none): the init's, then the stories'."""
         for initial in self.init:
             yield initial.entity, initial.action
+        yield from self.story_actions()
+
+    def story_actions(self) -> Iterator[tuple[str, Action]]:
+        """Yield every action of the stories with each entity that executes it (empty for none)."""
         for group, event in self.events():
             for named in event.actions:
                 yield from ((actor, named.action) for actor in group.actors or ("",))

@@ -144,7 +144,7 @@ class AttributeSpelling(NamedTuple):
         separated: The text is a space-separated list.
         pattern: Regular expression that the whole text must match, in the syntax common to Python and XML Schema; empty
             for any text.
-        retired: Former values, each with its replacement; using one is an error whose hint shows the replacement.
+        retired: Former values and those of other languages, each with its replacement, which the hint shows.
     """
 
     name: str = ""

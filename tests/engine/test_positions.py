@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import atan2, cos, hypot, pi, sin
+from typing import Literal
 
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
 from scenario_compiler.engine.columns.opcodes import FAULT_OFF_ROAD_START
 from scenario_compiler.engine.columns.state import State, make_draws, new_state
+from scenario_compiler.engine.motion.ahead import point_on_way, walk
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.lower import lower
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
+    AcquirePositionAction,
     Action,
     AddEntityAction,
     ConnectTrailerAction,
     DeleteEntityAction,
     DisconnectTrailerAction,
+    LaneChangeToAction,
     TeleportAction,
     VisibilityAction,
 )
@@ -52,7 +57,7 @@ from scenario_compiler.vocabulary.storyboard import (
 from scenario_compiler.vocabulary.weather import Weather
 from tests.engine.both import run_both
 from tests.engine.make import bend, highway, lane, network_of, road
-from tests.roads.test_lane_end import SECTIONS
+from tests.roads.test_lane_end import RENUMBERED, SECTIONS
 
 CAR = Vehicle(
     name="car", length=4.5, width=1.8, height=1.5, wheelbase=2.7, center=1.4, hitch=-1.0, coupler=3.0, max_speed=80.0
@@ -314,6 +319,71 @@ def test_where_a_lane_ends_its_traffic_continues_in_the_nearest_one() -> None:
         step(network.tables, program, state)
     assert (state.x[0], state.y[0]) == pytest.approx((103.0, -1.75), abs=1e-5)
     assert (state.lane[0], state.ended[0]) == (-1, 0)
+
+
+CIRCLE = 200.0
+"""Length of a road that is its own successor, m."""
+
+
+def circle() -> Network:
+    """Return a road in a circle with a lane each way."""
+    own = '<predecessor elementType="road" elementId="1" contactPoint="end"/>'
+    own += '<successor elementType="road" elementId="1" contactPoint="start"/>'
+    lanes = [lane(k, link=f'<predecessor id="{k}"/><successor id="{k}"/>') for k in (-1, 1)]
+    return network_of(
+        road(1, CIRCLE, lanes[0], left=lanes[1], shape=f'<arc curvature="{2.0 * pi / CIRCLE!r}"/>', link=own)
+    )
+
+
+@pytest.mark.parametrize("along", ["road", "lane"])
+def test_a_position_ahead_goes_on_over_the_start_of_a_circle(along: Literal["road", "lane"]) -> None:
+    """It ended where the road ends, which is the same road's start."""
+    start = LanePositionWord(road="1", lane=-1, s=190.0)
+    ahead = LanesAwayPosition(entity="a", lanes=0, distance=30.0, along=along)
+    state, _ = teleported(circle(), start, ahead)
+    stretch = 1.0 if along == "road" else 1.0 + 1.75 * 2.0 * pi / CIRCLE
+    assert state.s[1] == pytest.approx(190.0 + 30.0 / stretch - CIRCLE, abs=0.01)
+    state, _ = teleported(circle(), start, RelativeRoadPosition(entity="a", ds=30.0, dt=0.0))
+    assert state.s[1] == pytest.approx(20.0, abs=0.01)
+
+
+def test_a_position_ahead_follows_a_route_to_a_road_that_begins_inside_another_one() -> None:
+    """Road 2 leaves road 1 at 40 m; the position lay on road 1, past the branch."""
+    inside = '<predecessor elementType="road" elementId="1" elementS="40" elementDir="+"/>'
+    network = network_of(road(1, 100.0, lane(-1)), road(2, 60.0, lane(-1), x=40.0, link=inside))
+    init = (
+        InitAction(entity="a", action=AcquirePositionAction(position=LanePositionWord(road="2", lane=-1, s=50.0))),
+        InitAction(entity="b", action=TeleportAction(position=LanesAwayPosition(entity="a", lanes=0, distance=30.0))),
+    )
+    plan, _ = planned(network, {"a": LanePositionWord(road="1", lane=-1, s=20.0), "b": None}, board(init=init))
+    state, _ = begun(network, plan)
+    assert network.road_ids[state.road[1]] == "2"
+    assert state.s[1] == pytest.approx(10.0)
+
+
+def test_the_way_ahead_goes_on_over_the_start_of_a_circle() -> None:
+    network = circle()
+    plan, _ = planned(network, {"b": LanePositionWord(road="1", lane=-1, s=190.0)}, Storyboard(), speed=1.0)
+    state, _ = begun(network, plan)
+    walk(network.tables, state, 0, -1, 190.0, 1, 100.0, -1)
+    assert state.way_count[0] == 2
+    found, s, _, distance = point_on_way(network.tables, state, 0, 20.0, -1.75, 0.0, 0.0)
+    assert (found, s, distance) == pytest.approx((1, 20.0, 30.0), abs=0.01)
+
+
+def test_a_lane_change_keeps_its_place_where_its_lane_is_renumbered() -> None:
+    network = network_of(RENUMBERED)
+    change = at_time(0.0, 0, LaneChangeToAction(lane=-1, over_time=3.0, shape="linear"))
+    starts: dict[str, Position | None] = {"b": LanePositionWord(road="1", lane=-2, s=72.0)}
+    plan, _ = planned(network, starts, board(change), speed=20.0)
+    program = build_program(plan, network)
+    state, _ = begun(network, plan)
+    places = [(state.x[0], state.y[0])]
+    for _ in range(50):
+        step(network.tables, program, state)
+        places.append((state.x[0], state.y[0]))
+    ways = [hypot(x - before_x, y - before_y) for (before_x, before_y), (x, y) in pairwise(places)]
+    assert ways[1:] == pytest.approx([1.0] * 49)
 
 
 def test_both_forms_leave_the_same_bytes_at_a_lanes_end() -> None:

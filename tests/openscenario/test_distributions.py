@@ -59,7 +59,7 @@ def file(tmp_path: Path) -> Path:
     )
     folder = tmp_path / "scenarios"
     folder.mkdir()
-    (folder / "base.xosc").write_text(text, encoding="utf-8")
+    (folder / "base.xosc").write_text(text.replace("$name action", "action"), encoding="utf-8")
     return tmp_path / "varied.xosc"
 
 

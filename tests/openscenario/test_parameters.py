@@ -50,6 +50,16 @@ def test_parameters_build_on_one_another() -> None:
     assert expanded(text, b="1")[0].parameters[0].name == "b"
 
 
+@pytest.mark.parametrize(
+    ("declared", "code"), [("v:double=${$later * 3}", "SC210"), ("v:double=${1 / 0}", "SC113"), ("v:int=$no", "SC210")]
+)
+def test_a_value_that_cannot_be_computed_is_reported_once(declared: str, code: str) -> None:
+    """Its type and its uses were at fault too: '' is not a number."""
+    limits = '<ConstraintGroup><ValueConstraint rule="greaterThan" value="5"/></ConstraintGroup>'
+    text = scenario_text(story(event(action=speed("$v"))), declared=_declared(declared, constraint=limits))
+    assert expanded(text)[1] == [code]
+
+
 def test_values_come_from_the_command_line() -> None:
     text = scenario_text(story(event(action=speed("$v"))), declared=declarations("v:double=2"))
     assert expanded(text, v="5")[0].parameters[0].default == "5"

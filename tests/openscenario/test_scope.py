@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from scenario_compiler.expressions import Expression, ExpressionError
+from scenario_compiler.markup.environment import UnknownNameError
 from scenario_compiler.openscenario.scope import LARGE, Bound, Scope, described_number, literal_number
 
 
@@ -32,6 +33,20 @@ def scope() -> Scope:
 )
 def test_texts_take_the_present_value(scope: Scope, text: str, meaning: str) -> None:
     assert scope.text(text) == meaning
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [("Car$who", "who"), ("$who_2 $who", "who"), (r"Car\$who", ""), ("$who", ""), ("${$v + 1}", ""), ("Car$one", "")],
+)
+def test_a_parameter_inside_a_longer_text_is_not_replaced(scope: Scope, text: str, name: str) -> None:
+    assert scope.inside(text) == name
+
+
+def test_an_unknown_name_that_begins_with_a_parameter_explains_itself(scope: Scope) -> None:
+    with pytest.raises(UnknownNameError) as unknown:
+        scope.text("$who/and/more")
+    assert unknown.value.hint == "'$who' is replaced only if it is the whole value"
 
 
 def test_numbers_stay_open_and_texts_settle(scope: Scope) -> None:

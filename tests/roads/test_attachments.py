@@ -13,6 +13,7 @@ from scenario_compiler.roads.mesh import road_marks, road_surface
 from scenario_compiler.roads.model import ConnectionEnd
 from scenario_compiler.roads.positions import LanePosition
 from scenario_compiler.roads.travel import advance
+from scenario_compiler.roads.ways import Joint, followers, joints
 from tests.roads.make import lane, network, road, section
 
 VIRTUAL = "GT-OpenSCENARIOEditor/test-fixtures/opendrive-v1.9/GT_23_virtual_junction_17.xodr"
@@ -101,6 +102,17 @@ def test_ends_join_the_part_in_their_direction(
     other_side = start if start.road == "1" else goal
     wrong = other_side._replace(lane=-other_side.lane)
     assert made.route(*((wrong, goal) if start.road == "1" else (start, wrong))) is None
+
+
+@pytest.mark.parametrize(("direction", "sense"), [("+", 1), ("-", -1)])
+def test_a_way_leaves_the_main_road_where_a_branch_begins(tmp_path: Path, direction: str, sense: int) -> None:
+    """Routes of OpenSCENARIO follow these ways, road by road; they knew only the ends of roads."""
+    n = network(tmp_path, *attached(direction, "predecessor")).tables
+    assert followers(n, (0, sense)) == [(1, 1)]
+    assert followers(n, (0, -sense)) == []
+    assert followers(n, (1, -1)) == [(0, -sense)]
+    assert list(joints(n, (0, sense))) == [Joint((1, 1), 40.0, 0.0)]
+    assert list(joints(n, (1, -1))) == [Joint((0, -sense), 0.0, 40.0)]
 
 
 def test_a_cut_changes_nothing_but_the_sections(tmp_path: Path) -> None:

@@ -65,6 +65,26 @@ def test_one_sided_sections_leave_the_other_side_as_it_was(tmp_path: Path) -> No
     assert made.next(LanePosition("1", 1, 90.0), 80.0) == LanePosition("1", 1, 10.0)
 
 
+def test_two_one_sided_sections_may_start_at_the_same_place(tmp_path: Path) -> None:
+    """The right side has one section, the left one two; the second of the first pair was left out."""
+    one = 'singleSide="true"'
+    first = section(lane(1), attributes=one) + section("", lane(-1) + lane(-2), attributes=one)
+    made = network(tmp_path, road(lanes=first + section(lane(1, WIDE), "", 50.0, one)))
+    assert [[at.lane for at in made.lanes_at("1", s)] for s in (20.0, 80.0)] == [[1, -1, -2], [1, -1, -2]]
+    assert [made.lane_width("1", 1, s) for s in (20.0, 80.0)] == [3.5, 4.0]
+    assert made.next(LanePosition("1", -2, 40.0), 20.0) == LanePosition("1", -2, 60.0)
+    again = section("", lane(-1), 50.0, one) + section(lane(1, WIDE), "", 50.0, one)
+    made = network(tmp_path, road(lanes=section(lane(1), lane(-1) + lane(-2)) + again))
+    assert [at.lane for at in made.lanes_at("1", 80.0)] == [1, -1]
+    assert made.lane_width("1", 1, 80.0) == 4.0
+
+
+def test_lane_sections_are_sorted(tmp_path: Path) -> None:
+    """Of two sections in the wrong order the first was taken for the start of the road, and the second left out."""
+    made = network(tmp_path, road(lanes=section(lane(1, WIDE), lane(-1), 50.0) + section(lane(1), lane(-1))))
+    assert [made.lane_width("1", 1, s) for s in (20.0, 80.0)] == [3.5, 4.0]
+
+
 def test_negative_widths_count_as_zero(tmp_path: Path) -> None:
     shrinking = '<width sOffset="0" a="1" b="-0.1" c="0" d="0"/>'
     made = network(tmp_path, road(lanes=section("", lane(-1, shrinking) + lane(-2, WIDE))))

@@ -82,3 +82,9 @@ def _hints(items: str) -> list[str]:
 def test_old_names_are_refused_with_the_new_ones() -> None:
     assert _hints('<takeover><driver preset="urgent"/></takeover>') == ["it is called 'study_means' now"]
     assert _hints('<takeover><message modality="text audio"/></takeover>') == ["write tone or speech"]
+
+
+def test_kinds_of_parameters_of_other_languages_are_refused_with_ours() -> None:
+    """A similar word is none of the same meaning: 'duration' got the hint 'fraction'."""
+    for kind, ours in (("duration", "time"), ("double", "number"), ("string", "text")):
+        assert f"write {ours}" in _hints(f'<parameter name="p" type="{kind}" default="3"/>')

@@ -81,7 +81,7 @@ def test_a_process_that_dies_is_the_fault_of_its_own_scenario() -> None:
 
 def test_the_command_writes_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = tmp_path / "page.md"
-    assert call("library", CONFLICTS / "markings_missing.xml", "--separation", page, "--jobs", 1) == 0
+    assert call("library", CONFLICTS / "markings_missing.xml", "--separation", page, "--workers", 1) == 0
     assert "1 of 1 fail for the slow or the absent driver" in capsys.readouterr().out
     assert "| `markings_missing` | attentive |" in page.read_text(encoding="utf-8")
 

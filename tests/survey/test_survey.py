@@ -164,7 +164,7 @@ def test_scenarios_with_other_content_are_not_near_duplicates(folder: Path) -> N
 
 def test_the_command_writes_page_data_and_tags(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = folder.parent / "out"
-    assert call("library", folder, "-o", out, "--jobs", "1") == 1
+    assert call("library", folder, "-o", out, "--workers", "1") == 1
     told = capsys.readouterr().out
     assert "at fault" in told
     assert f"page: {out / 'library.html'}" in told
@@ -177,7 +177,7 @@ def test_the_command_writes_page_data_and_tags(folder: Path, capsys: pytest.Capt
     assert tagged["openlabel"]["metadata"]["tagged_file"] == str(folder / "good.xml")
     assert call("library", folder, "-o", out) == 2
     (folder / "bad.xml").unlink()
-    assert call("library", folder, "-o", out, "--force", "--jobs", "1") == 0
+    assert call("library", folder, "-o", out, "--force", "--workers", "1") == 0
     assert call("library", folder / "nowhere") == 2
 
 

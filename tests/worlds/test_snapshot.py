@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from scenario_compiler import Plan, compile_scenario, load_network, run
+from scenario_compiler.engine.columns.state import new_state
+from scenario_compiler.engine.program.stage import build_stage
 from scenario_compiler.roads import Network, Pose
+from scenario_compiler.runtime.snapshot import entities_of
 from scenario_compiler.worlds import EgoCommand, EgoState, Entities, EntityState, Snapshot
 from scenario_compiler.worlds.kinematic import KinematicWorld
 
@@ -77,6 +80,16 @@ def test_velocities_are_how_the_entities_moved(told: list[Snapshot]) -> None:
         for one, two in zip(before.entities, after.entities, strict=True):
             moved = np.subtract(two.pose[:3], one.pose[:3]) / (after.t - before.t)
             assert np.allclose(two.velocity, moved, atol=1e-6)
+
+
+def test_the_body_of_a_braking_car_tilts_and_its_velocity_does_not() -> None:
+    """After a leap the velocity follows from speed and heading, and its slope is that of the road alone."""
+    state = new_state(build_stage(1, 1, 0.05))
+    state.present[0], state.v[0], state.h[0] = 1, 20.0, 0.0
+    state.x[0], state.pitch[0], state.body_pitch[0] = 500.0, 0.02, 0.02
+    assert entities_of(state, 0.05)[0].velocity == pytest.approx((20.0, 0.0, 0.0))
+    state.pitch[0] = 0.12
+    assert entities_of(state, 0.05)[0].velocity == pytest.approx((20.0, 0.0, -20.0 * np.tan(0.1)))
 
 
 def test_a_lane_change_moves_across_the_heading(told: list[Snapshot]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from scenario_compiler.vocabulary import horizon
+
 NONE = -1
 """Index that refers to nothing."""
 
@@ -11,8 +13,8 @@ FAR = 1.0e9
 STANDING = 0.05
 """Speed below which an entity stands, m/s."""
 
-TOLERANCE = 1.0e-6
-"""Tolerance of every comparison of times and condition values (esmini 3.6)."""
+TOLERANCE = horizon.TOLERANCE
+"""Tolerance of every comparison of times and condition values."""
 
 # Motion kinds.
 MOTION_STATIC = 0

@@ -51,9 +51,8 @@ def walk(n: RoadTables, st: State, road: int, lane: int, s: float, along: int, h
         covered = covered + rest + STEP_OVER
         if covered > horizon:
             break
-        before = road
         road, lane, s, left = advance(n, road, lane, s, along * (rest + STEP_OVER), turns)
-        if left > 0.0 or road == before:
+        if left > 0.0:
             break
     st.way_count[0] = count
 
@@ -78,9 +77,8 @@ def walk_route(n: RoadTables, p: Program, st: State, horizon: float) -> None:
         if row < 0:
             break
         row, s, left = advance_row(n, row, s, rest + STEP_OVER, preferred_road(p, st, road))
-        before = road
         road = n.section_road[n.lane_section[row]]
-        if left > 0.0 or road == before:
+        if left > 0.0:
             break
         lane = n.lane_id[row]
         if section_holds(n, row, s) == 0:

@@ -132,7 +132,9 @@ def leave_vanished_lane(n: RoadTables, st: State, i: int) -> None:
 def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> None:
     """Move a scripted entity a distance along s that leaves the known range of its lane's row or its road's piece.
 
-    The centre lane continues to the end of its road.
+    The centre lane continues to the end of its road. Where a lane ends, the entity continues on the centre of the
+    nearest lane that does not. While an action moves it aside, that is the lane nearest to the one that ends, and the
+    entity keeps its place across the road.
     """
     road = st.road[i]
     lane = st.kept_lane[i]
@@ -148,11 +150,15 @@ def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> 
         to_road, to_lane, to_s, rest = advance(n, road, lane, s, ahead, next_turn(n, p, st, i, road))
     if rest > op.TOLERANCE or (to_lane != 0 and lane_exists(n, to_road, to_lane, to_s) == 0):
         forward = 1 if ahead > 0.0 else -1
-        beside, from_s = lane_after_end(n, to_road, to_lane, to_s, st.kept_off[i], forward)
+        aside = 0.0 if st.lateral[i] >= 0 else st.kept_off[i]
+        beside, from_s = lane_after_end(n, to_road, to_lane, to_s, aside, forward)
         if beside != 0:
+            st.kept_off[i] = 0.0
+            if st.lateral[i] >= 0 and to_road == road:
+                centre, _ = lane_centre(n, road, beside, from_s)
+                st.kept_off[i] = st.t[i] - centre
             turn = next_turn(n, p, st, i, to_road)
             to_road, to_lane, to_s, rest = advance(n, to_road, beside, from_s, forward * rest, turn)
-            st.kept_off[i] = 0.0
     if rest > op.TOLERANCE and to_road == road and abs(to_s - s) <= op.TOLERANCE:
         st.ended[i] = 1
     if to_road != road or to_lane != lane:

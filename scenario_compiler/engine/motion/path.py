@@ -137,9 +137,8 @@ def advance_routed(
         left = left - step
         if left <= 0.0 or rest > 0.0:
             return road, lane, s, left + rest
-        before = road
         road, lane, s, rest = advance(n, road, lane, s, STEP_OVER, preferred_road(p, st, road))
-        if rest > 0.0 or road == before:
+        if rest > 0.0:
             return road, lane, s, left
         left = max(left - STEP_OVER, 0.0)
     return road, lane, s, left

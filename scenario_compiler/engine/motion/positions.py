@@ -64,15 +64,14 @@ def advance_by_way(
         sense = forward * lane_direction(n, road, lane)
         room = n.road_length[road] - s if sense > 0.0 else s
         step = min(left, room)
-        road, lane, s, rest = advance(n, road, lane, s, forward * step, -1)
+        road, lane, s, rest = advance(n, road, lane, s, forward * step, turn_for(n, p, st, i, other, road))
         left = left - step
         if left <= 0.0 or rest > 0.0:
             return road, lane, s
-        before = road
         next_road, next_lane, next_s, rest = advance(
             n, road, lane, s, forward * min(left, STEP_OVER), turn_for(n, p, st, i, other, road)
         )
-        if rest > 0.0 or next_road == before:
+        if rest > 0.0:
             return road, lane, s
         road = next_road
         lane = next_lane

@@ -55,10 +55,10 @@ def is_off_road(n: RoadTables, st: State, i: int) -> int:
 
 
 @compiled
-def heads_at_speed(st: State, i: int) -> tuple[float, float, float]:
-    """Return the velocity (x, y, z) of an entity that moves with its speed, in the plane, along its heading, m/s."""
-    slope = clip(st.pitch[i] - st.body_pitch[i], -STEEPEST, STEEPEST)
-    return st.v[i] * cos(st.h[i]), st.v[i] * sin(st.h[i]), -st.v[i] * tan(slope)
+def heads_at_speed(v: float, heading: float, pitch: float) -> tuple[float, float, float]:
+    """Return the velocity (x, y, z), m/s, at a speed in the plane along a heading; `pitch` is that of the ground."""
+    slope = clip(pitch, -STEEPEST, STEEPEST)
+    return v * cos(heading), v * sin(heading), -v * tan(slope)
 
 
 @compiled
@@ -78,7 +78,7 @@ def measure_motion(st: State, i: int, watches: int, dt: float) -> None:
         y = y / dt
         z = z / dt
     else:
-        x, y, z = heads_at_speed(st, i)
+        x, y, z = heads_at_speed(st.v[i], st.h[i], st.pitch[i] - st.body_pitch[i])
     if watches & WATCH_ACCELERATION != 0 and dt > 0.0:
         st.acceleration_x[i] = (x - st.velocity_x[i]) / dt
         st.acceleration_y[i] = (y - st.velocity_y[i]) / dt

@@ -15,7 +15,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import compiled
 
-SHARPEST = 1.0e6
+SHARPEST = 1.0e9
 """Jerk if none is given, m/s3: the acceleration changes practically at once."""
 
 

@@ -71,9 +71,10 @@ def lanes_between(lane: int, other: int, direction: int) -> int:
 
 @compiled
 def lane_over(n: RoadTables, st: State, i: int, road: int, ahead: float) -> int:
-    """Return the lane that continues i's own on a road `ahead` metres ahead, or i's own lane id if none leads there."""
-    if st.road[i] == road:
-        return st.lane[i]
+    """Return the lane that continues i's own on a road `ahead` metres ahead, or i's own lane id if none leads there.
+
+    The lane's id may change on the same road too, at its lane sections.
+    """
     along = st.facing[i] * lane_direction(n, st.road[i], st.lane[i])
     at_road, at_lane, _, _ = advance(n, st.road[i], st.lane[i], st.s[i], along * ahead, -1)
     if at_road == road:

@@ -35,9 +35,11 @@ CROSSED_THRESHOLDS = Code(
     "crossed-thresholds",
     "A warning of a <cause> ends at a lower value than it begins (`warning_over` is less than `warning_below`), so "
     "that between the two it would end and begin again in turn. Or it begins after the request: its threshold is less "
-    "than that of the request, or its budget is. `warning_below` may be 0, for a cause without a warning.\n\n"
+    "than that of the request, or its budget is. `warning_below` may be 0, for a cause without a warning. Or the "
+    "escalation of a request comes later than the minimum-risk manoeuvre, after which there is none.\n\n"
     '    <cause kind="lane_confidence" warning_below="0.6" warning_over="0.5"/>     warning_over="0.7"\n'
-    '    <cause kind="path_blocked" budget="7" warning_budget="5"/>     warning_budget="9"',
+    '    <cause kind="path_blocked" budget="7" warning_budget="5"/>     warning_budget="9"\n'
+    '    <takeover escalate_after="12" minimum_risk_after="10">     escalate_after="5"',
 )
 
 
@@ -68,6 +70,21 @@ def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
                 message = f"the warning begins below {begins:g} and would end over {ends:g}"
                 sink.add(CROSSED_THRESHOLDS, message, cause.place_of("warning_over"))
         _check_order(cause, plan.takeover.budget, values, sink)
+    _check_escalation(plan, values, sink)
+
+
+def _check_escalation(plan: Plan, values: Mapping[str, Value], sink: Diagnostics) -> None:
+    """Warn of an escalation within the run that comes after the minimum-risk manoeuvre for every cause."""
+    takeover = plan.takeover
+    waits = (takeover.minimum_risk_after, *(one.minimum_risk_after for one in takeover.causes))
+    latest = max(number_value(one, values) for one in waits if one is not None)
+    escalates = number_value(takeover.escalate_after, values)
+    written = takeover.written("escalate_after") is not None
+    if written and takeover.minimum_risk and latest < escalates < plan.duration:
+        message = (
+            f"the request escalates after {escalates:g} s, but the minimum-risk manoeuvre begins after {latest:g} s"
+        )
+        sink.add(CROSSED_THRESHOLDS, message, takeover.place_of("escalate_after"), severity=Severity.WARNING)
 
 
 def _check_order(cause: Cause, budget: Number, values: Mapping[str, Value], sink: Diagnostics) -> None:

@@ -21,6 +21,7 @@ from scenario_compiler.vocabulary.actions import (
     SpeedAction,
     TrafficSwarmAction,
 )
+from scenario_compiler.vocabulary.horizon import TOLERANCE
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.takeover import Automation
 from scenario_compiler.vocabulary.traversal import walk
@@ -30,7 +31,8 @@ WITHOUT_EFFECT = Code(
     "SC295",
     "without-effect",
     "An action or an attribute has no effect: an <activate_controller> or an <environment> that changes nothing, the "
-    "`deceleration` of an automation that does not slow down, a pedal beyond its limit, which acts as the limit, a "
+    "`deceleration` of an automation that does not slow down, a pedal beyond its limit or a speed "
+    "above the greatest one of the vehicle (`maxSpeed`), which acts as the limit, a "
     "<timing> of a trajectory without times, a rate of 0, which acts as a step, or a swarm whose `inner_radius` "
     "contains its whole ellipse, so that no vehicle appears.\n\n"
     '    <automation after="follow" deceleration="2"/>     only after="slow_down" uses it\n'
@@ -52,6 +54,7 @@ def check_effects(plan: Plan, network: Network, sink: Diagnostics) -> None:
     del network
     values = parameter_values(plan.parameters)
     _check_automation(plan.takeover.automation, sink)
+    _check_speeds(plan, values, sink)
     for word in walk(plan.storyboard):
         if isinstance(word, ActivateControllerAction):
             if all(getattr(word, name) is None for name in SWITCHES):
@@ -69,6 +72,16 @@ def check_effects(plan: Plan, network: Network, sink: Diagnostics) -> None:
             _check_timing(word, sink)
         elif isinstance(word, CHANGES):
             _check_rate(word, values, sink)
+
+
+def _check_speeds(plan: Plan, values: Mapping[str, Value], sink: Diagnostics) -> None:
+    fastest = {one.id: one.vehicle.max_speed for one in plan.entities}
+    for actor, action in plan.storyboard.actions():
+        if isinstance(action, SpeedAction) and actor in fastest:
+            speed = number_value(action.to, values)
+            if abs(speed) > fastest[actor] + TOLERANCE:
+                message = f"'{actor}' drives at most {fastest[actor]:g} m/s: {speed:g} m/s acts as that"
+                sink.add(WITHOUT_EFFECT, message, action.place_of("to"))
 
 
 def _check_automation(automation: Automation, sink: Diagnostics) -> None:

@@ -27,6 +27,7 @@ from scenario_compiler.vocabulary.conditions import (
     TimeToCollisionCondition,
     TraveledDistanceCondition,
 )
+from scenario_compiler.vocabulary.horizon import TOLERANCE
 from scenario_compiler.vocabulary.positions import LanePositionWord
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.storyboard import Event, Trigger, TriggerCondition
@@ -57,9 +58,6 @@ AFTER_THE_END = Code(
     Severity.WARNING,
 )
 
-
-SAME_TIME = 1.0e-6
-"""Greatest difference of two times that are equal, s; that of the engine's comparisons."""
 
 AFTER_A_START = frozenset({"runningState", "completeState", "startTransition", "endTransition"})
 """States and transitions that an event reaches by starting."""
@@ -209,7 +207,7 @@ def _never_at_a_time(
     missed = beyond(condition, plan, values)
     if missed is not None:
         return Never(NEVER_FIRES, *missed)
-    if condition.rule == "equalTo" and abs(limit - round(limit / plan.step) * plan.step) > SAME_TIME:
+    if condition.rule == "equalTo" and abs(limit - round(limit / plan.step) * plan.step) > TOLERANCE:
         between = f"the run has steps of {plan.step:g} s, and {limit:g} s is between two of them"
         return Never(NEVER_FIRES, between, "after")
     begins = condition.rule.startswith("greater")

@@ -8,6 +8,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.check.filed import Filed, Road, Section, number, whole
+from scenario_compiler.roads.lane_parse import are_two_sides
 from scenario_compiler.roads.lanes import lane_row_in
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.structure.findings import Findings
@@ -147,18 +148,18 @@ def _curve_length(curve: etree._Element, last: float) -> float:
 
 
 def _check_sections(road: Road, findings: Findings) -> None:
-    last: float | None = None
+    before: Section | None = None
     for section in road.sections:
-        if last is None:
+        if before is None:
             if section.s != 0.0:
                 message = f"the first lane section starts at s = {section.s:g}, not at 0"
                 findings.report(SECTION_START, message, section.element, "s")
-        elif section.s == last:
+        elif section.s == before.s and not are_two_sides(before.element, section.element):
             findings.report(SECTION_START, f"a second lane section starts at s = {section.s:g}", section.element, "s")
         elif section.s >= road.length:
             message = f"the lane section starts at s = {section.s:g}, beyond the road's end at {road.length:g}"
             findings.report(SECTION_START, message, section.element, "s")
-        last = section.s
+        before = section
 
 
 def _check_lane_order(section: Section, findings: Findings) -> None:

@@ -176,6 +176,15 @@ def test_a_single_entry_at_the_present_speed_lasts_for_its_time(tmp_path: Path, 
     assert followed_by(tmp_path, profile(mode, "10@5", LIMITS)) == pytest.approx(6.05)
 
 
+@pytest.mark.parametrize("mode", ["position", "follow"])
+@pytest.mark.parametrize("entries", ["14@2 10@2", "18", "14@2 14@1 0@1"])
+def test_a_profile_without_limits_of_jerk_ends_with_its_last_entry(tmp_path: Path, mode: str, entries: str) -> None:
+    """Its corners are sharp: rounding them takes no time that counts."""
+    times = {"14@2 10@2": 5.05, "18": 1.85, "14@2 14@1 0@1": 6.05}
+    limits = 'maxDeceleration="7"' if entries.endswith("0@1") else ""
+    assert followed_by(tmp_path, profile(mode, entries, limits)) == pytest.approx(times[entries])
+
+
 def test_a_corner_that_cannot_be_rounded_in_time_stays_sharp(tmp_path: Path) -> None:
     sharp = LIMITS.replace('Rate="3"', 'Rate="0.5"')
     run = play(tmp_path, A, [Event("A", profile("follow", "14@2 10@2", sharp))])
