@@ -233,6 +233,15 @@ def test_a_conflict_is_as_valid_after_an_export_beside_it(
     assert f"the map has no spawn points (the map is {copy})" in capsys.readouterr().err
 
 
+def test_an_unknown_spawn_point_of_a_map_with_many_is_reported_with_their_number(
+    conflict: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = conflict.read_text(encoding="utf-8")
+    conflict.write_text(text.replace('<spawn_point name="straight"/>', '<spawn_point name="zz"/>'), encoding="utf-8")
+    assert call("validate", conflict) == 1
+    assert "there are 13, such as 'acceleration_lane' (the map is" in capsys.readouterr().err
+
+
 def test_warnings_can_be_allowed_or_made_errors(conflict: Path) -> None:
     conflict.write_text(CONFLICT.replace(' duration="2"', ""), encoding="utf-8")
     assert call("validate", conflict) == 0
