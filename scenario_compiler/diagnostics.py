@@ -356,6 +356,12 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return ""
 
 
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """Return the likely spelling of an unknown word, in brackets, to write after it; "" if no known word is similar."""
+    hint = did_you_mean(word, known)
+    return f" ({hint})" if hint else ""
+
+
 WIDEST_LINE = 240
 """Greatest number of characters of a source line that are shown: a file may have one line of many megabytes."""
 

@@ -24,7 +24,7 @@ from scenario_compiler.batch.runner import Part, Runner
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import OnProgress, Progress
-from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.diagnostics import Diagnostics, suggestion
 from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.resolution import WITHOUT_REQUEST
@@ -243,8 +243,9 @@ def minimise(
     """
     from scipy import optimize
 
-    if measure not in {one.name for one in MEASURES}:
-        raise SweepError(f"there is no measure '{measure}'")
+    measures = {one.name for one in MEASURES}
+    if measure not in measures:
+        raise SweepError(f"there is no measure '{measure}'{suggestion(measure, measures)}")
     if evaluations < 1:
         raise SweepError(f"a search needs at least one run, not {evaluations}")
     search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps, sink, progress)
@@ -290,7 +291,10 @@ def _predicate(when: str) -> Callable[[Columns], bool]:
     known = {"collision", "request", "passed"} | {one.name for one in MEASURES}
     unknown = sorted(set(expression.names) - known)
     if unknown:
-        raise SweepError(f"'{unknown[0]}' in '{when}' is neither a measure nor one of collision, request and passed")
+        hint = suggestion(unknown[0], known)
+        raise SweepError(
+            f"'{unknown[0]}' in '{when}' is neither a measure nor one of collision, request and passed{hint}"
+        )
 
     def happens(row: Columns) -> bool:
         if row["result"] == ["error"]:

@@ -14,8 +14,9 @@ from functools import cache
 from importlib import import_module
 from typing import Any, NoReturn
 
-from scenario_compiler.cli.options import WRONG_USE, WrongUse, existing_target, reason_of, suggestion
+from scenario_compiler.cli.options import WRONG_USE, WrongUse, existing_target, reason_of
 from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams, put, put_raw
+from scenario_compiler.diagnostics import suggestion
 from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError

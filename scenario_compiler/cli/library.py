@@ -79,6 +79,8 @@ def library_command(options: argparse.Namespace) -> int:
             options.folder, sink, runs=options.runs, processes=options.jobs, maps=options.maps, progress=progress
         )
     failed = show(sink, options)
+    if not found.scenarios and not failed:
+        raise WrongUse(f"there is no scenario in '{options.folder}'")
     _print(found, text_stream(options))
     if options.output is not None:
         from scenario_compiler.survey.page import PAGE, write_survey

@@ -18,7 +18,7 @@ from scenario_compiler.diagnostics import (
     Severity,
     all_codes,
     code_named,
-    did_you_mean,
+    suggestion,
     weighed,
 )
 from scenario_compiler.files import split_target
@@ -45,12 +45,6 @@ Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 class WrongUse(Exception):
     """The command was used in a way that cannot work; the message says which."""
-
-
-def suggestion(word: str, known: Iterable[str]) -> str:
-    """Return the likely spelling of an unknown word, in brackets, to write after it; "" if no known word is similar."""
-    hint = did_you_mean(word, known)
-    return f" ({hint})" if hint else ""
 
 
 def reason_of(fault: OSError) -> str:

@@ -52,9 +52,12 @@ def test_an_interrupted_search_is_resumed(conflict: Path, tmp_path: Path) -> Non
 
 def test_a_missing_boundary_is_reported(conflict: Path, tmp_path: Path) -> None:
     spec = _spec("distance=uniform(20, 200)")
-    for when, text in (("final_speed > 1000", "at neither end"), ("braking", "neither a measure"), ("a <", "read")):
+    for when, text in (("final_speed > 1000", "at neither end"), ("a <", "read")):
         with pytest.raises(SweepError, match=text):
             find_boundary(conflict, spec, tmp_path / text, when=when, tolerance=1.0)
+    for when, text in (("braking", "neither a measure"), ("colision", "passed.*did you mean 'collision'")):
+        with pytest.raises(SweepError, match=text):
+            find_boundary(conflict, spec, tmp_path / when, when=when, tolerance=1.0)
     with pytest.raises(SweepError, match="needs a range"):
         find_boundary(conflict, _spec("distance=normal(1, 2)"), tmp_path / "n", when="collision", tolerance=1.0)
     with pytest.raises(SweepError, match="too small"):
@@ -72,7 +75,8 @@ def test_the_least_distance_is_found(conflict: Path, tmp_path: Path, optimizer: 
     assert 40 <= found.values["distance"] <= 300
     again = minimise(conflict, spec, tmp_path / "search", resume=True, **settings)  # type: ignore[arg-type]
     assert again == found
-    with pytest.raises(SweepError, match="no measure"):
-        minimise(conflict, spec, tmp_path / "other", measure="beauty", evaluations=3)
+    for name, text in (("beauty", "no measure 'beauty'$"), ("minimum_distanc", "did you mean 'minimum_distance'")):
+        with pytest.raises(SweepError, match=text):
+            minimise(conflict, spec, tmp_path / "other", measure=name, evaluations=3)
     with pytest.raises(SweepError, match="at least one run"):
         minimise(conflict, spec, tmp_path / "none", measure="minimum_distance", evaluations=0)
