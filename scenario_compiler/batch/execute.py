@@ -413,4 +413,5 @@ def describe(sweep: Sweep, workers: int, scheduler: str | None = None) -> str:
         where = f"on the cluster at {scheduler}"
     chosen = sweep.sampler.chosen
     kept = "" if chosen is None else f"; {len(chosen)} of {sweep.sampler.points} points meet the constraints"
-    return f"{sweep.sampler.total} variants {how}, {where}{kept}"
+    total = sweep.sampler.total
+    return f"{total} variant{'s' * (total != 1)} {how}, {where}{kept}"

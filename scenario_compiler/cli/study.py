@@ -200,5 +200,5 @@ def _export(options: argparse.Namespace) -> int:
     if options.output is None or options.output.suffix != ".csv":
         raise WrongUse("name the table with -o; it ends in .csv")
     count = write_tidy(options.path, options.output)
-    put(f"{count} runs: {options.output}", text_stream(options))
+    put(f"{count} run{'s' * (count != 1)}: {options.output}", text_stream(options))
     return FINE

@@ -213,7 +213,11 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
         )
     show(sink, options)
     tally = result.tally
-    put(f"{tally.runs} variants: {tally.in_words(automated=result.automated)}: {result.table}", text_stream(options))
+    ending = "" if tally.runs == 1 else "s"
+    put(
+        f"{tally.runs} variant{ending}: {tally.in_words(automated=result.automated)}: {result.table}",
+        text_stream(options),
+    )
     if options.report:
         put(f"report: {result.folder / 'report.html'}", text_stream(options))
     if tally.broken_off:

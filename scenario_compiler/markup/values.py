@@ -139,6 +139,9 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
         instead = dict(rule.spelling.retired).get(text)
         if instead is not None:
             return f"one of {', '.join(rule.choices)}", f"write {instead}"
+        parts = [part for part in text.split(",") if part]
+        if rule.spelling.separated and "," in text and parts and set(parts) <= set(rule.choices):
+            return f"one of {', '.join(rule.choices)}", "separate the values by spaces, without commas"
         hint = did_you_mean(text, rule.choices)
         return f"one of {', '.join(rule.choices)}", hint if hint.startswith("did") else ""
     if rule.kind == "boolean":
