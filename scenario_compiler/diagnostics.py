@@ -127,8 +127,9 @@ def all_codes() -> Mapping[str, Code]:
 
 
 def code_named(text: str) -> Code | None:
-    """Return the code with an id, in upper or lower case; None if there is none."""
+    """Return the code with an id, in upper or lower case, or with a number alone; None if there is none."""
     name = text.strip().upper()
+    name = f"SC{name}" if name.isdigit() else name
     return CODES.get(name) or all_codes().get(name)
 
 

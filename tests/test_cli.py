@@ -102,6 +102,7 @@ def test_a_folder_does_not_hide_a_conflict_of_the_library(tmp_path: Path, monkey
     ("arguments", "said"),
     [
         (["--set", "speed"], "NAME=VALUE"),
+        (["--set", "speed=10", "--set", "speed=20"], "the parameter 'speed' is given twice"),
         (["--world", "moon"], "no world 'moon'"),
         (["--dt", "0"], "not between 0.001 and 1 s"),
         (["--perception", "dreams"], "invalid choice"),

@@ -347,7 +347,6 @@ def test_a_missing_property_is_reported_where_the_controller_is_named(
     assert capsys.readouterr().err.startswith("--controller: error[SC504]")
 
 
-
 @pytest.mark.parametrize("name", ["stranger:Mine", "stranger", "{folder}/stranger.py:Mine", "{folder}/stranger.py"])
 def test_code_that_the_command_line_names_is_found_beside_the_scenario(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str

@@ -277,6 +277,8 @@ def settings_of(texts: Sequence[str]) -> dict[str, str]:
         name, equals, value = text.partition("=")
         if not equals or not name.strip():
             raise WrongUse(f"--set needs NAME=VALUE, not '{text}'")
+        if name.strip() in settings:
+            raise WrongUse(f"the parameter '{name.strip()}' is given twice")
         settings[name.strip()] = value.strip()
     return settings
 
