@@ -116,6 +116,33 @@ def test_wrong_use_exits_with_2(
 
 
 @pytest.mark.parametrize(
+    ("command", "option", "why"),
+    [
+        ("run obstacle_ahead", "--port 8001", "only with --watch"),
+        ("run obstacle_ahead", "--host 0.0.0.0", "only with --watch"),
+        ("run obstacle_ahead", "--video-shows map", "only with --video"),
+        ("report out", "--video-shows map", "only with --video"),
+        ("report out --video", "--camera", "not with --video"),
+        ("compare one two", "--camera", "only with --html"),
+        ("library conflicts", "--perception camera", "only with --separation"),
+        ("sweep obstacle_ahead -o out --samples 3", "--tolerance 2", "only with --boundary"),
+        ("sweep obstacle_ahead -o out --boundary collision", "--evaluations 9", "only with --minimise"),
+        ("sweep obstacle_ahead -o out --boundary collision", "--pass-rate 0.9", "not with --boundary and --minimise"),
+        ("sweep obstacle_ahead -o out --minimise final_speed", "--samples 9", "not with --boundary and --minimise"),
+        ("sweep obstacle_ahead -o out --minimise final_speed", "--no-report", "not with --boundary and --minimise"),
+        ("study plan study.xml", "-o plan.csv", "not with `study plan`"),
+        ("study export data -o table.csv", "--pilot", "not with `study export`"),
+        ("study study.xml -o data --pilot", "--lsl", "not with --pilot"),
+    ],
+)
+def test_an_option_that_would_be_ignored_is_wrong_use(
+    capsys: pytest.CaptureFixture[str], command: str, option: str, why: str
+) -> None:
+    assert call(*command.split(), *option.split()) == 2
+    assert f"{option.split()[0]}: {why}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
     "words",
     [
         "calibrate -o out --jobs 0",

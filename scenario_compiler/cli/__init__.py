@@ -113,6 +113,7 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         super().__init__(**{"formatter_class": HelpFormatter, **settings})
         self.register("action", "parsers", Subcommands)
+        self.set_defaults(default_of=self.get_default)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Return the arguments; unknown ones are an error of the command to which they were given."""

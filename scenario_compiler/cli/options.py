@@ -47,6 +47,23 @@ class WrongUse(Exception):
     """The command was used in a way that cannot work; the message says which."""
 
 
+def refuse_idle(options: argparse.Namespace, why: str, *names: str) -> None:
+    """Refuse options that would be ignored.
+
+    Args:
+        options: The arguments of a command.
+        why: When the options have an effect, as in "only with --watch".
+        names: The names of their attributes.
+
+    Raises:
+        WrongUse: One of them was given another value than its default.
+    """
+    for name in names:
+        if getattr(options, name) != options.default_of(name):
+            spelled = {"output": "-o", "report": "--no-report"}.get(name, f"--{name.replace('_', '-')}")
+            raise WrongUse(f"{spelled}: {why}")
+
+
 def reason_of(fault: OSError) -> str:
     """Return in one line which file could not be read or written, and why.
 

@@ -65,6 +65,26 @@ def test_a_missing_boundary_is_reported(conflict: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("optimizer", ["direct", "nelder-mead"])
+def test_a_search_keeps_within_the_constraints(conflict: Path, tmp_path: Path, optimizer: str) -> None:
+    spec = _spec("distance=uniform(40, 300)", "speed=uniform(8, 20)", where=("distance > 100 + 2 * speed",))
+    settings = {"measure": "minimum_distance", "evaluations": 30, "optimizer": optimizer}
+    found = minimise(conflict, spec, tmp_path / "search", **settings)  # type: ignore[arg-type]
+    rows, _ = read_results(tmp_path / "search")
+    pairs = list(zip(rows["parameter.distance"], rows["parameter.speed"], strict=True))
+    assert len(pairs) == found.evaluations
+    assert all(distance > 100 + 2 * speed for distance, speed in pairs)
+
+
+def test_a_search_that_the_constraints_forbid_is_refused(conflict: Path, tmp_path: Path) -> None:
+    spec = _spec("distance=uniform(40, 300)", where=("distance > 400",))
+    with pytest.raises(SweepError, match=r"no sample meets \(\$distance > 400\)"):
+        minimise(conflict, spec, tmp_path / "least", measure="minimum_distance", evaluations=5)
+    outside = _spec("distance=uniform(40, 300)", where=("distance > 60",))
+    with pytest.raises(SweepError, match=r"distance = 40 does not meet \(\$distance > 60\)"):
+        find_boundary(conflict, outside, tmp_path / "boundary", when="request", tolerance=1.0)
+
+
+@pytest.mark.parametrize("optimizer", ["direct", "nelder-mead"])
 def test_the_least_distance_is_found(conflict: Path, tmp_path: Path, optimizer: str) -> None:
     spec = _spec("distance=uniform(40, 300)", "speed=uniform(8, 20)")
     settings = {"measure": "minimum_distance", "evaluations": 30, "optimizer": optimizer}
