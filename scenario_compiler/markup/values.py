@@ -36,6 +36,9 @@ PATTERNS |= {f"({pattern})?": text for pattern, text in PATTERNS.items()}
 MEANT_TRUTHS = {"true": ("true", "yes", "on", "1"), "false": ("false", "no", "off", "0")}
 """What authors write for a truth, in lower case."""
 
+WITH_UNIT = {name for name, one in QUANTITIES.items() if one.unit not in ("", "1")}
+"""Quantities that are measured in a unit."""
+
 _SPACES = re.compile(f"[{SPACE}]+")
 _NUMBER = re.compile(rf"(?:{NUMBER})\Z")
 _INTEGER = re.compile(rf"(?:{INTEGER})\Z")
@@ -66,6 +69,7 @@ def _number(
 ) -> float | Expression:
     quantity = QUANTITIES.get(rule.spelling.quantity)
     factor = quantity.factor if quantity else 1.0
+    report_quantity(text, rule.name, rule.spelling.quantity, reading, origin)
     if expression is None:
         literal = _literal_number(text, rule, reading, origin)
         _check_limits(literal, rule, reading, origin)
@@ -76,6 +80,23 @@ def _number(
         return present * factor
     reading.environment.keep_within(rule.name, expression, rule.spelling)
     return expression if factor == 1.0 else parse_expression(f"radians({expression.text})")
+
+
+def report_quantity(text: str, name: str, quantity: str, reading: ReadingContext, place: Place) -> None:
+    """Report a text that names a parameter of another quantity than a number needs.
+
+    Args:
+        text: The text.
+        name: Name of the attribute or the parameter that it gives a value to.
+        quantity: The needed quantity, a key of `QUANTITIES`; numbers and fractions take any parameter.
+        reading: The context.
+        place: Place of the text.
+    """
+    given = reading.environment.quantity_of(text)
+    if given != quantity and {given, quantity} <= WITH_UNIT:
+        units = [QUANTITIES[one].unit for one in (quantity, given)]
+        message = f"{name} is in {units[0]}, but the parameter '{text.strip('${} ')}' is in {units[1]}"
+        reading.sink.add(codes.WRONG_QUANTITY, message, place)
 
 
 def _structural(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> FieldValue:
