@@ -41,6 +41,7 @@ WITH_UNIT = {name for name, one in QUANTITIES.items() if one.unit not in ("", "1
 
 _SPACES = re.compile(f"[{SPACE}]+")
 _NUMBER = re.compile(rf"(?:{NUMBER})\Z")
+_GROUPED = re.compile(r"[+-]?[0-9]{1,3}(?:,[0-9]{3})+(?![0-9,])")
 _INTEGER = re.compile(rf"(?:{INTEGER})\Z")
 
 
@@ -74,6 +75,8 @@ def _number(
         literal = _literal_number(text, rule, reading, origin)
         _check_limits(literal, rule, reading, origin)
         return literal * factor
+    if isinstance(expression.evaluate(reading.environment.values), bool):
+        raise ExpressionError(f"'{expression.text}' is true or false, not a number; write if(test, a, b)")
     present = expression.number(reading.environment.values)
     _check_limits(present, rule, reading, origin)
     if not expression.names:
@@ -184,13 +187,19 @@ def truth_hint(text: str) -> str:
 
 
 def number_hint(text: str, quantity: str) -> str:
-    """Return a hint for a number with a unit, with a decimal comma or in a bare expression; empty for other texts."""
+    """Return a hint for a number with a unit, with commas or in a bare expression; empty for other texts.
+
+    A comma before three digits may separate thousands or be a decimal comma: the hint has both readings.
+    """
     if "$" in text:
         return "write the whole expression in ${...}, as in ${2 * $speed}"
-    converted = in_unit(text, quantity)
-    if not converted and _NUMBER.match(text.strip(SPACE).replace(",", ".")):
-        converted = text.replace(",", ".")
-    return f"write {converted}" if converted else ""
+    meant = [text.replace(",", "")] if _GROUPED.match(text.strip(SPACE)) else []
+    written = []
+    for one in (*meant, text.replace(",", ".")):
+        converted = in_unit(one, quantity) or (one.strip(SPACE) if _NUMBER.match(one.strip(SPACE)) else "")
+        if converted and converted not in written:
+            written.append(converted)
+    return f"write {' or '.join(written)}" if written else ""
 
 
 def _check_limits(number: float, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> None:

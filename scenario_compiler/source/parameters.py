@@ -168,7 +168,7 @@ def _typed_binding(bound: Binding, parameter: Parameter, place: Place, reading: 
         return typed(format_value(bound), parameter, place, reading.sink)
     values = reading.environment.values
     try:
-        present = reading.environment.settled(bound) if parameter.type in STRUCTURAL_KINDS else bound.number(values)
+        present = reading.environment.settled(bound) if parameter.type in STRUCTURAL_KINDS else bound.evaluate(values)
     except ExpressionError as error:
         reading.sink.add(codes.BAD_EXPRESSION, str(error), place)
         return None
