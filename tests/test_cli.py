@@ -102,6 +102,7 @@ def test_a_folder_does_not_hide_a_conflict_of_the_library(tmp_path: Path, monkey
     ("arguments", "said"),
     [
         (["--set", "speed"], "NAME=VALUE"),
+        (["--maps", "no_such_maps"], "argument --maps: there is no folder 'no_such_maps'"),
         (["--set", "speed=10", "--set", "speed=20"], "the parameter 'speed' is given twice"),
         (["--world", "moon"], "no world 'moon'"),
         (["--dt", "0"], "not between 0.001 and 1 s"),
@@ -268,6 +269,11 @@ def test_an_unknown_spawn_point_of_a_map_with_many_is_reported_with_their_number
     conflict.write_text(text.replace('<spawn_point name="straight"/>', '<spawn_point name="zz"/>'), encoding="utf-8")
     assert call("validate", conflict) == 1
     assert "there are 13, such as 'acceleration_lane' (the map is" in capsys.readouterr().err
+
+
+def test_a_scenario_of_a_file_cannot_be_validated_alone(conflict: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("validate", f"{conflict}#fade") == 2
+    assert f"files are checked as a whole: write {conflict} without #fade" in capsys.readouterr().err
 
 
 def test_warnings_can_be_allowed_or_made_errors(conflict: Path) -> None:

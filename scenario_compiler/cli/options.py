@@ -141,7 +141,7 @@ def add_maps(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--maps",
         action="append",
-        type=Path,
+        type=folder,
         default=[],
         metavar="DIR",
         help="folder in which maps are looked for first",
