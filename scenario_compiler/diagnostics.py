@@ -127,8 +127,9 @@ def all_codes() -> Mapping[str, Code]:
 
 
 def code_named(text: str) -> Code | None:
-    """Return the code with an id, in upper or lower case; None if there is none."""
+    """Return the code with an id, in upper or lower case, or with a number alone; None if there is none."""
     name = text.strip().upper()
+    name = f"SC{name}" if name.isdigit() else name
     return CODES.get(name) or all_codes().get(name)
 
 
@@ -354,6 +355,12 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     if 0 < len(names) <= 12:
         return "known: " + ", ".join(names)
     return ""
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """Return the likely spelling of an unknown word, in brackets, to write after it; "" if no known word is similar."""
+    hint = did_you_mean(word, known)
+    return f" ({hint})" if hint else ""
 
 
 WIDEST_LINE = 240

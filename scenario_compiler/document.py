@@ -409,7 +409,10 @@ def _short(message: str) -> str:
 def _beside(path: Path) -> str:
     try:
         alike = [one for one in path.parent.iterdir() if one.suffix == path.suffix]
-        names = [one.name for one in alike if one.name != path.name and one.is_file()]
+        stems = [one.stem for one in alike if one.name != path.name and one.is_file()]
     except OSError:
         return ""
-    return did_you_mean(path.name, names) if names else ""
+    hint = did_you_mean(path.stem, stems)  # the common suffix would make all names alike
+    if hint.startswith("known"):
+        return "known: " + ", ".join(sorted(f"{one}{path.suffix}" for one in stems))
+    return hint.replace("'?", f"{path.suffix}'?")

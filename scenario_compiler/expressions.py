@@ -149,8 +149,8 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "radians": (1, math.radians),
     "degrees": (1, math.degrees),
     "pow": (2, lambda a, b: a**b),
-    "min": (-1, min),
-    "max": (-1, max),
+    "min": (-1, lambda *some: min(some)),
+    "max": (-1, lambda *some: max(some)),
     "if": (3, None),  # type: ignore[dict-item]  # evaluated lazily
 }
 """Function name to number of arguments (-1: one or more) and implementation."""

@@ -103,6 +103,8 @@ def test_a_folder_does_not_hide_a_conflict_of_the_library(tmp_path: Path, monkey
     ("arguments", "said"),
     [
         (["--set", "speed"], "NAME=VALUE"),
+        (["--maps", "no_such_maps"], "argument --maps: there is no folder 'no_such_maps'"),
+        (["--set", "speed=10", "--set", "speed=20"], "the parameter 'speed' is given twice"),
         (["--world", "moon"], "no world 'moon'"),
         (["--dt", "0"], "not between 0.001 and 1 s"),
         (["--perception", "dreams"], "invalid choice"),
@@ -113,6 +115,33 @@ def test_wrong_use_exits_with_2(
 ) -> None:
     assert call("run", conflict, *arguments) == 2
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "why"),
+    [
+        ("run obstacle_ahead", "--port 8001", "only with --watch"),
+        ("run obstacle_ahead", "--host 0.0.0.0", "only with --watch"),
+        ("run obstacle_ahead", "--video-shows map", "only with --video"),
+        ("report out", "--video-shows map", "only with --video"),
+        ("report out --video", "--camera", "not with --video"),
+        ("compare one two", "--camera", "only with --html"),
+        ("library conflicts", "--perception camera", "only with --separation"),
+        ("sweep obstacle_ahead -o out --samples 3", "--tolerance 2", "only with --boundary"),
+        ("sweep obstacle_ahead -o out --boundary collision", "--evaluations 9", "only with --minimise"),
+        ("sweep obstacle_ahead -o out --boundary collision", "--pass-rate 0.9", "not with --boundary and --minimise"),
+        ("sweep obstacle_ahead -o out --minimise final_speed", "--samples 9", "not with --boundary and --minimise"),
+        ("sweep obstacle_ahead -o out --minimise final_speed", "--no-report", "not with --boundary and --minimise"),
+        ("study plan study.xml", "-o plan.csv", "not with `study plan`"),
+        ("study export data -o table.csv", "--pilot", "not with `study export`"),
+        ("study study.xml -o data --pilot", "--lsl", "not with --pilot"),
+    ],
+)
+def test_an_option_that_would_be_ignored_is_wrong_use(
+    capsys: pytest.CaptureFixture[str], command: str, option: str, why: str
+) -> None:
+    assert call(*command.split(), *option.split()) == 2
+    assert f"{option.split()[0]}: {why}" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -232,6 +261,20 @@ def test_a_conflict_is_as_valid_after_an_export_beside_it(
     copy.write_bytes(copy.read_bytes() + b"\n")
     assert call("validate", conflict) == 1
     assert f"the map has no spawn points (the map is {copy})" in capsys.readouterr().err
+
+
+def test_an_unknown_spawn_point_of_a_map_with_many_is_reported_with_their_number(
+    conflict: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = conflict.read_text(encoding="utf-8")
+    conflict.write_text(text.replace('<spawn_point name="straight"/>', '<spawn_point name="zz"/>'), encoding="utf-8")
+    assert call("validate", conflict) == 1
+    assert "there are 13, such as 'acceleration_lane' (the map is" in capsys.readouterr().err
+
+
+def test_a_scenario_of_a_file_cannot_be_validated_alone(conflict: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("validate", f"{conflict}#fade") == 2
+    assert f"files are checked as a whole: write {conflict} without #fade" in capsys.readouterr().err
 
 
 def test_warnings_can_be_allowed_or_made_errors(conflict: Path) -> None:

@@ -47,9 +47,19 @@ def test_differences_between_runs_are_reported_with_place_and_size(
     assert call("compare", runs / "one", runs / "faster") == 1
     out = capsys.readouterr().out
     assert "$speed" in out
-    assert "The runs first differ at 0 s: the speed of ego is 20 m/s in the first, 20.1 m/s in the second." in out
+    assert "The rows first differ at 0 s: the speed of ego is 20 m/s in the first, 20.1 m/s in the second." in out
     assert "final_speed" in out
     assert out.endswith("The runs differ.\n")
+
+
+def test_an_event_that_differs_before_the_rows_do_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for seed in (1, 2):
+        run = ("run", "obstacle_ahead", "--perception", "ideal", "--duration", "10", "--seed", seed)
+        assert call(*run, "-o", tmp_path / str(seed)) == 0
+    assert call("compare", tmp_path / "1", tmp_path / "2") == 1
+    out = capsys.readouterr().out
+    assert "The rows first differ at 8.35 s: the x of ego" in out
+    assert "Events that differ: 6, the first of them at 7.4 s." in out
 
 
 @pytest.mark.parametrize(("other", "tolerance", "code"), [("faster", 0.05, 1), ("faster", 0.5, 0), ("longer", 5, 1)])

@@ -53,6 +53,7 @@ def test_every_code_that_is_declared_anywhere_can_be_explained() -> None:
 
 def test_a_code_is_named_in_capitals_or_not() -> None:
     assert code_named("sc102 ") is MALFORMED
+    assert code_named("102") is MALFORMED
     assert code_named("SC40") is None
     assert code_named("nonsense") is None
 

@@ -160,6 +160,14 @@ def test_a_missing_file_is_compared_with_its_neighbours(tmp_path: Path) -> None:
     assert [one.hint for one in sink] == ["did you mean 'conflict.xml'?"]
 
 
+def test_a_common_suffix_does_not_make_the_names_of_files_alike(tmp_path: Path) -> None:
+    for name in ("s1.xml", "s2.xml"):
+        (tmp_path / name).write_text("<a/>", encoding="utf-8")
+    sink = Diagnostics()
+    read_document(tmp_path / "nope.xml", sink)
+    assert [one.hint for one in sink] == ["known: s1.xml, s2.xml"]
+
+
 def test_a_file_that_is_there_is_not_offered_for_itself(tmp_path: Path) -> None:
     (tmp_path / "loop1.xml").symlink_to("loop1.xml")
     (tmp_path / "dangling.xml").symlink_to("nowhere.xml")

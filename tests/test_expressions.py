@@ -44,6 +44,7 @@ VALUES: dict[str, Value] = {"a": 2.0, "b": 3.0, "flag": True, "name": "car"}
         ("if(a > b, 1, 2)", 2.0),
         ("if(flag, 1, 1 / 0)", 1.0),
         ("min(a, b, 1) + max(4, 5)", 6.0),
+        ("min(4) - max(a)", 2.0),
         ("sqrt(16) + abs(-1)", 5.0),
         ("round(2.5)", 3.0),
         ("round(-2.5)", -3.0),

@@ -133,7 +133,8 @@ def test_the_action_takes_folders_of_templates_and_maps(folder: Path) -> None:
     text = re.sub(r'<use template="blocked_lane"[^>]*/>', '<use template="ours"/>', file.read_text(encoding="utf-8"))
     file.write_text(re.sub(r"<parameter [^>]*/>", "", text), encoding="utf-8")
     assert step("Validate", folder, inputs(paths="conflicts"))[0].returncode == 1
-    given = inputs(paths="conflicts", templates="our templates\n", maps="nowhere")
+    (folder / "our maps").mkdir()
+    given = inputs(paths="conflicts", templates="our templates\n", maps="our maps")
     done, _ = step("Validate", folder, given)
     assert done.returncode == 0, done.stdout
 

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from scenario_compiler import (
@@ -20,6 +21,9 @@ from scenario_compiler import (
     Takeover,
     compile_built,
     compile_scenario,
+    load_network,
+    open_world,
+    run,
     run_sweep,
 )
 from scenario_compiler.batch.search import find_boundary
@@ -243,6 +247,18 @@ def test_a_parameter_with_the_name_of_an_argument_is_refused(conflict: Path) -> 
     done = compile_target(conflict, {"maps": "3"}, Diagnostics())
     assert done is not None
     assert [one.default for one in done.plan.parameters] == ["20", "3"]
+
+
+def test_a_seed_is_a_whole_number_of_any_type(conflict: Path) -> None:
+    plan = compile_scenario(conflict, overrides=Overrides(perception="ideal", duration=0.5))
+    world = open_world("kinematic", plan, load_network(plan.map.file))
+    wrong: Any
+    for wrong in ("1", 1.5, None):
+        with pytest.raises(TypeError, match="seed is a whole number, not"):
+            run(plan, world, seed=wrong)
+    recording = run(plan, world, seed=np.int64(3))  # type: ignore[arg-type]
+    assert type(recording.header.seed) is int
+    assert recording.trajectory_hash == run(plan, world, seed=3).trajectory_hash
 
 
 @pytest.mark.parametrize("wrong", [{"step": 0.0}, {"step": 2.0}, {"duration": 0.0}, {"perception": "radar"}], ids=str)

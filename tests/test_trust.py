@@ -335,6 +335,18 @@ def test_wrong_properties_are_found_only_in_trusted_code(tmp_path: Path, capsys:
     assert "did you mean 'throttle'?" in capsys.readouterr().err
 
 
+def test_a_missing_property_is_reported_where_the_controller_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = STEERING.replace("throttle: float = 0.2", "throttle: float")
+    file = written(tmp_path, "stranger:Mine", code=code)
+    assert call("run", file, "--trust", "stranger:Mine") == 1
+    told = capsys.readouterr().err
+    assert re.search(r"named.xml:\d+:\d+: error\[SC504\]: 'stranger:Mine' needs the property 'throttle'", told)
+    assert call("run", file, "--controller", f"{tmp_path / 'stranger.py'}:Mine") == 1
+    assert capsys.readouterr().err.startswith("--controller: error[SC504]")
+
+
 @pytest.mark.parametrize("name", ["stranger:Mine", "stranger", "{folder}/stranger.py:Mine", "{folder}/stranger.py"])
 def test_code_that_the_command_line_names_is_found_beside_the_scenario(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str

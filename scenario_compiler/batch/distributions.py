@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from statistics import NormalDist
 from typing import Literal
 
+from scenario_compiler.diagnostics import suggestion
 from scenario_compiler.expressions import WHOLE_BELOW, Value, format_value
 from scenario_compiler.vocabulary.grammar import outside
 from scenario_compiler.vocabulary.scenario import ParameterKind
@@ -57,7 +58,8 @@ def parse_distribution(text: str) -> Distribution:
     """Parse the spelling of a distribution; SweepError when it is not one."""
     match = re.fullmatch(r"\s*([a-z]+)\s*\((.*)\)\s*", text, re.DOTALL)
     if match is None or match.group(1) not in DISTRIBUTIONS:
-        raise SweepError(f"'{text}' is not a distribution; the distributions are {', '.join(DISTRIBUTIONS)}")
+        hint = suggestion("" if match is None else match.group(1), DISTRIBUTIONS)
+        raise SweepError(f"'{text}' is not a distribution{hint}")
     name, inside = match.groups()
     parts = tuple(part.strip() for part in inside.split(","))
     if parts == ("",):
@@ -155,7 +157,7 @@ def _weighted(text: str, parts: Sequence[str]) -> Distribution:
 def _grid(text: str, numbers: Sequence[float]) -> Distribution:
     _need(len(numbers) == 3 and numbers[2] == int(numbers[2]) and 1 <= numbers[2] <= 1e7, text)
     low, high, count = numbers[0], numbers[1], int(numbers[2])
-    values = tuple(low + (high - low) * k / max(count - 1, 1) for k in range(count))
+    values = (*(low + (high - low) * k / (count - 1) for k in range(count - 1)), high if count > 1 else low)
 
     def quantile(u: float) -> Value:
         return values[min(int(u * count), count - 1)]

@@ -203,7 +203,9 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
     if not declared:
         declared = {one.name: Declaration.of(one) for one in families.base.plan.parameters}
         check_axes(axes, declared, constrained)
-    fixed = {name: value_of(text) for name, text in spec.settings.items()}
+    fixed = {name: one.default for name, one in declared.items() if one.default is not None}
+    texts = {name for name, one in declared.items() if one.kind == "text"}
+    fixed |= {name: text if name in texts else value_of(text) for name, text in spec.settings.items()}
     sampler = make_sampler(spec, fixed | parameter_values(families.base.plan.parameters))
     form = form_of(spec, families.base)
     return Sweep(str(found), spec, sampler, families, form, part_size_of(form, sampler.total), declared)
@@ -413,4 +415,5 @@ def describe(sweep: Sweep, workers: int, scheduler: str | None = None) -> str:
         where = f"on the cluster at {scheduler}"
     chosen = sweep.sampler.chosen
     kept = "" if chosen is None else f"; {len(chosen)} of {sweep.sampler.points} points meet the constraints"
-    return f"{sweep.sampler.total} variants {how}, {where}{kept}"
+    total = sweep.sampler.total
+    return f"{total} variant{'s' * (total != 1)} {how}, {where}{kept}"

@@ -83,7 +83,20 @@ class Sampler:
             if not self._drawn_again or self._holds(values, self._drawn_again):
                 return values
         at = " and ".join(f"{name} = {format_value(values[name])}" for name in self.crossed) or "one variant"
-        raise SweepError(f"no sample meets {self._shown} in {ATTEMPTS} draws for {at}")
+        raise SweepError(f"no sample meets {self.constraints} in {ATTEMPTS} draws for {at}")
+
+    @property
+    def constraints(self) -> str:
+        """The constraints, as text."""
+        return " and ".join(expression.text for expression in self.where)
+
+    def meets(self, values: Sample) -> bool:
+        """Return whether the values of a variant fulfil the constraints.
+
+        Raises:
+            SweepError: A constraint has no value.
+        """
+        return self._holds(values, self.where)
 
     def choose(self) -> None:
         """Keep the points that fulfil the constraints which another draw cannot change.
@@ -97,7 +110,7 @@ class Sampler:
         good = (number for number in range(self.points) if self._holds(self._point(number, 0), settled))
         self.chosen = array("q", good)
         if not len(self.chosen):
-            raise SweepError(f"no sample meets {self._shown}")
+            raise SweepError(f"no sample meets {self.constraints}")
 
     @cached_property
     def _drawn_again(self) -> tuple[Expression, ...]:
@@ -105,10 +118,6 @@ class Sampler:
         if self.units is not None:
             return ()
         return tuple(one for one in self.where if any(name in self.drawn for name in one.names))
-
-    @property
-    def _shown(self) -> str:
-        return " and ".join(expression.text for expression in self.where)
 
     def _point(self, number: int, attempt: int) -> Sample:
         values: Sample = {}

@@ -24,7 +24,7 @@ from scenario_compiler.batch.runner import Part, Runner
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import OnProgress, Progress
-from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.diagnostics import Diagnostics, suggestion
 from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.resolution import WITHOUT_REQUEST
@@ -194,14 +194,21 @@ def find_boundary(
     if not tolerance > 0 or high - low > tolerance * 2.0**60:
         raise SweepError(f"the tolerance {tolerance:g} is too small for the range")
     search.expected = 2 + math.ceil(math.log2(max((high - low) / tolerance, 1.0)))
+
+    def happens_at(value: float) -> bool:
+        sampler = search.sweep.sampler
+        if not sampler.meets({name: value}):
+            raise SweepError(f"{name} = {value:g} does not meet {sampler.constraints}: give a range that does")
+        return happens(search.evaluate({name: value}))
+
     with search.opened(resume=resume):
-        at_low, at_high = (happens(search.evaluate({name: value})) for value in (low, high))
+        at_low, at_high = happens_at(low), happens_at(high)
         if at_low == at_high:
             where = "at both ends" if at_low else "at neither end"
             raise SweepError(f"no boundary: '{when}' holds {where} of {name} from {low:g} to {high:g}")
         while high - low > tolerance:
             middle = 0.5 * (low + high)
-            if happens(search.evaluate({name: middle})) == at_low:
+            if happens_at(middle) == at_low:
                 low = middle
             else:
                 high = middle
@@ -243,8 +250,9 @@ def minimise(
     """
     from scipy import optimize
 
-    if measure not in {one.name for one in MEASURES}:
-        raise SweepError(f"there is no measure '{measure}'")
+    measures = {one.name for one in MEASURES}
+    if measure not in measures:
+        raise SweepError(f"there is no measure '{measure}'{suggestion(measure, measures)}")
     if evaluations < 1:
         raise SweepError(f"a search needs at least one run, not {evaluations}")
     search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps, sink, progress)
@@ -257,6 +265,8 @@ def minimise(
             name: min(max(float(value), search.ranges[name][0]), search.ranges[name][1])
             for name, value in zip(names, point, strict=True)
         }
+        if not search.sweep.sampler.meets({**values}):
+            return UNDEFINED
         found = search.evaluate(values)[measure][0]
         if found is not None and (not best or found < best[0][0]):
             best[:] = [(found, values)]
@@ -270,6 +280,8 @@ def minimise(
             middle = [0.5 * (low + high) for low, high in bounds]
             options = {"maxfev": evaluations, "xatol": 1e-4, "fatol": 1e-6}
             optimize.minimize(objective, middle, method="Nelder-Mead", bounds=bounds, options=options)
+        if not search.count:
+            raise SweepError(f"no sample meets {search.sweep.sampler.constraints}")
         search.finish()
     if not best:
         raise SweepError(f"'{measure}' is defined in none of {search.count} runs")
@@ -290,7 +302,10 @@ def _predicate(when: str) -> Callable[[Columns], bool]:
     known = {"collision", "request", "passed"} | {one.name for one in MEASURES}
     unknown = sorted(set(expression.names) - known)
     if unknown:
-        raise SweepError(f"'{unknown[0]}' in '{when}' is neither a measure nor one of collision, request and passed")
+        hint = suggestion(unknown[0], known)
+        raise SweepError(
+            f"'{unknown[0]}' in '{when}' is neither a measure nor one of collision, request and passed{hint}"
+        )
 
     def happens(row: Columns) -> bool:
         if row["result"] == ["error"]:

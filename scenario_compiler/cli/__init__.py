@@ -14,8 +14,9 @@ from functools import cache
 from importlib import import_module
 from typing import Any, NoReturn
 
-from scenario_compiler.cli.options import WRONG_USE, WrongUse, existing_target, reason_of, suggestion
+from scenario_compiler.cli.options import WRONG_USE, WrongUse, existing_target, reason_of
 from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams, put, put_raw
+from scenario_compiler.diagnostics import suggestion
 from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError
@@ -112,6 +113,7 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         super().__init__(**{"formatter_class": HelpFormatter, **settings})
         self.register("action", "parsers", Subcommands)
+        self.set_defaults(default_of=self.get_default)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Return the arguments; unknown ones are an error of the command to which they were given."""

@@ -25,11 +25,10 @@ from scenario_compiler.cli.options import (
     keep_inputs,
     new_sink,
     show,
-    suggestion,
     text_stream,
 )
 from scenario_compiler.cli.terminal import put, put_table, tell
-from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.diagnostics import Diagnostics, suggestion
 from scenario_compiler.garbage_collection import keep_loaded
 from scenario_compiler.outputs import write_whole
 

@@ -6,8 +6,9 @@ import argparse
 from pathlib import Path
 
 from scenario_compiler.addresses import LOOPBACK
-from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, suggestion, whole_number
+from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, whole_number
 from scenario_compiler.cli.terminal import complain, flush_streams, put
+from scenario_compiler.diagnostics import suggestion
 from scenario_compiler.garbage_collection import stay_small
 
 PORT = 2000

@@ -11,7 +11,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scenario_compiler.cli.differences import print_comparison, print_sweeps, sweep_tables, sweeps_verdict, verdict
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_maps, keep_inputs, text_stream
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    FINE,
+    Commands,
+    WrongUse,
+    add_maps,
+    keep_inputs,
+    refuse_idle,
+    text_stream,
+)
 from scenario_compiler.cli.terminal import put, put_raw
 from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import Diagnostics
@@ -73,6 +82,8 @@ def tolerance(text: str) -> float:
 
 def compare_command(options: argparse.Namespace) -> int:
     """Print the differences between two runs, or between two sweeps."""
+    if options.html is None:
+        refuse_idle(options, "only with --html", "camera")
     if _are_sweeps(options.first, options.second):
         return _compare_sweeps(options)
     from scenario_compiler.recording.comparison import compare

@@ -7,9 +7,10 @@ import json
 import sys
 from typing import TYPE_CHECKING
 
-from scenario_compiler.cli.options import FINE, Commands, WrongUse, suggestion
+from scenario_compiler.cli.options import FINE, Commands, WrongUse
 from scenario_compiler.cli.terminal import put, put_raw, put_rendered
 from scenario_compiler.coverage import TABLES
+from scenario_compiler.diagnostics import suggestion
 
 if TYPE_CHECKING:
     from scenario_compiler.coverage.table import Table

@@ -70,15 +70,16 @@ def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
         name, unit = _called(parting.column)
         whose = f"the {name} of {parting.entity}" if parting.entity else f"the {name}"
         values = f"{parting.first}{unit} in the first, {parting.second}{unit} in the second"
-        yield f"The runs first differ at {parting.t:.6g} s: {whose} is {values}."
+        yield f"The rows first differ at {parting.t:.6g} s: {whose} is {values}."
     if not found.same_times:
         yield f"The runs have different rows: {found.rows} rows are at times that both have."
     for fact in found.facts:
         if fact.counts and fact.first != fact.second:
             yield f"The runs differ in: {fact.what}."
-    counting = sum(one.counts for one in found.events)
+    times = [min(t for t in (one.first, one.second) if t is not None) for one in found.events if one.counts]
+    counting = len(times)
     if counting:
-        yield f"Events that differ: {counting}."
+        yield f"Events that differ: {counting}, the first of them at {min(times):.6g} s."
     if counting < len(found.events):
         yield f"Events that only the sensors of one world report: {len(found.events) - counting}."
     within = "" if tolerance is None else f" within {tolerance:g} m"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import textwrap
 
-from scenario_compiler.cli.options import FINE, Commands, WrongUse, suggestion
+from scenario_compiler.cli.options import FINE, Commands, WrongUse
 from scenario_compiler.cli.terminal import put, put_raw
-from scenario_compiler.diagnostics import CODES, code_named
+from scenario_compiler.diagnostics import CODES, code_named, suggestion
 
 
 def add(commands: Commands) -> None:

@@ -18,6 +18,7 @@ from scenario_compiler.cli.options import (
     add_workers,
     is_filled,
     new_sink,
+    refuse_idle,
     show,
     text_stream,
     whole_number,
@@ -69,6 +70,8 @@ def library_command(options: argparse.Namespace) -> int:
     """Survey a library, print what it covers, and write the page and its data."""
     from scenario_compiler.survey.survey import survey
 
+    if options.separation is None:
+        refuse_idle(options, "only with --separation", "perception")
     if not options.folder.exists():
         raise WrongUse(f"there is no file or folder '{options.folder}'")
     if options.output is not None and not options.force and is_filled(options.output):
@@ -79,6 +82,8 @@ def library_command(options: argparse.Namespace) -> int:
             options.folder, sink, runs=options.runs, processes=options.workers, maps=options.maps, progress=progress
         )
     failed = show(sink, options)
+    if not found.scenarios and not failed:
+        raise WrongUse(f"there is no scenario in '{options.folder}'")
     _print(found, text_stream(options))
     if options.output is not None:
         from scenario_compiler.survey.page import PAGE, write_survey

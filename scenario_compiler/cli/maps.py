@@ -15,11 +15,10 @@ from scenario_compiler.cli.options import (
     add_maps,
     keep_inputs,
     show,
-    suggestion,
     text_stream,
 )
 from scenario_compiler.cli.terminal import put
-from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.diagnostics import Diagnostics, suggestion
 from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.outputs import write_whole
 

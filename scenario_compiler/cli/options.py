@@ -18,7 +18,7 @@ from scenario_compiler.diagnostics import (
     Severity,
     all_codes,
     code_named,
-    did_you_mean,
+    suggestion,
     weighed,
 )
 from scenario_compiler.files import split_target
@@ -47,10 +47,21 @@ class WrongUse(Exception):
     """The command was used in a way that cannot work; the message says which."""
 
 
-def suggestion(word: str, known: Iterable[str]) -> str:
-    """Return the likely spelling of an unknown word, in brackets, to write after it; "" if no known word is similar."""
-    hint = did_you_mean(word, known)
-    return f" ({hint})" if hint else ""
+def refuse_idle(options: argparse.Namespace, why: str, *names: str) -> None:
+    """Refuse options that would be ignored.
+
+    Args:
+        options: The arguments of a command.
+        why: When the options have an effect, as in "only with --watch".
+        names: The names of their attributes.
+
+    Raises:
+        WrongUse: One of them was given another value than its default.
+    """
+    for name in names:
+        if getattr(options, name) != options.default_of(name):
+            spelled = {"output": "-o", "report": "--no-report"}.get(name, f"--{name.replace('_', '-')}")
+            raise WrongUse(f"{spelled}: {why}")
 
 
 def reason_of(fault: OSError) -> str:
@@ -130,7 +141,7 @@ def add_maps(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--maps",
         action="append",
-        type=Path,
+        type=folder,
         default=[],
         metavar="DIR",
         help="folder in which maps are looked for first",
@@ -283,6 +294,8 @@ def settings_of(texts: Sequence[str]) -> dict[str, str]:
         name, equals, value = text.partition("=")
         if not equals or not name.strip():
             raise WrongUse(f"--set needs NAME=VALUE, not '{text}'")
+        if name.strip() in settings:
+            raise WrongUse(f"the parameter '{name.strip()}' is given twice")
         settings[name.strip()] = value.strip()
     return settings
 

@@ -16,6 +16,7 @@ from scenario_compiler.cli.options import (
     keep_inputs,
     needing,
     new_sink,
+    refuse_idle,
     show,
     text_stream,
 )
@@ -127,6 +128,10 @@ def read_files(folder: Path) -> list[Path]:
 
 def report_command(options: argparse.Namespace) -> int:
     """Write the report of a run folder again from its plan and recording, or a film of it."""
+    if options.video is None:
+        refuse_idle(options, "only with --video", "video_shows")
+    else:
+        refuse_idle(options, "not with --video", "camera")
     sink = new_sink(options)
     run = stored_run(options.folder, options.maps, sink)
     if show(sink, options) or run is None:

@@ -27,6 +27,7 @@ from scenario_compiler.cli.options import (
     keep_inputs,
     needing,
     new_sink,
+    refuse_idle,
     show,
     text_stream,
     trust_of,
@@ -222,6 +223,10 @@ def _refuse_wrong_use(options: argparse.Namespace) -> None:
     """Raise WrongUse for options that cannot be followed, before a scenario is compiled."""
     if options.output is not None and not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
+    if not options.watch:
+        refuse_idle(options, "only with --watch", "host", "port")
+    if options.video is None:
+        refuse_idle(options, "only with --video", "video_shows")
     if options.show is not None and options.output is None:
         raise WrongUse("--show draws into the folder of the run: name one with -o")
     if options.video is not None:  # before a run that may take long

@@ -20,6 +20,7 @@ from scenario_compiler.cli.options import (
     has_errors,
     needing,
     new_sink,
+    refuse_idle,
     show,
     step_length,
     text_stream,
@@ -36,6 +37,18 @@ if TYPE_CHECKING:
 
 SIZES = {"1280x720": (1280, 720), "960x540": (960, 540), "640x360": (640, 360)}
 """Sizes of the view ahead, pixels; smaller ones suit several participants at once."""
+
+
+OF_PAGES = ("size", "lsl", "host", "port")
+"""Options of the participants' and the experimenter's pages."""
+
+IDLE = {
+    "run": (),
+    "pilot": OF_PAGES,
+    "plan": ("output", "pilot", *OF_PAGES),
+    "export": ("pilot", "perception", "dt", "world", *OF_PAGES),
+}
+"""Options without an effect on each use of the command."""
 
 
 def add(commands: Commands) -> None:
@@ -82,12 +95,14 @@ def study_command(options: argparse.Namespace) -> int:
     """Run, plan, pilot or export a study."""
     from scenario_compiler.study.folder import StudyError
 
+    how = "pilot" if options.action == "run" and options.pilot else options.action
+    refuse_idle(options, f"not with {'--pilot' if how == 'pilot' else f'`study {how}`'}", *IDLE[how])
     try:
+        of_world = world_options(options)
         if options.action == "export":
             return _export(options)
         if options.action == "run" and options.output is None:
             raise WrongUse("name a folder for the data with -o")
-        of_world = world_options(options)
         if options.world != "kinematic" and (options.pilot or options.action == "plan"):
             raise WrongUse("--world is for participants: driver models go through a study in the built-in world")
         sink = new_sink(options)
@@ -200,5 +215,5 @@ def _export(options: argparse.Namespace) -> int:
     if options.output is None or options.output.suffix != ".csv":
         raise WrongUse("name the table with -o; it ends in .csv")
     count = write_tidy(options.path, options.output)
-    put(f"{count} runs: {options.output}", text_stream(options))
+    put(f"{count} run{'s' * (count != 1)}: {options.output}", text_stream(options))
     return FINE

@@ -26,6 +26,7 @@ from scenario_compiler.cli.options import (
     new_sink,
     positive,
     reason_of,
+    refuse_idle,
     settings_of,
     show,
     text_stream,
@@ -44,6 +45,9 @@ if TYPE_CHECKING:
 
 MOST_SAMPLES = 1_000_000_000
 """Greatest number of draws, repetitions or runs of a search that an option can ask for."""
+
+OF_SWEEPS = ("samples", "method", "traces", "workers", "scheduler", "report", "pass_rate", "time_limit")
+"""Options without an effect on a search."""
 
 METHODS = ("random", "grid", "latin", "sobol")
 
@@ -147,6 +151,7 @@ def sweep_command(options: argparse.Namespace) -> int:
         from scenario_compiler.languages import ScenarioNameNeededError
 
         keep_loaded()
+    _refuse_idle(options)
     sink = new_sink(options)
     try:
         if options.boundary is not None or options.minimise is not None:
@@ -167,6 +172,16 @@ def sweep_command(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         complain("interrupted; --resume finishes the sweep")
         return INTERRUPTED
+
+
+def _refuse_idle(options: argparse.Namespace) -> None:
+    """Raise WrongUse for options of a sweep given to a search, and for those of another search."""
+    if options.boundary is None:
+        refuse_idle(options, "only with --boundary", "tolerance")
+    if options.minimise is None:
+        refuse_idle(options, "only with --minimise", "evaluations")
+    if options.boundary is not None or options.minimise is not None:
+        refuse_idle(options, "not with --boundary and --minimise", *OF_SWEEPS)
 
 
 def _spec(options: argparse.Namespace) -> SweepSpec:
@@ -213,7 +228,11 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
         )
     show(sink, options)
     tally = result.tally
-    put(f"{tally.runs} variants: {tally.in_words(automated=result.automated)}: {result.table}", text_stream(options))
+    ending = "" if tally.runs == 1 else "s"
+    put(
+        f"{tally.runs} variant{ending}: {tally.in_words(automated=result.automated)}: {result.table}",
+        text_stream(options),
+    )
     if options.report:
         put(f"report: {result.folder / 'report.html'}", text_stream(options))
     if tally.broken_off:

@@ -55,6 +55,10 @@ def validate_command(options: argparse.Namespace) -> int:
     keep_loaded()
     if not options.paths:
         raise WrongUse("name the files or folders to check; if --xsd stands without DIR, put it after them")
+    for path in options.paths:
+        whole, mark, name = str(path).partition("#")
+        if mark and not path.exists() and Path(whole).is_file():
+            raise WrongUse(f"files are checked as a whole: write {whole} without #{name}")
     files = list(dict.fromkeys(file for path in options.paths for file in files_below(path)))
     if not files:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")

@@ -9,7 +9,8 @@ import argparse
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from scenario_compiler.cli.options import WrongUse, suggestion, whole_number
+from scenario_compiler.cli.options import WrongUse, whole_number
+from scenario_compiler.diagnostics import suggestion
 
 if TYPE_CHECKING:
     from scenario_compiler.diagnostics import Diagnostics

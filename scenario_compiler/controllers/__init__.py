@@ -38,7 +38,6 @@ from scenario_compiler.controllers.model import (
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Related, Severity, did_you_mean
 from scenario_compiler.perception.detectors import DETECTORS
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.trust import CodeName, Trust, code_name
 from scenario_compiler.vocabulary.entities import Controller, Detector, Property
 from scenario_compiler.vocabulary.sensors import MOUNTING, Camera
@@ -214,9 +213,12 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
     except ValidationError as error:
         for fault in error.errors(include_url=False):
             name = str(fault["loc"][0]) if fault["loc"] else ""
-            at = words[name].place_of("value") if name in words else place_of(plan, "controller")
+            at = words[name].place_of("value") if name in words else place
             hint, message = "", f"property '{name}' of '{controller.model}': {fault['msg']}"
-            if fault["type"] == "extra_forbidden":
+            if fault["type"] == "missing":
+                message = f"'{controller.model}' needs the property '{name}'"
+                hint = f'write <property name="{name}" value="..."/> in <controller>'
+            elif fault["type"] == "extra_forbidden":
                 hint, message = _meant(words[name], found), f"'{controller.model}' has no property '{name}'"
             sink.add(BAD_PROPERTY, message, at, hint=hint)
 

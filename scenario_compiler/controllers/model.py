@@ -161,9 +161,9 @@ class Control:
     """The output of a controller.
 
     Attributes:
-        throttle: Throttle, 0 to 1.
-        steer: Steering angle as a share of the greatest one, -1 to 1, positive to the left.
-        brake: Brake, 0 to 1.
+        throttle: Throttle, 0 to 1; a value beyond counts as the nearest of these.
+        steer: Steering angle as a share of the greatest one, -1 to 1, positive to the left; limited likewise.
+        brake: Brake, 0 to 1; limited likewise.
         trajectory: Predicted path: points (x ahead, y to the left) relative to the rear axle, m.
         confidence_left: Confidence in the left lane boundary, 0 to 1.
         confidence_right: Confidence in the right lane boundary, 0 to 1.

@@ -1,6 +1,6 @@
 """The codes of faults in a scenario file's elements, attributes and literals (SC1xx)."""
 
-from scenario_compiler.diagnostics import Code
+from scenario_compiler.diagnostics import Code, Severity
 
 UNKNOWN_ROOT = Code(
     "SC116",
@@ -11,6 +11,16 @@ UNKNOWN_ROOT = Code(
     "    <config>                  the AISA toolkit's scenarios\n"
     "    <OpenSCENARIO>            ASAM OpenSCENARIO: a scenario, a catalog, values of parameters\n\n"
     "Check the path, and the spelling of the first element.",
+)
+WRONG_QUANTITY = Code(
+    "SC298",
+    "wrong-quantity",
+    "A parameter is used as it is where another quantity is needed: a length as a time, or a speed as a length. The "
+    "number is the same, but its unit is not.\n\n"
+    '    <parameter name="distance" type="length" default="60"/>\n'
+    '    <takeover budget="$distance"/>     budget="${$distance / $speed}"\n\n'
+    "Name the parameter that is meant, correct its type, or calculate: the result of an expression has no quantity.",
+    Severity.WARNING,
 )
 UNKNOWN_ELEMENT = Code(
     "SC105",

@@ -46,6 +46,7 @@ class Environment:
         lenient: Whether a declaration could not be read, so that unknown names are not reported.
         structural: Open parameters on which something other than a number depends; filled while reading.
         limits: Limits of numbers that depend on open parameters, each once, in the order of reading.
+        quantities: Quantities of the parameters that the part declares itself.
     """
 
     bindings: Mapping[str, Binding] = field(default_factory=dict)
@@ -54,10 +55,20 @@ class Environment:
     lenient: bool = False
     structural: set[str] = field(default_factory=set)
     limits: dict[tuple[str, str, AttributeSpelling], Expression] = field(default_factory=dict)
+    quantities: Mapping[str, str] = field(default_factory=dict)
 
     def with_value(self, name: str, value: Value) -> Environment:
         """Return the environment with the value of one more name, which hides another of the same name."""
-        return replace(self, bindings={**self.bindings, name: value}, undetermined=self.undetermined - {name})
+        return replace(
+            self,
+            bindings={**self.bindings, name: value},
+            undetermined=self.undetermined - {name},
+            quantities={one: quantity for one, quantity in self.quantities.items() if one != name},
+        )
+
+    def quantity_of(self, text: str) -> str:
+        """Return the quantity of the parameter to which a text refers without calculating; empty for another text."""
+        return self.quantities.get((_inner(text)[0] or "").strip().removeprefix("$"), "")
 
     def undecided(self, more: Iterable[str] = ()) -> Environment:
         """Return the environment in which the same names and `more` are known but have no values."""

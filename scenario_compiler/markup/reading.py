@@ -130,10 +130,12 @@ def place_children(
     owner = {tag: i for i, rule in enumerate(rules) for tag in rule.tags}
     found: list[list[etree._Element]] = [[] for _ in rules]
     furthest = 0
+    unknown = False
     for child in element.iterchildren(etree.Element):
         index = owner.get(str(child.tag))
         if index is None:
             _report_unknown_child(element, child, rules, reading)
+            unknown = True
             continue
         if index < furthest:
             before = next(
@@ -153,7 +155,9 @@ def place_children(
             continue
         found[index].append(child)
     for rule, elements in zip(rules, found, strict=True):
-        yield rule, _unwrapped(element, rule, elements, reading)
+        if elements or not (unknown and len(rules) == 1):  # an unknown child can only be meant for the single rule
+            elements = _unwrapped(element, rule, elements, reading)
+        yield rule, elements
 
 
 def misspelt(parent: etree._Element, tags: Iterable[str]) -> bool:

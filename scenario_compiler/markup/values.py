@@ -36,8 +36,12 @@ PATTERNS |= {f"({pattern})?": text for pattern, text in PATTERNS.items()}
 MEANT_TRUTHS = {"true": ("true", "yes", "on", "1"), "false": ("false", "no", "off", "0")}
 """What authors write for a truth, in lower case."""
 
+WITH_UNIT = {name for name, one in QUANTITIES.items() if one.unit not in ("", "1")}
+"""Quantities that are measured in a unit."""
+
 _SPACES = re.compile(f"[{SPACE}]+")
 _NUMBER = re.compile(rf"(?:{NUMBER})\Z")
+_GROUPED = re.compile(r"[+-]?[0-9]{1,3}(?:,[0-9]{3})+(?![0-9,])")
 _INTEGER = re.compile(rf"(?:{INTEGER})\Z")
 
 
@@ -66,16 +70,36 @@ def _number(
 ) -> float | Expression:
     quantity = QUANTITIES.get(rule.spelling.quantity)
     factor = quantity.factor if quantity else 1.0
+    report_quantity(text, rule.name, rule.spelling.quantity, reading, origin)
     if expression is None:
         literal = _literal_number(text, rule, reading, origin)
         _check_limits(literal, rule, reading, origin)
         return literal * factor
+    if isinstance(expression.evaluate(reading.environment.values), bool):
+        raise ExpressionError(f"'{expression.text}' is true or false, not a number; write if(test, a, b)")
     present = expression.number(reading.environment.values)
     _check_limits(present, rule, reading, origin)
     if not expression.names:
         return present * factor
     reading.environment.keep_within(rule.name, expression, rule.spelling)
     return expression if factor == 1.0 else parse_expression(f"radians({expression.text})")
+
+
+def report_quantity(text: str, name: str, quantity: str, reading: ReadingContext, place: Place) -> None:
+    """Report a text that names a parameter of another quantity than a number needs.
+
+    Args:
+        text: The text.
+        name: Name of the attribute or the parameter that it gives a value to.
+        quantity: The needed quantity, a key of `QUANTITIES`; numbers and fractions take any parameter.
+        reading: The context.
+        place: Place of the text.
+    """
+    given = reading.environment.quantity_of(text)
+    if given != quantity and {given, quantity} <= WITH_UNIT:
+        units = [QUANTITIES[one].unit for one in (quantity, given)]
+        message = f"{name} is in {units[0]}, but the parameter '{text.strip('${} ')}' is in {units[1]}"
+        reading.sink.add(codes.WRONG_QUANTITY, message, place)
 
 
 def _structural(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> FieldValue:
@@ -139,6 +163,9 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
         instead = dict(rule.spelling.retired).get(text)
         if instead is not None:
             return f"one of {', '.join(rule.choices)}", f"write {instead}"
+        parts = [part for part in text.split(",") if part]
+        if rule.spelling.separated and "," in text and parts and set(parts) <= set(rule.choices):
+            return f"one of {', '.join(rule.choices)}", "separate the values by spaces, without commas"
         hint = did_you_mean(text, rule.choices)
         return f"one of {', '.join(rule.choices)}", hint if hint.startswith("did") else ""
     if rule.kind == "boolean":
@@ -160,13 +187,19 @@ def truth_hint(text: str) -> str:
 
 
 def number_hint(text: str, quantity: str) -> str:
-    """Return a hint for a number with a unit, with a decimal comma or in a bare expression; empty for other texts."""
+    """Return a hint for a number with a unit, with commas or in a bare expression; empty for other texts.
+
+    A comma before three digits may separate thousands or be a decimal comma: the hint has both readings.
+    """
     if "$" in text:
         return "write the whole expression in ${...}, as in ${2 * $speed}"
-    converted = in_unit(text, quantity)
-    if not converted and _NUMBER.match(text.strip(SPACE).replace(",", ".")):
-        converted = text.replace(",", ".")
-    return f"write {converted}" if converted else ""
+    meant = [text.replace(",", "")] if _GROUPED.match(text.strip(SPACE)) else []
+    written = []
+    for one in (*meant, text.replace(",", ".")):
+        converted = in_unit(one, quantity) or (one.strip(SPACE) if _NUMBER.match(one.strip(SPACE)) else "")
+        if converted and converted not in written:
+            written.append(converted)
+    return f"write {' or '.join(written)}" if written else ""
 
 
 def _check_limits(number: float, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> None:

@@ -292,8 +292,8 @@ class Binder:
             points = {**self._map_points(), **self.named}
             found = points.get(position.name)
             message = f"neither the scenario nor the map '{self.network.name}' has a spawn point '{position.name}'"
-            known = did_you_mean(position.name, points) or "the map has no spawn points"
-            hint = f"{known} (the map is {self.network.path})"
+            known = f"there are {len(points)}, such as '{min(points)}'" if points else "the map has no spawn points"
+            hint = f"{did_you_mean(position.name, points) or known} (the map is {self.network.path})"
             place = position.place_of("name")
         else:
             listed = list(self._spawn_points().values())

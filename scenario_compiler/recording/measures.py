@@ -288,11 +288,11 @@ def _requests_total(totals: RunTotals) -> Floats:
     return totals.raw("requests")
 
 
-def _time_of(kind: EventKind, what: str) -> Measure:
+def _time_of(kind: EventKind, what: str, otherwise: str = "") -> Measure:
     def first_time(runs: Timed) -> Floats:
         return runs.times[kind]
 
-    definition, undefined = f"Time of the first {what}.", f"no {what}"
+    definition, undefined = f"Time of the first {what}.", otherwise or f"no {what}"
     return Measure(f"{kind}_time", "s", definition, undefined, first_time, first_time, of_takeover=kind != "collision")
 
 
@@ -435,8 +435,8 @@ MEASURES: tuple[Measure, ...] = (
         "minimum_lane_time_to_collision",
         "s",
         "Least time to collision along the lane: gap divided by closing speed, to any entity ahead that overlaps the "
-        "width of the vehicle at its lateral position in the lane, however it steers: the time to an obstacle until "
-        "the vehicle has moved aside. Only entities that the automation, or the driver who drives, sees count. It is "
+        "vehicle's front at its lateral position in the lane, however it steers: the time to an obstacle until the "
+        "front has moved aside. Only entities that the automation, or the driver who drives, sees count. It is "
         f"measured at control steps, up to the first collision. Values of {HORIZON:g} s or more are ignored.",
         f"nothing ahead would ever be reached within {HORIZON:g} s",
         minimum_lane_time_to_collision,
@@ -703,6 +703,10 @@ MEASURES: tuple[Measure, ...] = (
     _time_of("standstill", "standstill"),
     _time_of("collision", "collision"),
     _time_of("outside_domain", "look outside the domain of surrogate perception"),
-    _time_of("short_start", "control step if the run begins within the time budget of a limit ahead"),
+    _time_of(
+        "short_start",
+        "control step if the run begins within the time budget of a limit ahead",
+        "the run did not begin within the time budget of a limit ahead",
+    ),
 )
 """All measures, in the order in which they are shown."""

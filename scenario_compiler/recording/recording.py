@@ -201,7 +201,7 @@ class Recording:
     ]
     lane_time_to_collision: Annotated[
         Floats,
-        Column("run", "s", "Least time to collision along the lane at the vehicle's lateral position.", far=True),
+        Column("run", "s", "Least time to collision along the lane at the lateral position of the front.", far=True),
     ]
     lane_width: Annotated[Floats, Column("run", "m", "Width of the ego vehicle's lane; 0 off the lanes.")]
     lane_heading: Annotated[

@@ -17,7 +17,7 @@ from scenario_compiler.expressions import format_value
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.break_off import equal_reasons
 from scenario_compiler.recording.measures import MEASURES
-from scenario_compiler.recording.recording import Booleans, Floats, Integers
+from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.resolution import WITHOUT_REQUEST
 from scenario_compiler.report import plots, sweep_plots
 from scenario_compiler.report.palette import words_of
@@ -53,9 +53,6 @@ MOST_CONDITIONS = 4
 
 MOST_GROUPS = 8
 """Greatest number of values of a parameter whose values are compared by box plots."""
-
-MOST_POINTS = 1000
-"""Greatest number of runs that are drawn as points."""
 
 Rows = Mapping[str, Sequence[Any]]
 
@@ -246,9 +243,8 @@ def _pictures(page: SweepPage) -> Pictures:
     compared = dict(list(conditions.items())[:MOST_CONDITIONS]) if measures else {}
     clouds = {name: values for name, values in axes.items() if name not in conditions}
     scattered = dict(list(clouds.items())[:MOST_CONDITIONS]) if measures else {}
-    points, picked = _thinned(runs)
-    if scattered and points < runs:
-        left_out.append(f"Scatter shows {points} of {runs} runs, evenly chosen.")
+    if scattered:
+        left_out += _thinned(collided)
     for kind, drawn, there in (("boxes", compared, conditions), ("scatter", scattered, clouds)):
         if len(drawn) < len(there):
             left_out.append(f"Without {kind}: {', '.join(name for name in there if name not in drawn)}.")
@@ -260,7 +256,7 @@ def _pictures(page: SweepPage) -> Pictures:
         distributions=sweep_plots.distributions_plot(measures, "measures") if measures else "",
         boxes=[_boxes(name, one, measures) for name, one in compared.items()],
         scatter=[
-            (name, _scatter(page.titled(name), values[picked], measures, collided, picked, f"scatter-{name}"))
+            (name, sweep_plots.scatter_plot((page.titled(name), values), measures, collided, f"scatter-{name}"))
             for name, values in scattered.items()
         ],
         along=[
@@ -309,19 +305,6 @@ def _boxes(name: str, one: Condition, measures: Sequence[sweep_plots.Panel]) -> 
     return name, drawn, [] if sweep_plots.names_in_lines(one.names) else one.names
 
 
-def _scatter(
-    title: str,
-    values: Floats,
-    measures: Sequence[sweep_plots.Panel],
-    collided: Floats,
-    picked: Integers,
-    identity: str,
-) -> str:
-    """Return the measures of the picked runs over the values of a parameter."""
-    some = [(name, unit, of_runs[picked]) for name, unit, of_runs in measures]
-    return sweep_plots.scatter_plot((title, values), some, collided[picked], identity)
-
-
 def _axes(page: SweepPage, sound: Booleans, left_out: list[str]) -> tuple[dict[str, Floats], dict[str, Condition]]:
     """Return the numeric parameters, and those with few values as conditions, by their names.
 
@@ -348,10 +331,15 @@ def _axes(page: SweepPage, sound: Booleans, left_out: list[str]) -> tuple[dict[s
     return axes, conditions
 
 
-def _thinned(runs: int) -> tuple[int, Integers]:
-    """Return the number of runs that are drawn as points, and which ones, evenly chosen."""
-    picked = np.unique(np.linspace(0, max(runs - 1, 0), min(runs, MOST_POINTS)).astype(np.int64))
-    return len(picked), picked
+def _thinned(collided: Floats) -> list[str]:
+    """Return sentences about the runs that scatter plots leave out; `collided` is 1 for a run with a collision."""
+    most, hits = sweep_plots.MOST_POINTS, int(collided.sum())
+    groups = ((hits, "with"), (len(collided) - hits, "without"))
+    return [
+        f"Scatter shows at most {most} of the {count} runs {whether} a collision, evenly chosen."
+        for count, whether in groups
+        if count > most
+    ]
 
 
 def _heat_maps(

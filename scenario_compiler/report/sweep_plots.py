@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from scenario_compiler.recording.recording import Floats
+from scenario_compiler.recording.recording import Booleans, Floats, Integers
 from scenario_compiler.report.palette import BLUE, INK, LINE, ORANGE, QUIET, SKY, VERMILION
 from scenario_compiler.report.plots import STYLE, WIDTH, svg_of
 from scenario_compiler.report.wording import with_unit
@@ -25,6 +25,9 @@ FEW = 16
 
 ROW_LETTERS = 44
 """Number of letters that fit beside each other below a panel with boxes."""
+
+MOST_POINTS = 1000
+"""Greatest number of runs with a collision, and of others, that are drawn as points in a panel."""
 
 MOST_LINES = 3
 """Greatest number of lines of a label below a box."""
@@ -106,16 +109,24 @@ def boxes_plot(measures: Sequence[Panel], names: Sequence[str], taken: Sequence[
         return svg_of(figure, prefix)
 
 
+def evenly_chosen(there: Booleans) -> Integers:
+    """Return the indices of at most `MOST_POINTS` of the true elements, the first and the last among them."""
+    found = np.flatnonzero(there)
+    count = min(len(found), MOST_POINTS)
+    return found[np.linspace(0, max(len(found) - 1, 0), count).astype(np.int64)]
+
+
 def scatter_plot(x: tuple[str, Floats], measures: Sequence[Panel], collided: Floats, prefix: str) -> str:
     """Return an SVG with each measure over a parameter, (label, values); runs with a collision (1) are distinguished.
 
-    The points are one embedded picture, because thousands of shapes would make the file large.
+    A panel shows `evenly_chosen` runs with its measure, separately for those with a collision, so that a rare one is
+    seen. The points are one embedded picture, because thousands of shapes would make the file large.
     """
     with mpl.rc_context(STYLE):
         figure, axes = _panels(len(measures), 1.85)
         for axis, (name, unit, values) in zip(axes, measures, strict=True):
             for hit, colour, marker in ((0.0, BLUE, "o"), (1.0, VERMILION, "x")):
-                chosen = (collided == hit) & np.isfinite(values)
+                chosen = evenly_chosen((collided == hit) & np.isfinite(values))
                 axis.scatter(
                     x[1][chosen],
                     values[chosen],

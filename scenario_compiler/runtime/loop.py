@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import importlib
 import math
+import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import SupportsIndex
 
 from scenario_compiler.controllers import (
     Control,
@@ -136,7 +138,8 @@ def run(
 
     Raises:
         ValueError: The world has another map than the plan, or a file of the map that has changed since.
-        TypeError: The world returns a state of the ego that it does not move, or none of one that it moves.
+        TypeError: The seed or the variant is not a whole number; or the world returns a state of the ego that it does
+            not move, or none of one that it moves.
     """
     execution = Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust, person=person)
     while execution.going:
@@ -148,6 +151,14 @@ def run(
         if ended is not None and ended():
             return execution.finish("user")
     return execution.finish()
+
+
+def _whole(name: str, value: SupportsIndex) -> int:
+    """Return a whole number of any type, such as NumPy's, as an int; TypeError for anything else."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is a whole number, not {value!r}") from None
 
 
 def source_of(st: State, program: Program) -> int:
@@ -176,7 +187,9 @@ class Execution:
 
         Raises:
             ValueError: The world has another map than the plan.
+            TypeError: The seed or the variant is not a whole number.
         """
+        seed, variant = _whole("seed", seed), _whole("variant", variant)
         if world.network.sha256 != plan.map.sha256:
             raise ValueError(f"the world's map, {world.network.path}, is not the plan's, {plan.map.file}")
         self.plan = plan

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.expressions import Value
 from scenario_compiler.markup.environment import Environment
 from scenario_compiler.source.conflict import Library
-from scenario_compiler.source.parameters import read_parameters
+from scenario_compiler.source.parameters import default_value, read_parameters
 from scenario_compiler.vocabulary.scenario import Parameter, ParameterKind
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
@@ -19,16 +20,18 @@ class Declaration(NamedTuple):
         kind: Its kind.
         limits: The limits of its values, in XML units; those of OpenSCENARIO are not read here.
         summary: Its description, if the scenario has one.
+        default: Its default, in XML units; None if there is none, and for OpenSCENARIO.
     """
 
     kind: ParameterKind
     limits: AttributeSpelling
     summary: str = ""
+    default: Value | None = None
 
     @classmethod
     def of(cls, parameter: Parameter) -> Declaration:
         """Return the declaration of a parameter."""
-        return cls(parameter.type, parameter.limits, parameter.summary)
+        return cls(parameter.type, parameter.limits, parameter.summary, default_value(parameter, Diagnostics()))
 
 
 def declared_in(library: Library, name: str | None) -> dict[str, Declaration]:

@@ -149,7 +149,7 @@ def _environment(declared: Declared, values: Mapping[str, Value], settled: set[s
     bindings = {name: value if name in settled else parse_expression(f"${name}") for name, value in values.items()}
     missing = frozenset(set(declared.known) - set(values))
     still_open = {name: value for name, value in values.items() if name not in settled}
-    return Environment(bindings, still_open, missing, not declared.all_read)
+    return Environment(bindings, still_open, missing, not declared.all_read, quantities=declared.quantities)
 
 
 NAMED = {

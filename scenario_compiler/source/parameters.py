@@ -14,7 +14,7 @@ from scenario_compiler.expressions import RESERVED, Expression, ExpressionError,
 from scenario_compiler.markup import codes, names
 from scenario_compiler.markup.environment import Binding, Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, read_word
-from scenario_compiler.markup.values import COMMAND_LINE, bound_value, number_hint, truth_hint
+from scenario_compiler.markup.values import COMMAND_LINE, bound_value, number_hint, report_quantity, truth_hint
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, limits_text, out_of_limits
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import QUANTITIES, Word
@@ -33,6 +33,11 @@ class Declared(NamedTuple):
 
     known: Mapping[str, Parameter]
     all_read: bool = True
+
+    @property
+    def quantities(self) -> dict[str, str]:
+        """The type of each parameter by its name."""
+        return {name: one.type for name, one in self.known.items()}
 
 
 def read_parameters(element: etree._Element, reading: ReadingContext) -> Declared:
@@ -129,6 +134,7 @@ def bind_use(declared: Declared, given: Mapping[str, str], reading: ReadingConte
         value: Binding | None = None
         if name in given:
             place = use.place_of(name)
+            report_quantity(given[name], name, parameter.type, reading, place)
             bound = bound_value(given[name], reading, place)
             if bound is not None:
                 value = _typed_binding(bound, parameter, place, reading)
@@ -147,7 +153,13 @@ def bind_use(declared: Declared, given: Mapping[str, str], reading: ReadingConte
             bindings[name] = value
     outer = reading.environment
     return Environment(
-        bindings, outer.values, frozenset(undetermined), not declared.all_read, outer.structural, outer.limits
+        bindings,
+        outer.values,
+        frozenset(undetermined),
+        not declared.all_read,
+        outer.structural,
+        outer.limits,
+        declared.quantities,
     )
 
 
@@ -156,7 +168,7 @@ def _typed_binding(bound: Binding, parameter: Parameter, place: Place, reading: 
         return typed(format_value(bound), parameter, place, reading.sink)
     values = reading.environment.values
     try:
-        present = reading.environment.settled(bound) if parameter.type in STRUCTURAL_KINDS else bound.number(values)
+        present = reading.environment.settled(bound) if parameter.type in STRUCTURAL_KINDS else bound.evaluate(values)
     except ExpressionError as error:
         reading.sink.add(codes.BAD_EXPRESSION, str(error), place)
         return None

@@ -93,6 +93,17 @@ LATE_CONSENT = Code(
     "Begin with the consent.",
     Severity.WARNING,
 )
+FOIL_OF_A_TRIAL = Code(
+    "SC255",
+    "foil-of-a-trial",
+    "A foil runs a scenario of the trials. The event that the participants expect then happens in it, and its data are "
+    "left out of the comparison as those of a foil.\n\n"
+    '    <scenario name="blocked" target="conflicts.xml#blocked"/>\n'
+    '    <foil target="conflicts.xml#blocked"/>     target="conflicts.xml#calm"\n\n'
+    "Name a scenario in which the event does not happen; `repetitions` lets participants meet a condition several "
+    "times.",
+    Severity.WARNING,
+)
 WRONG_TOLERANCE = Code(
     "SC268",
     "wrong-tolerance",

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
 
-from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.diagnostics import Diagnostics, Related
 from scenario_compiler.markup.names import first_at
 from scenario_compiler.source.study import (
     EQUAL_LEVELS,
+    FOIL_OF_A_TRIAL,
     IDLE_PART,
     LATE_CONSENT,
     WRONG_TOLERANCE,
@@ -25,12 +26,13 @@ from scenario_compiler.source.study import (
 
 
 def report_idle(study: StudyElement, sink: Diagnostics) -> None:
-    """Report equal levels, probes that never come, tolerances without effect, and late consents."""
+    """Report equal levels, foils of trials, probes that never come, tolerances without effect, and late consents."""
     _report_equal([(one, one.target) for one in study.scenarios], sink)
     _report_equal([(one, tuple(told.model_dump_json() for told in one.messages)) for one in study.hmis], sink)
     _report_equal(
         [(one, frozenset((value.parameter, value.to) for value in one.values)) for one in study.settings], sink
     )
+    _report_foils(study, sink)
     if study.probe is not None:
         _report_probe(study.probe, sink)
     _report_consent(study, sink)
@@ -63,6 +65,16 @@ def _report_equal(levels: Iterable[tuple[StudyScenario | Hmi | Setting, Hashable
         if other is not one:
             message = f"<{one.tag()}> '{one.name}' is the same as '{other.name}'"
             sink.add(EQUAL_LEVELS, message, one.place_of("name"), related=first_at(other.place_of("name")))
+
+
+def _report_foils(study: StudyElement, sink: Diagnostics) -> None:
+    trials = {one.target: one for one in reversed(study.scenarios)}
+    for foil in study.foils:
+        if foil.target in trials:
+            trial = trials[foil.target]
+            message = f"the foil runs the scenario of the trials '{trial.name}', so their event happens in it"
+            related = (Related("the trials' scenario is here", trial.place_of("target")),)
+            sink.add(FOIL_OF_A_TRIAL, message, foil.place_of("target"), related=related)
 
 
 def _report_probe(probe: Probe, sink: Diagnostics) -> None:

@@ -130,9 +130,10 @@ def read_questionnaire(document: Document, sink: Diagnostics) -> StudyFile:
     for ranged in ranges:
         if ranged.most <= ranged.least:
             _report_empty(f"'{ranged.name}'", ranged.least, ranged.most, ranged.place_of("to"), sink)
+    unread = {one.get("name", "") for one in document.root.iterchildren(Scale.tag())} - scales
     numbers = {one.name for one in found.items if isinstance(one, ScaleItem | NumberItem)}
     for item in found.items:
-        if isinstance(item, ScaleItem) and item.scale not in scales:
+        if isinstance(item, ScaleItem) and item.scale not in scales | unread:
             message = f"there is no scale '{item.scale}'"
             sink.add(UNKNOWN_SCALE, message, item.place_of("scale"), hint=did_you_mean(item.scale, scales))
     for scale in found.scales:

@@ -208,7 +208,7 @@ class TemplateScope:
     def _unknown_traffic(self, named: str, word: Word, attribute: str, sink: Diagnostics) -> str:
         if self._has_read_everything(sink):
             known = {one for scope in self._outwards() for one in scope.traffic}
-            hint = did_you_mean(named, known) or "the scenario has no traffic with a name"
+            hint = did_you_mean(named, known) if known else "the scenario has no traffic with a name"
             sink.add(names.UNKNOWN_TRAFFIC, f"there is no traffic '{named}'", word.place_of(attribute), hint=hint)
         return named
 

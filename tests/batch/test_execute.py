@@ -177,6 +177,22 @@ def test_a_value_outside_its_limits_is_a_row_with_its_error(conflict: Path, tmp_
     assert rows["error"][0] == "distance is 5, but must be at least 10"
 
 
+@pytest.mark.parametrize(
+    ("settings", "runs"),
+    [({}, 2), ({"preset": "absent"}, 0), ({"weather": "HardRainNoon", "preset": "study_means"}, 2)],
+)
+def test_constraints_know_parameters_of_every_type_that_do_not_vary(
+    conflict: Path, tmp_path: Path, settings: dict[str, str], runs: int
+) -> None:
+    where = ("distance > 50", "preset == 'study_means'", "speed < 14")
+    spec = _spec(vary=("distance=values(40, 60, 80)",), samples=1, where=where, settings=settings)
+    if runs:
+        assert run_sweep(conflict, spec, tmp_path / "sweep", report=False).tally.runs == runs
+    else:
+        with pytest.raises(SweepError, match="no sample meets"):
+            run_sweep(conflict, spec, tmp_path / "sweep", report=False)
+
+
 @pytest.mark.parametrize("vary", [("distanse=uniform(1, 2)",), ("distance=uniform(5, 60)",), ()])
 def test_a_wrong_sweep_writes_nothing(conflict: Path, tmp_path: Path, vary: tuple[str, ...]) -> None:
     with pytest.raises((CompileError, SweepError)):

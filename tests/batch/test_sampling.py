@@ -93,6 +93,11 @@ def test_a_wrong_distribution_is_refused(text: str) -> None:
         parse_distribution(text)
 
 
+def test_a_misspelt_distribution_gets_a_suggestion() -> None:
+    with pytest.raises(SweepError, match=r"'unform\(1, 2\)' is not a distribution \(did you mean 'uniform'\?\)"):
+        parse_distribution("unform(1, 2)")
+
+
 def test_choices_keep_their_type() -> None:
     assert parse_distribution("choice(1, 2.5)").points == (1.0, 2.5)
     assert parse_distribution("choice(true, false)").points == (True, False)
@@ -133,6 +138,13 @@ def test_a_grid_axis_is_crossed_with_the_draws() -> None:
     assert sampler.total == 24
     pairs = [(sampler.sample(k)["a"], sampler.sample(k)["b"]) for k in range(6)]
     assert pairs == [(1.0, 0.0), (1.0, 10.0), (2.0, 0.0), (2.0, 10.0), (3.0, 0.0), (3.0, 10.0)]
+
+
+@pytest.mark.parametrize(("first", "last"), [(0.3, 0.9), (0.1, 1.9), (1.1, 6.7), (0.9, 0.3)])
+@pytest.mark.parametrize("count", [2, 3, 11])
+def test_a_grid_ends_at_its_ends_to_the_bit(first: float, last: float, count: int) -> None:
+    points = [float(value) for value in parse_distribution(f"grid({first}, {last}, {count})").points]
+    assert (points[0], points[-1], len(points)) == (first, last, count)
 
 
 @pytest.mark.parametrize("method", ["random", "grid"])

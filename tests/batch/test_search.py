@@ -52,13 +52,36 @@ def test_an_interrupted_search_is_resumed(conflict: Path, tmp_path: Path) -> Non
 
 def test_a_missing_boundary_is_reported(conflict: Path, tmp_path: Path) -> None:
     spec = _spec("distance=uniform(20, 200)")
-    for when, text in (("final_speed > 1000", "at neither end"), ("braking", "neither a measure"), ("a <", "read")):
+    for when, text in (("final_speed > 1000", "at neither end"), ("a <", "read")):
         with pytest.raises(SweepError, match=text):
             find_boundary(conflict, spec, tmp_path / text, when=when, tolerance=1.0)
+    for when, text in (("braking", "neither a measure"), ("colision", "passed.*did you mean 'collision'")):
+        with pytest.raises(SweepError, match=text):
+            find_boundary(conflict, spec, tmp_path / when, when=when, tolerance=1.0)
     with pytest.raises(SweepError, match="needs a range"):
         find_boundary(conflict, _spec("distance=normal(1, 2)"), tmp_path / "n", when="collision", tolerance=1.0)
     with pytest.raises(SweepError, match="too small"):
         find_boundary(conflict, spec, tmp_path / "nan", when="collision", tolerance=math.nan)
+
+
+@pytest.mark.parametrize("optimizer", ["direct", "nelder-mead"])
+def test_a_search_keeps_within_the_constraints(conflict: Path, tmp_path: Path, optimizer: str) -> None:
+    spec = _spec("distance=uniform(40, 300)", "speed=uniform(8, 20)", where=("distance > 100 + 2 * speed",))
+    settings = {"measure": "minimum_distance", "evaluations": 30, "optimizer": optimizer}
+    found = minimise(conflict, spec, tmp_path / "search", **settings)  # type: ignore[arg-type]
+    rows, _ = read_results(tmp_path / "search")
+    pairs = list(zip(rows["parameter.distance"], rows["parameter.speed"], strict=True))
+    assert len(pairs) == found.evaluations
+    assert all(distance > 100 + 2 * speed for distance, speed in pairs)
+
+
+def test_a_search_that_the_constraints_forbid_is_refused(conflict: Path, tmp_path: Path) -> None:
+    spec = _spec("distance=uniform(40, 300)", where=("distance > 400",))
+    with pytest.raises(SweepError, match=r"no sample meets \(\$distance > 400\)"):
+        minimise(conflict, spec, tmp_path / "least", measure="minimum_distance", evaluations=5)
+    outside = _spec("distance=uniform(40, 300)", where=("distance > 60",))
+    with pytest.raises(SweepError, match=r"distance = 40 does not meet \(\$distance > 60\)"):
+        find_boundary(conflict, outside, tmp_path / "boundary", when="request", tolerance=1.0)
 
 
 @pytest.mark.parametrize("optimizer", ["direct", "nelder-mead"])
@@ -72,7 +95,8 @@ def test_the_least_distance_is_found(conflict: Path, tmp_path: Path, optimizer: 
     assert 40 <= found.values["distance"] <= 300
     again = minimise(conflict, spec, tmp_path / "search", resume=True, **settings)  # type: ignore[arg-type]
     assert again == found
-    with pytest.raises(SweepError, match="no measure"):
-        minimise(conflict, spec, tmp_path / "other", measure="beauty", evaluations=3)
+    for name, text in (("beauty", "no measure 'beauty'$"), ("minimum_distanc", "did you mean 'minimum_distance'")):
+        with pytest.raises(SweepError, match=text):
+            minimise(conflict, spec, tmp_path / "other", measure=name, evaluations=3)
     with pytest.raises(SweepError, match="at least one run"):
         minimise(conflict, spec, tmp_path / "none", measure="minimum_distance", evaluations=0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from scenario_compiler.engine.columns import slots
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.simulation import Simulation
 from tests.engine.make import Draft, highway
+from tests.studies.study import compiled, runs
 
 
 def asked_for(*others: tuple[int, float, float], length: float = 2000.0) -> float:
@@ -68,3 +71,14 @@ def test_the_time_to_collision_along_the_lane_is_the_gap_over_the_closing_speed_
         assert found == pytest.approx(expected, abs=0.11)
     assert st.lane_time[0] == op.FAR
     assert 0.5 < least < 5.0
+
+
+def test_the_time_to_collision_along_the_lane_is_0_only_in_a_collision(repository: Path, tmp_path: Path) -> None:
+    """A slow car steers past an obstacle: its front is beside it while its rear axle is still behind it."""
+    text = (repository / "library" / "conflicts" / "obstacle_ahead.xml").read_text(encoding="utf-8")
+    slow = 0
+    for _, outcome in runs(compiled(tmp_path, text, distance=200.0), range(1, 31)):
+        assert outcome.collision_with is None
+        slow += outcome.measures["standstill_time"].value is not None
+        assert (outcome.measures["minimum_lane_time_to_collision"].value or 0.0) > 0.2
+    assert slow > 3

@@ -714,3 +714,6 @@ def test_every_measure_has_a_definition_and_a_reason_for_being_undefined() -> No
     names = [measure.name for measure in MEASURES]
     assert len(set(names)) == len(names)
     assert all(m.definition.endswith(".") and m.undefined and m.unit for m in MEASURES)
+    reasons = {m.name: m.undefined for m in MEASURES}
+    assert reasons["request_time"] == "no request"
+    assert reasons["short_start_time"] == "the run did not begin within the time budget of a limit ahead"

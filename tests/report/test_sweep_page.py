@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.sweep_page import SHOWN, Case, SweepPage, rates_of, write_sweep_report
-from scenario_compiler.report.sweep_plots import ROUNDING, levelled
+from scenario_compiler.report.sweep_plots import ROUNDING, evenly_chosen, levelled
 
 ROWS: dict[str, Sequence[Any]] = {
     "variant": [0, 1, 2],
@@ -167,13 +167,20 @@ def test_omissions_are_stated(tmp_path: Path) -> None:
     left_out = write_sweep_report(page, tmp_path).read_text(encoding="utf-8").partition("Not shown")[2]
     for sentence in (
         "2 of 1200 variants broke off and are in no picture",
-        "1000 of 1198 runs",
+        "at most 1000 of the 1198 runs without a collision",
         "Without scatter: p4, p5",
         "6 of 15 pairs",
         "model has 11 values; up to 8 are shown as conditions",
         "1 of 1198 runs. Collisions first",
     ):
         assert sentence in left_out
+
+
+@pytest.mark.parametrize(("there", "count"), [((), 0), ((1201,), 1), (range(0, 2000, 2), 1000), (range(2000), 1000)])
+def test_a_scatter_shows_rare_runs_and_thins_out_frequent_ones(there: Sequence[int], count: int) -> None:
+    chosen = evenly_chosen(np.isin(np.arange(2000), there))
+    assert len(set(chosen.tolist())) == count
+    assert set(chosen.tolist()) <= set(there)
 
 
 def test_a_case_has_its_values_under_their_names(tmp_path: Path) -> None:

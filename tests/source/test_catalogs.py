@@ -82,6 +82,9 @@ def _hints(items: str) -> list[str]:
 def test_old_names_are_refused_with_the_new_ones() -> None:
     assert _hints('<takeover><driver preset="urgent"/></takeover>') == ["it is called 'study_means' now"]
     assert _hints('<takeover><message modality="text audio"/></takeover>') == ["write tone or speech"]
+    for listed in ("text,tone", "text, tone"):
+        hints = _hints(f'<takeover><message modality="{listed}"/></takeover>')
+        assert hints == ["separate the values by spaces, without commas"]
 
 
 def test_kinds_of_parameters_of_other_languages_are_refused_with_ours() -> None:

@@ -179,6 +179,10 @@ def test_the_command_writes_page_data_and_tags(folder: Path, capsys: pytest.Capt
     (folder / "bad.xml").unlink()
     assert call("library", folder, "-o", out, "--force", "--workers", "1") == 0
     assert call("library", folder / "nowhere") == 2
+    (folder / "empty").mkdir()
+    capsys.readouterr()
+    assert call("library", folder / "empty", "-o", out, "--force") == 2
+    assert "there is no scenario in" in capsys.readouterr().err
 
 
 def test_text_of_a_library_is_only_text_in_the_page(folder: Path) -> None:

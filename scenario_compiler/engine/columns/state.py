@@ -514,7 +514,7 @@ class State(Columns):
     traffic_density: list[float] = column(RUN)
     """Vehicles per kilometre in the ego's direction at the last request."""
     lane_time: list[float] = column(RUN, op.FAR)
-    """Least time to collision along the lane at the ego's lateral position, s."""
+    """Least time to collision along the lane at the lateral position of the ego's front, s."""
     lane_width: list[float] = column(RUN)
     """Width of the lane that contains the ego's reference point, m; 0 off every lane."""
     on_road: list[int] = column(RUN)

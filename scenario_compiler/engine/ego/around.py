@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import cos, sin
+
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.extent import front_of
@@ -53,12 +55,12 @@ def note_density(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def note_lane_time(p: Program, st: State, i: int) -> None:
-    """Write the least time to collision along the lane with seen entities ahead, at the ego's lateral position, s."""
-    base = p.entity_const[i]
+    """Write the least time to collision along the lane with seen entities ahead of the ego's front bumper, s."""
     front = front_of(p, i)
-    half = 0.5 * p.const[base + slot.E_WIDTH]
-    left = st.path_off[0] + half
-    right = st.path_off[0] - half
+    half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH] * cos(st.path_heading[0])
+    middle = st.path_off[0] + front * sin(st.path_heading[0])
+    left = middle + half
+    right = middle - half
     st.lane_time[0] = op.FAR
     for j in range(p.entity_count[0]):
         if j == i or st.on_way[j] == 0 or st.seen[j] == 0 or st.far[j] <= front:
