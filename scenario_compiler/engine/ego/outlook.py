@@ -32,6 +32,7 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
     (left) of each point in the ego's axes, m.
     """
     ego = p.ego[0]
+    st.looked[0] = 0
     look_with_sensor(n, p, st, ego)
     st.red_line[0] = red_ahead(n, p, st, ego) if p.head_count[0] > 0 else op.FAR
     judge_objects(p, st, ego)
