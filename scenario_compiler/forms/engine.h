@@ -135,8 +135,24 @@ static inline double real_modulo(double a, double b, PLACE_ARGUMENTS)
     return (b < 0.0) != (rest < 0.0) ? rest + b : rest;
 }
 
+/* Python's min and max return the first of equal numbers, and the first one if either is NaN, as these instructions do.
+   From C, gcc makes branches of them where the counts of typical sweeps are one-sided, and a step takes 1.05 of the
+   time. */
+#if defined(__x86_64__) && defined(__GNUC__)
+static inline double real_min(double a, double b)
+{
+    __asm__("minsd %1, %0" : "+x"(b) : "xm"(a));
+    return b;
+}
+static inline double real_max(double a, double b)
+{
+    __asm__("maxsd %1, %0" : "+x"(b) : "xm"(a));
+    return b;
+}
+#else
 static inline double real_min(double a, double b) { return b < a ? b : a; }
 static inline double real_max(double a, double b) { return b > a ? b : a; }
+#endif
 static inline int64_t int_min(int64_t a, int64_t b) { return b < a ? b : a; }
 static inline int64_t int_max(int64_t a, int64_t b) { return b > a ? b : a; }
 static inline int64_t int_abs(int64_t a) { return a < 0 ? -a : a; }

@@ -5,6 +5,7 @@ All faults of an element and everything below it are reported in one pass, each 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
@@ -28,6 +29,9 @@ _FOREIGN = "the language has nothing from the namespace '{}': remove it"
 
 MOST_LISTED = 40
 """Greatest number of children listed in a hint."""
+
+SIMILAR = 0.8
+"""Similarity to an expected name, 0 to 1, from which another name counts as its misspelling; chosen."""
 
 STANDARD_SUFFIXES = ("condition", "action", "position")
 """Suffixes that ASAM OpenSCENARIO appends to a term to name its elements, as in `SimulationTimeCondition`."""
@@ -164,11 +168,17 @@ def misspelt(parent: etree._Element, tags: Iterable[str]) -> bool:
     """Return whether a child's tag is similar but not equal to one of `tags`, so that only its spelling is wrong."""
     meant = tuple(tags)
     found = {str(child.tag) for child in parent.iterchildren(etree.Element)}.difference(meant)
-    if not found:
+    likely = [(tag, one) for tag in found for one in meant if _shared_letters(tag, one) >= SIMILAR]
+    if not likely:
         return False
     import difflib  # only needed for mistakes
 
-    return any(difflib.get_close_matches(tag, meant, n=1, cutoff=0.8) for tag in found)
+    return any(difflib.get_close_matches(tag, (one,), n=1, cutoff=SIMILAR) for tag, one in likely)
+
+
+def _shared_letters(first: str, second: str) -> float:
+    """Return the share of the letters that two names have in common in any order: no less than their similarity."""
+    return 2.0 * (Counter(first) & Counter(second)).total() / max(len(first) + len(second), 1)
 
 
 def _repeated(parent: etree._Element, first: etree._Element, second: etree._Element) -> str:

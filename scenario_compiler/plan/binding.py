@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from scenario_compiler.diagnostics import Code, Diagnostics, Severity, did_you_mean
+from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity, did_you_mean
 from scenario_compiler.expressions import Expression, ExpressionError, Value
 from scenario_compiler.frames import heading_from_carla, point_from_carla, reference_from_center
 from scenario_compiler.plan.model import StartPose
@@ -291,21 +291,23 @@ class Binder:
         if isinstance(position, SpawnPoint):
             points = {**self._map_points(), **self.named}
             found = points.get(position.name)
-            message = f"neither the scenario nor the map '{self.network.name}' has a spawn point '{position.name}'"
-            known = f"there are {len(points)}, such as '{min(points)}'" if points else "the map has no spawn points"
-            hint = f"{did_you_mean(position.name, points) or known} (the map is {self.network.path})"
-            place = position.place_of("name")
+            if found is None:
+                message = f"neither the scenario nor the map '{self.network.name}' has a spawn point '{position.name}'"
+                number = f"there are {len(points)}, such as '{min(points)}'" if points else "the map has no spawn points"
+                known = did_you_mean(position.name, points) or number
+                self._report_spawn_point(message, position.place_of("name"), known)
         else:
             listed = list(self._spawn_points().values())
             found = listed[position.index] if position.index < len(listed) else None
-            message = f"there is no spawn point {position.index}"
-            numbers = f"they are numbered from 0 to {len(listed) - 1}" if listed else "there are no spawn points"
-            hint = f"{numbers} (the map is {self.network.path})"
-            place = position.place_of("index")
-        if found is None:
-            self.sink.add(UNKNOWN_SPAWN_POINT, message, place, hint=hint)
-            return None
-        return self._bind_listed(found, position, center)
+            if found is None:
+                numbers = f"they are numbered from 0 to {len(listed) - 1}" if listed else "there are no spawn points"
+                message = f"there is no spawn point {position.index}"
+                self._report_spawn_point(message, position.place_of("index"), numbers)
+        return None if found is None else self._bind_listed(found, position, center)
+
+    def _report_spawn_point(self, message: str, place: Place, known: str) -> None:
+        """Report a spawn point that neither the scenario nor the map has; `known` says which they have."""
+        self.sink.add(UNKNOWN_SPAWN_POINT, message, place, hint=f"{known} (the map is {self.network.path})")
 
     def _bind_listed(self, found: Position, position: Position, center: float) -> BoundPosition | None:
         """Bind a spawn point of a list; faults in one of the map's are reported at `position`, which uses it."""

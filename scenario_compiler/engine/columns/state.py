@@ -572,6 +572,8 @@ class State(Columns):
     eye_view: list[float] = column(RUN, -1.0)
     """Full angle of view, rad, and the cosine of its half."""
     eye_edge: list[float] = column(RUN)
+    looked: list[int] = column(RUN)
+    """1 while the measurements along the way are those of a look ahead in this control step with that sensor."""
     seen: list[int] = column(ENTITY)
     """1 if the entity is ahead on the way and the forward sensor (or the driver) sees it."""
     on_way: list[int] = column(ENTITY)

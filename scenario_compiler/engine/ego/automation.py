@@ -128,6 +128,7 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
 @compiled
 def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Do one control step of the ego: sense, merge if it is due, advance the takeover, drive."""
+    st.looked[0] = 0
     if p.replaced_by[0] != op.REFERENCE_NONE:
         look_with_eyes(n, p, st, i)
         note_lane_time(p, st, i)

@@ -33,6 +33,7 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
     the first point, m, and by how much the road rises to the left there against that plane.
     """
     ego = p.ego[0]
+    st.looked[0] = 0
     look_with_sensor(n, p, st, ego)
     st.red_line[0] = red_ahead(n, p, st, ego) if p.head_count[0] > 0 else op.FAR
     judge_objects(p, st, ego)

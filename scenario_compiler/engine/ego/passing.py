@@ -166,6 +166,15 @@ def comes_near(
 
 
 @compiled
+def any_comes_near(p: Program, st: State, i: int, time: float, gone: float, v: float, spare: float, known: int) -> int:
+    """Return 1 if an oncoming vehicle `comes_near`."""
+    for j in range(p.entity_count[0]):
+        if comes_near(p, st, i, j, time, gone, v, spare, known) == 1:
+            return 1
+    return 0
+
+
+@compiled
 def has_passed(p: Program, st: State, i: int, around: int, time: float, gone: float, v: float) -> int:
     """Return 1 if i is clear of the moving vehicle that it passes, or passes only standing objects.
 
@@ -256,7 +265,8 @@ def meets_oncoming(
         if ratio(gone - back_from, back_over, 1.0) >= 1.0:
             return 0
         entered = high > low and PASSING_SIGHT - usual * time - gone < spare * (v + usual)
-        if not entered and time < earliest:
+        near = time >= earliest and any_comes_near(p, st, i, time, gone, v, spare, known) == 1
+        if not entered and not near:
             continue  # nothing is near enough to be met
         if back_from < op.FAR:
             off, slope = coming_back(target, back_over, gone - back_from)
@@ -265,6 +275,6 @@ def meets_oncoming(
         nose = nose_offset(off, slope, front)
         if entered and is_beside(low, high, off, nose, half_with_clearance(p, i)) == 0:
             return 1
-        if time >= earliest and meets_any(p, st, i, time, gone, v, spare, known, off, nose) == 1:
+        if near and meets_any(p, st, i, time, gone, v, spare, known, off, nose) == 1:
             return 1
     return 1 if high > low else 0

@@ -180,11 +180,17 @@ def foresee(st: State, i: int, j: int, front: float) -> None:
 
 @compiled
 def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view: float) -> None:
-    """Measure every entity along the ego's path, and mark those ahead that are within range, in view and not hidden."""
+    """Measure every entity along the ego's path, and mark those ahead that are within range, in view and not hidden.
+
+    Nothing is measured again if the last look in this control step was the same, and no other way was walked since.
+    """
+    if st.looked[0] == 1 and reach == st.eye_reach[0] and view == st.eye_view[0]:
+        return
     front = front_of(p, i)
     far = reach + 50.0
     open_eye(p, st, i, reach, view)
     walk_route(n, p, st, far)
+    st.looked[0] = 1
     for j in range(p.entity_count[0]):
         st.seen[j] = 0
         st.on_way[j] = 0

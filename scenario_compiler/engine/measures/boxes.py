@@ -336,6 +336,39 @@ def gap_at_least(p: Program, st: State, m: Totals, ego: int, j: int, front: floa
 
 
 @compiled
+def surely_beside(p: Program, st: State, m: Totals, ego: int, j: int) -> int:
+    """Return 1 if a bound shows that no part of an entity's box is in the path.
+
+    Let d be the distance from the centre of the circle to that of the box, r half the box's diagonal, and w half its
+    extent along the line between both centres. The distances of its parts from the circle's centre are then between
+    d - w and d + w + r^2 / (2 (d - r)).
+    """
+    dx = st.middle_x[j] - st.x[ego]
+    dy = st.middle_y[j] - st.y[ego]
+    c = m.seen_cos[ego]
+    s = m.seen_sin[ego]
+    ahead = dx * c + dy * s
+    left = dy * c - dx * s
+    bend = curved_by(m.curvature[0])
+    along = bend * ahead
+    across = bend * left - 1.0
+    q = length_of(along, across)
+    bound = abs(bend) * st.reach[j]
+    if q <= bound:
+        return 0
+    turned_c = c * st.box_cos[j] + s * st.box_sin[j]
+    turned_s = c * st.box_sin[j] - s * st.box_cos[j]
+    base = p.entity_const[j]
+    extent = 0.5 * p.const[base + slot.E_LENGTH] * abs(along * turned_c + across * turned_s)
+    extent += 0.5 * p.const[base + slot.E_WIDTH] * abs(across * turned_c - along * turned_s)
+    room = abs(2.0 * left - bend * (dx * dx + dy * dy)) / (1.0 + q)
+    room -= 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH] + SLACK
+    if bound > 0.0:
+        room -= 0.5 * bound * st.reach[j] / (q - bound) if q - bound > 0.0 else op.FAR
+    return 1 if room * q > extent else 0
+
+
+@compiled
 def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
     """Add the other entities' boxes in this row; after an overlap of boxes no smaller value is possible."""
     if m.touched[0] == 1:
@@ -358,6 +391,7 @@ def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
         gap = op.FAR
         if m.rows[0] > 1:
             gap = gap_at_least(p, st, m, ego, j, front)
-            ahead = 1 if gap <= widest_gap(m, st.v[ego], st.v[j]) else 0
+            if gap <= widest_gap(m, st.v[ego], st.v[j]) and surely_beside(p, st, m, ego, j) == 0:
+                ahead = 1
         if (apart <= m.least_distance[0] or ahead == 1) and is_above(p, st, ego, j) == 0:
             let_wait(p, st, m, ego, j, apart, ahead, gap)

@@ -41,6 +41,7 @@ def walk(n: RoadTables, st: State, road: int, lane: int, s: float, along: int, h
 
     `turns` is the road to take at the first junction, or -1 for straight on.
     """
+    st.looked[0] = 0
     count = 0
     covered = 0.0
     while count < op.WAY_SIZE and road >= 0:
@@ -60,6 +61,7 @@ def walk(n: RoadTables, st: State, road: int, lane: int, s: float, along: int, h
 @compiled
 def walk_route(n: RoadTables, p: Program, st: State, horizon: float) -> None:
     """Write the ego's way from its place on the path along its route, up to `horizon`, m."""
+    st.looked[0] = 0
     road = st.path_road[0]
     lane = st.path_lane[0]
     s = st.path_s[0]

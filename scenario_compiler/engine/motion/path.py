@@ -147,6 +147,7 @@ def advance_routed(
 @compiled
 def set_path(n: RoadTables, st: State, road: int, lane: int, s: float) -> None:
     """Put the path on a lane, and find the lane's row, its direction and the road's piece there."""
+    st.looked[0] = 0
     st.path_road[0] = road
     st.path_lane[0] = lane
     st.path_s[0] = s
