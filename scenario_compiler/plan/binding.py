@@ -293,8 +293,8 @@ class Binder:
             found = points.get(position.name)
             if found is None:
                 message = f"neither the scenario nor the map '{self.network.name}' has a spawn point '{position.name}'"
-                number = f"there are {len(points)}, such as '{min(points)}'" if points else "the map has no spawn points"
-                known = did_you_mean(position.name, points) or number
+                names = f"there are {len(points)}, such as '{min(points)}'" if points else "the map has no spawn points"
+                known = did_you_mean(position.name, points) or names
                 self._report_spawn_point(message, position.place_of("name"), known)
         else:
             listed = list(self._spawn_points().values())
