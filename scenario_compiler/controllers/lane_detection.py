@@ -2,10 +2,10 @@
 
 Pure pursuit of the middle between the detected boundaries and a proportional speed controller, with the AISA toolkit's
 numbers (look-ahead 0.4 s within 3 to 20 m, speed gain 2). When the detector loses the lane, the last trusted path is
-kept in the odometry's frame and followed to its end, and beyond its end at the curvature that the lane had. Where a
-junction is in sight or the planned route bends sharply, the detector searches along the route, and a boundary that
-leaves it does not belong to the lane to follow: the sooner it leaves, the less it counts. Anything that the forward
-sensor sees ahead in the path is followed at a time gap. Bends are driven at the speed that the planned route allows.
+kept in the odometry's frame and followed to its end, and beyond its end at the curvature that the lane had. The
+detector searches along the planned route, and a boundary that leaves it does not belong to the lane to follow: the
+sooner it leaves, the less it counts. Anything that the forward sensor sees ahead in the path is followed at a time gap.
+Bends are driven at the speed that the planned route allows.
 """
 
 from __future__ import annotations
