@@ -203,7 +203,7 @@ def test_a_long_exposure_smears_while_the_car_moves_and_bends(tmp_path: Path) ->
 
 
 def test_misalignments_add_up_and_the_lane_detector_does_not_know_them(tmp_path: Path) -> None:
-    """A camera turned to the left sees the lane too far to the right, and the car drives there with full confidence."""
+    """A camera turned to the left sees the lane too far to the right, and the car drives there with confidence."""
     failures = (
         '<camera><failure kind="misalignment" onset="0.5" ramp="1" yaw="3"/>'
         '<failure kind="misalignment" amount="0.5" yaw="-1" pitch="2" roll="1"/></camera>'
@@ -220,7 +220,7 @@ def test_misalignments_add_up_and_the_lane_detector_does_not_know_them(tmp_path:
     assert turned[1.0] == (1.0, 1.0, 0.5)
     assert turned[3.0] == (2.5, 1.0, 0.5)
     assert recording.off[-1, 0] < -0.3
-    assert min(recording.confidence_left[-1], recording.confidence_right[-1]) > 0.6
+    assert min(recording.confidence_left[-1], recording.confidence_right[-1]) > 0.5
 
 
 def test_a_failure_grows_and_declines_in_its_ramp(tmp_path: Path) -> None:

@@ -61,7 +61,7 @@ def made(folder: Path, more: str = "", curvature: float = 0.0, width: str = WIDT
 
 
 def outlook(folder: Path, number: int, s: float) -> Outlook:
-    """Return what the ego's controller is told at a place of road 1."""
+    """Return what the ego's controller receives at a place of road 1."""
     path = folder / "uneven.xml"
     path.write_text(FILE.format(lane=number, s=s), encoding="utf-8")
     sink = Diagnostics()
