@@ -1,10 +1,10 @@
 """The planned route as the line along which the lane is searched: its bends are known, the lane's position is not.
 
-Where lanes branch off, in bends whose far end the camera does not see, and where the road ahead is no plane, the ground
-is viewed along the route instead of straight ahead. There s is the distance along it from beside the camera, and t the
-distance to the left of the line through the camera that is parallel to it: a lane that follows the route is straight in
-s and t, however the road bends. The map's widths, heights and banks of the lane are known as well: distances from the
-route are measured relative to the width, and what lies higher is looked for higher in the image.
+The ground is viewed along the route instead of straight ahead. There s is the distance along it from beside the camera,
+and t the distance to the left of the line through the camera that is parallel to it: a lane that follows the route is
+straight in s and t, however the road bends, also where the camera does not see the end of the bend, or where several
+lanes are painted. The map's widths, heights and banks of the lane are known as well: distances from the route are
+measured relative to the width, and what lies higher is looked for higher in the image.
 """
 
 from __future__ import annotations
