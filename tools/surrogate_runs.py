@@ -43,6 +43,7 @@ from scenario_compiler.resources import library_folder
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_width
+from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.runtime.loop import Execution
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 from scenario_compiler.vocabulary.sensors import Perception
@@ -73,6 +74,9 @@ SECOND_FROM = -10000
 
 FASTER = 0.01
 """Share by which the runs for evaluation are faster the second time."""
+
+NARROWEST = 2.4
+"""Width that the lane of a start exceeds, m."""
 
 RUNS_IN_FILE = 600
 """Number of runs that are written to one file."""
@@ -227,13 +231,13 @@ def _seed(case: Case) -> int:
 
 @contextmanager
 def _opened(case: Case, perception: Perception) -> Iterator[tuple[Plan, World] | None]:
-    """Compile a run's scenario and open its world; None if it does not compile."""
+    """Compile a run's scenario and open its world; None if it does not compile or the map has no lane for it."""
     with TemporaryDirectory() as folder:
         draw = np.random.default_rng([7, case.number % (1 << 32)])
         try:
             path, arguments = _scenario(case, Path(folder), draw)
             plan = compile_scenario(path, overrides=Overrides(perception=perception), **arguments)
-        except CompileError:
+        except (CompileError, NoWideLane):
             yield None
             return
         network = load_network(plan.map.file)
@@ -471,6 +475,10 @@ def _hurried(text: str, faster: float) -> str:
     return re.sub(r'<ego speed="([0-9.]+)"', lambda found: f'<ego speed="{float(found[1]) * (1.0 + faster):.4f}"', text)
 
 
+class NoWideLane(Exception):
+    """A map has no lane in which a car could start."""
+
+
 class Start(NamedTuple):
     """A run's start: a position in a lane and the rest of its road.
 
@@ -490,9 +498,15 @@ class Start(NamedTuple):
 
 
 def _start(network: Network, draw: np.random.Generator) -> Start:
-    """Return a random start outside junctions in a drivable lane wider than 2.4 m, uniform over the lanes' lengths."""
+    """Return a random start outside junctions in a drivable lane wider than 2.4 m, uniform over the lanes' lengths.
+
+    Raises:
+        NoWideLane: No lane is so wide at the beginning or at the end of its section.
+    """
     n = network.tables
     rows = [row for row, lane in enumerate(n.lane_id) if lane != 0 and is_drivable(n.lane_type[row])]
+    if not any(_is_wide(n, row) for row in rows):
+        raise NoWideLane
     lengths = np.array([n.section_end[n.lane_section[row]] - n.section_s[n.lane_section[row]] for row in rows])
     while True:
         row = rows[int(draw.choice(len(rows), p=lengths / lengths.sum()))]
@@ -500,9 +514,15 @@ def _start(network: Network, draw: np.random.Generator) -> Start:
         road, lane = n.section_road[section], n.lane_id[row]
         s = float(draw.uniform(n.section_s[section], n.section_end[section]))
         sense = lane_direction(n, road, lane)
-        if n.road_junction[road] < 0 and lane_width(n, road, lane, s) > 2.4:
+        if n.road_junction[road] < 0 and lane_width(n, road, lane, s) > NARROWEST:
             room = n.road_length[road] - s if sense > 0 else s
             return Start(network.road_ids[road], lane, s, sense, room)
+
+
+def _is_wide(n: RoadTables, row: int) -> bool:
+    section = n.lane_section[row]
+    road, ends = n.section_road[section], (n.section_s[section], n.section_end[section] - 1e-3)
+    return n.road_junction[road] < 0 and max(lane_width(n, road, n.lane_id[row], s) for s in ends) > NARROWEST
 
 
 def _drawn(file: Path, network: Network, draw: np.random.Generator) -> str:
