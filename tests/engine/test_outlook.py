@@ -56,6 +56,11 @@ def handed(folder: Path, s: float, destination: str = "") -> Outlook:
     )
     path = folder / "fork.xml"
     path.write_text(FILE.format(s=s, destination=destination), encoding="utf-8")
+    return outlook_at_the_start(path)
+
+
+def outlook_at_the_start(path: Path) -> Outlook:
+    """Return what the ego's controller receives at the start of a scenario."""
     sink = Diagnostics()
     found = compile_target(path, {}, sink, overrides=Overrides())
     assert found is not None, [as_text(one) for one in sink]

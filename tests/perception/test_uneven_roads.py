@@ -9,11 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenario_compiler.compiler import Overrides, compile_target
-from scenario_compiler.diagnostics import Diagnostics, as_text
-from scenario_compiler.engine.columns.state import make_draws
-from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.simulation import Outlook, Simulation
+from scenario_compiler.engine.simulation import Outlook
 from scenario_compiler.perception.calibration.truth import Truth
 from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneResult, LaneState
@@ -22,6 +18,7 @@ from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.perception.scene import Scene
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.mesh import road_marks, road_surface
+from tests.engine.test_outlook import outlook_at_the_start
 from tests.perception.scenery import CLEAR
 from tests.roads.make import lane, network, road, section
 
@@ -64,12 +61,7 @@ def outlook(folder: Path, number: int, s: float) -> Outlook:
     """Return what the ego's controller receives at a place of road 1."""
     path = folder / "uneven.xml"
     path.write_text(FILE.format(lane=number, s=s), encoding="utf-8")
-    sink = Diagnostics()
-    found = compile_target(path, {}, sink, overrides=Overrides())
-    assert found is not None, [as_text(one) for one in sink]
-    simulation = Simulation(found.network.tables, build_program(found.plan, found.network))
-    simulation.reset(make_draws(1))
-    return simulation.look_out()
+    return outlook_at_the_start(path)
 
 
 def seen(folder: Path, net: Network, s: float, told: bool) -> tuple[Truth, LaneResult]:
