@@ -105,7 +105,7 @@ class Course:
         begin = np.zeros(1)
         return float((np.interp(begin, self.s, self.y) * np.cos(self.heading_at(begin)))[0])
 
-    def beside(self, before: Course) -> float:
+    def moved_since(self, before: Course) -> float:
         """Return by how much t of what lies on the ground has grown since the previous image, m; 0 for another route.
 
         The camera's own motion across the route tells it.
@@ -127,18 +127,18 @@ class Course:
         """Return x and y at s and t, which broadcast; NaN near the centre of a bend and beyond it."""
         heading = self.heading_at(s)
         bend = np.interp(s, self.s[1:-1], np.diff(self.heading) / np.diff(self.middle))
-        aside = self._beside(s, t)
+        aside = self._from_route(s, t)
         aside = np.where(1.0 - bend * aside > LEAST_SCALE, aside, np.nan)
         x, y = np.interp(s, self.s, self.x), np.interp(s, self.s, self.y)
         return x - aside * np.sin(heading), y + aside * np.cos(heading)
 
-    def _beside(self, s: Floats, t: Floats) -> Floats:
+    def _from_route(self, s: Floats, t: Floats) -> Floats:
         """Return the distance from the route to the left, m, at s and t, which broadcast."""
         return np.asarray((t - self.aside) * np.interp(s, self.s, self.scale))
 
     def height(self, s: Floats, t: Floats) -> Floats:
         """Return the height of the road above the plane below the ego, m, at s and t, which broadcast."""
-        return np.asarray(np.interp(s, self.s, self.rise) + self._beside(s, t) * np.interp(s, self.s, self.bank))
+        return np.asarray(np.interp(s, self.s, self.rise) + self._from_route(s, t) * np.interp(s, self.s, self.bank))
 
     @cached_property
     def grade(self) -> float:

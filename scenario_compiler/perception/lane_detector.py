@@ -414,7 +414,7 @@ def _at(boundary: Boundary, ahead: Floats, way: Course | None) -> Floats | None:
     if way is None:
         return boundary.y(ahead)
     if boundary.course is not None:
-        return boundary.across(ahead) + way.beside(boundary.course)
+        return boundary.across(ahead) + way.moved_since(boundary.course)
     across = way.across(ahead, (boundary.y0, boundary.slope, boundary.curvature))
     return across if np.isfinite(across).all() else None
 

@@ -60,8 +60,10 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
         x, y, z, heading, pitch, roll = lane_pose(n, road, lane, s, 0.0)
         ahead_x = cos(heading)
         ahead_y = sin(heading)
-        rise_x = -tan(pitch) * ahead_x - tan(roll) * ahead_y
-        rise_y = -tan(pitch) * ahead_y + tan(roll) * ahead_x
+        rise_ahead = -tan(pitch)
+        rise_left = tan(roll)
+        rise_x = rise_ahead * ahead_x - rise_left * ahead_y
+        rise_y = rise_ahead * ahead_y + rise_left * ahead_x
         if count == 0:
             plane_x = rise_x
             plane_y = rise_y
