@@ -1,7 +1,8 @@
 """The motion of entities: scripted along a lane, as a bicycle with throttle, steering and brake, or set from outside.
 
 Scripted motion is esmini's: (road, lane, s, offset) is stored, and x, y and heading are evaluated from it. s changes by
-v dt / (1 - curvature t), with curvature and t at the start of the step. At the end of a road the entity stops exactly
+v dt / (1 - curvature t), with curvature and t at the start of the step; exactly where two pieces of the reference line
+meet, the curvature is that of the piece from which the entity comes. At the end of a road the entity stops exactly
 there; it keeps its speed for the step that no longer moves it, and has speed 0 after that. If only its lane ends or
 narrows to nothing, it continues at the centre of a lane that does not. The bicycle is the usual kinematic model about
 the rear axle, without side slip.
@@ -78,7 +79,10 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
         return
     look_here(n, st, i)
     s = st.s[i]
-    stretch = 1.0 - piece_curvature(n, st.here_piece[i], s) * st.t[i]
+    piece = st.here_piece[i]
+    if s == n.piece_s[piece] and st.facing[i] * distance > 0.0 and piece > n.road_piece[road]:
+        piece = piece - 1
+    stretch = 1.0 - piece_curvature(n, piece, s) * st.t[i]
     if stretch < 0.1:
         stretch = 0.1
     to_s = s + st.facing[i] * distance / stretch
