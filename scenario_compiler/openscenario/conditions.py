@@ -9,9 +9,9 @@ from lxml import etree
 from scenario_compiler.diagnostics import did_you_mean
 from scenario_compiler.expressions import Expression
 from scenario_compiler.markup import codes
+from scenario_compiler.openscenario.motion import anywhere, read_position, write_position
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output, Version
-from scenario_compiler.openscenario.positions import anywhere, read_position, write_position
 from scenario_compiler.openscenario.spelling import (
     Children,
     Fields,

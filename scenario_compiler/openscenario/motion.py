@@ -13,7 +13,7 @@ from scenario_compiler.openscenario.codes import NOT_READ
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.parameters import with_parameters
-from scenario_compiler.openscenario.points import Orientation, read_point, write_point
+from scenario_compiler.openscenario.points import Orientation, read_point, write_as, write_point
 from scenario_compiler.openscenario.spelling import (
     Child,
     Children,
@@ -39,6 +39,7 @@ from scenario_compiler.vocabulary.positions import (
     InRouteRoad,
     Nurbs,
     Polyline,
+    Position,
     RoutePosition,
     RouteWord,
     Trajectory,
@@ -49,8 +50,8 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.word import Word
 
 
-def _point(tag: str = "Position", *, required: bool = True) -> Child:
-    return Child("position", tag, read_point, lambda word, output: write_point(word, output, tag), required)
+def _point() -> Child:
+    return Child("position", "Position", read_point, write_point)
 
 
 _STRATEGY = replace(choice(Waypoint, "strategy", "routeStrategy", "shortest"), always=True)
@@ -112,7 +113,27 @@ class _Time:
             element.set("time", "0")
 
 
-_VERTEX = regular("Vertex", Vertex, _Time(), _point())
+def read_position(node: Node) -> Position | None:
+    """Return the position of a <Position> element; report an element that is not a position."""
+    inner = node.first()
+    if inner is not None and inner.tag in ON_CURVES.by_tag:
+        position: Position | None = ON_CURVES.by_tag[inner.tag].read(inner)
+        return position
+    return read_point(node)
+
+
+def write_position(word: Word, output: Output, tag: str = "Position") -> etree._Element:
+    """Return the <Position> of a position; report one that OpenSCENARIO cannot express, and write the origin."""
+    form = ON_CURVES.by_word.get(type(word))
+    return write_point(word, output, tag) if form is None else write_as(form, word, output, tag)
+
+
+def anywhere(tag: str = "Position", *, required: bool = True) -> Child:
+    """Return the part for a child element that is a position, for the field `position`."""
+    return Child("position", tag, read_position, lambda word, output: write_position(word, output, tag), required)
+
+
+_VERTEX = regular("Vertex", Vertex, _Time(), anywhere())
 _SEGMENT = regular(
     "ClothoidSplineSegment",
     ClothoidSegment,
@@ -121,10 +142,10 @@ _SEGMENT = regular(
     number("length"),
     number("turn_at_start", "hOffset", 0.0),
     number("time_start", "timeStart", None),
-    _point(tag="PositionStart", required=False),
+    anywhere(tag="PositionStart", required=False),
 )
 _CONTROL_POINT = regular(
-    "ControlPoint", ControlPoint, number("time", default=None), number("weight", default=1.0), _point()
+    "ControlPoint", ControlPoint, number("time", default=None), number("weight", default=1.0), anywhere()
 )
 
 SHAPES = Forms(
@@ -138,7 +159,7 @@ SHAPES = Forms(
             number("length"),
             number("start_time", "startTime", None),
             number("stop_time", "stopTime", None),
-            _point(),
+            anywhere(),
         ),
         regular(
             "ClothoidSpline",

@@ -52,9 +52,9 @@ TILT = Code(
 POSITION_NOT_HERE = Code(
     "SC781",
     "position-not-here",
-    "A position on a route or trajectory is used inside another route or trajectory, in a synchronisation, or for a "
-    "new entity. There, a position must be on the map, in the world or relative to an entity:\n\n"
-    "    <Vertex><Position><TrajectoryPosition .../></Position></Vertex>\n\n"
+    "A waypoint of a route is a position on a route or trajectory. A waypoint must be on the map, in the world or "
+    "relative to an entity:\n\n"
+    '    <Waypoint routeStrategy="shortest"><Position><TrajectoryPosition .../></Position></Waypoint>\n\n'
     "Write a LanePosition, RoadPosition, WorldPosition or one of the relative positions.",
     Severity.WARNING,
 )

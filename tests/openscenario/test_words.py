@@ -16,9 +16,10 @@ from scenario_compiler.openscenario.actions import ACTIONS, read_actions, write_
 from scenario_compiler.openscenario.actions import UNSAID as UNSAID_ACTIONS
 from scenario_compiler.openscenario.actions.environment import FOG_AT_ONE, FOG_THINNED
 from scenario_compiler.openscenario.conditions import BY_ENTITY, BY_VALUE, OWN, read_condition, write_condition
+from scenario_compiler.openscenario.motion import read_position, write_position
 from scenario_compiler.openscenario.output import VERSIONS, Output, Version
 from scenario_compiler.openscenario.points import UNSAID as UNSAID_POSITIONS
-from scenario_compiler.openscenario.positions import POSITIONS, read_position, write_position
+from scenario_compiler.openscenario.positions import POSITIONS
 from scenario_compiler.vocabulary.actions import (
     Action,
     AssignControllerAction,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import types
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, ForwardRef, Literal, Union, get_args, get_origin, get_type_hints
 
 from hypothesis import strategies as st
 from lxml import etree
@@ -51,7 +51,10 @@ def words(word: type[Word], fixed: Fixed) -> st.SearchStrategy[Any]:
         elif isinstance(spelling, AttributeSpelling) and spelling.names == "entity" and not spelling.separated:
             fields[name] = st.sampled_from(ENTITIES if info.is_required() else (*ENTITIES, ""))
         else:
-            fields[name] = _values(info.annotation, fixed)
+            annotation: object = info.annotation
+            if isinstance(annotation, ForwardRef):
+                annotation = get_type_hints(word, include_extras=True)[name]
+            fields[name] = _values(annotation, fixed)
     return st.fixed_dictionaries(fields).map(lambda values: word(**_facing_one_way(values)))
 
 
@@ -77,7 +80,7 @@ def _values(annotation: Any, fixed: Fixed) -> st.SearchStrategy[Any]:
     if annotation is type(None):
         return st.none()
     if isinstance(annotation, type) and issubclass(annotation, Word):
-        return words(annotation, fixed)
+        return st.deferred(lambda: words(annotation, fixed))
     simple = {bool: st.booleans(), int: st.integers(-9, 9), float: st.floats(-80.0, 80.0), str: _TEXTS}
     return simple[annotation]
 

@@ -150,6 +150,8 @@ class Program(Columns):
     track_kind: list[int] = column(TRACK, 0, codes(op.TRACK_NURBS + 1))
     track_closed: list[int] = column(TRACK, 0, FLAG)
     """1 if a trajectory continues at its beginning."""
+    track_inner: list[int] = column(TRACK, 0, index(TRACK))
+    """First of the trajectories on which its vertices lie, which are all before it; itself if there is none."""
     track_raised: list[int] = column(TRACK, 0, FLAG)
     """1 if positions of a trajectory have heights."""
     track_order: list[int] = column(TRACK, 0, whole(0, 1000))

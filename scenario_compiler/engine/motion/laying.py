@@ -6,7 +6,7 @@ sampled at equal parameters; each sample is a weighted sum of control points.
 
 from __future__ import annotations
 
-from math import atan2, cos, sin
+from math import atan2
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -14,60 +14,32 @@ from scenario_compiler.engine.columns.log import fault
 from scenario_compiler.engine.columns.numbers import angle_between, bearing, clip, length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.motion.positions import PLACE_NONE, place_of, point_of
+from scenario_compiler.engine.motion.positions import PLACE_NONE, place_of, point_of, position_is_number
+from scenario_compiler.engine.motion.spirals import spiral_step
+from scenario_compiler.engine.motion.tracks import beside_track, track_pose
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
-GAUSS_SIDE = 0.1127016653792583
-GAUSS_SIDE_WEIGHT = 0.2777777777777778
-GAUSS_MIDDLE_WEIGHT = 0.4444444444444444
-"""Nodes (this, 1/2, 1 - this) and weights of the three-point Gauss rule on 0 to 1."""
-
-SPIRAL_STEP = 2.0
-MOST_SPIRAL_STEPS = 64.0
-"""Greatest length of a clothoid for one application of the rule, m, and the greatest number of applications."""
-
 
 @compiled
-def gauss_step(h: float, bend: float, rate: float, length: float) -> tuple[float, float]:
-    """Return (dx, dy) along a short piece of a clothoid from its heading, curvature and curvature rate (1/m2)."""
-    x = 0.0
-    y = 0.0
-    for node in range(3):
-        share = 0.5
-        weight = GAUSS_MIDDLE_WEIGHT
-        if node == 0:
-            share = GAUSS_SIDE
-            weight = GAUSS_SIDE_WEIGHT
-        if node == 2:
-            share = 1.0 - GAUSS_SIDE
-            weight = GAUSS_SIDE_WEIGHT
-        at = share * length
-        turned = h + bend * at + 0.5 * rate * at * at
-        x = x + weight * length * cos(turned)
-        y = y + weight * length * sin(turned)
-    return x, y
-
-
-@compiled
-def spiral_step(h: float, bend: float, rate: float, length: float) -> tuple[float, float, float]:
-    """Return (dx, dy, change of heading) along a piece of a clothoid."""
-    count = int(clip(abs(length) / SPIRAL_STEP, 0.0, MOST_SPIRAL_STEPS)) + 1
-    part = length / max(count, 1)
-    x = 0.0
-    y = 0.0
-    for q in range(count):
-        at = q * part
-        dx, dy = gauss_step(h + bend * at + 0.5 * rate * at * at, bend + rate * at, rate, part)
-        x = x + dx
-        y = y + dy
-    return x, y, bend * length + 0.5 * rate * length * length
+def point_beside_track(p: Program, st: State, k: int) -> tuple[float, float, float]:
+    """Return (x, y, heading) of a position along a trajectory whose vertices are computed."""
+    base = p.position_const[k]
+    x, y, h, along = track_pose(p, st, p.position_lane[k], p.const[base + slot.P_S], 0)
+    x, y = beside_track(x, y, along, 0.0, p.const[base + slot.P_OFFSET])
+    turn = p.const[base + slot.P_TURN]
+    return x, y, turn if p.position_flags[k] & op.POSITION_ABSOLUTE != 0 else h + turn
 
 
 @compiled
 def corner_place(n: RoadTables, p: Program, st: State, c: int, i: int) -> tuple[float, float, float, float]:
     """Return (x, y, z, heading) of a corner for entity i, with z as given or on the road; a fault if there is none."""
     k = p.corner_position[c]
+    if p.position_op[k] == op.POSITION_ON_TRAJECTORY:
+        if position_is_number(p, k) == 0:
+            fault(st, op.FAULT_OFF_ROAD_START, i)
+        x, y, h = point_beside_track(p, st, k)
+        return x, y, 0.0, h
     kind, _, _, _, _, x, y, z, h = place_of(n, p, st, k, i)
     if kind == PLACE_NONE:
         fault(st, op.FAULT_OFF_ROAD_START, i)
@@ -273,8 +245,8 @@ def pace_vertices(p: Program, st: State, track: int, speed: float, smooth: int) 
 
 
 @compiled
-def lay_track(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
-    """Compute a trajectory's vertices for entity i, or for no particular entity (NONE)."""
+def lay_alone(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
+    """Compute a trajectory's vertices; those of the trajectories on which some of them lie are computed."""
     kind = p.track_kind[track]
     if kind == op.TRACK_CLOTHOIDS:
         lay_clothoids(n, p, st, track, i)
@@ -285,3 +257,10 @@ def lay_track(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
     measure_track(p, st, track)
     head_vertices(p, st, track)
     pitch_vertices(p, st, track)
+
+
+@compiled
+def lay_track(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
+    """Compute a trajectory's vertices for entity i, or for no particular entity (NONE)."""
+    for inner in range(p.track_inner[track], track + 1):
+        lay_alone(n, p, st, inner, i)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.motion.laying import lay_track
+from scenario_compiler.engine.motion.laying import lay_track, point_beside_track
 from scenario_compiler.engine.motion.positions import (
     PLACE_FREE,
     PLACE_NONE,
@@ -14,7 +13,6 @@ from scenario_compiler.engine.motion.positions import (
     place_of,
     position_is_number,
 )
-from scenario_compiler.engine.motion.tracks import beside_track, track_pose
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.below import place_below
 from scenario_compiler.roads.lanes import lane_pose
@@ -28,13 +26,8 @@ def place_on_track(
     """Return the same as `place_of` for a position along a trajectory; its offset is to the left of the trajectory."""
     if position_is_number(p, k) == 0:
         return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    base = p.position_const[k]
-    track = p.position_lane[k]
-    lay_track(n, p, st, track, i)
-    x, y, h, along = track_pose(p, st, track, p.const[base + slot.P_S], 0)
-    x, y = beside_track(x, y, along, 0.0, p.const[base + slot.P_OFFSET])
-    turn = p.const[base + slot.P_TURN]
-    h = turn if p.position_flags[k] & op.POSITION_ABSOLUTE != 0 else h + turn
+    lay_track(n, p, st, p.position_lane[k], i)
+    x, y, h = point_beside_track(p, st, k)
     found, road, lane, s, offset = place_below(n, x, y, h, 0.0, 0)
     if found == 0:
         return PLACE_FREE, -1, 0, 0.0, 0.0, x, y, 0.0, h

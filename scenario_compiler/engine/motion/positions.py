@@ -131,6 +131,22 @@ def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> t
 
 
 @compiled
+def from_own_axes(st: State, i: int, ahead: float, left: float, up: float) -> tuple[float, float, float]:
+    """Return a vector in an entity's own axes, m, in those of the world: turned by its roll, pitch and heading."""
+    c = cos(st.roll[i])
+    w = sin(st.roll[i])
+    side = left * c - up * w
+    up = left * w + up * c
+    c = cos(st.pitch[i])
+    w = sin(st.pitch[i])
+    forward = ahead * c + up * w
+    up = up * c - ahead * w
+    c = cos(st.h[i])
+    w = sin(st.h[i])
+    return forward * c - side * w, forward * w + side * c, up
+
+
+@compiled
 def point_of(p: Program, st: State, k: int) -> tuple[float, float, float, float, int]:
     """Return (x, y, z, heading, 1 if z counts) of a position that is a point in the world."""
     base = p.position_const[k]
@@ -146,11 +162,7 @@ def point_of(p: Program, st: State, k: int) -> tuple[float, float, float, float,
     if p.position_flags[k] & op.POSITION_ABSOLUTE == 0:
         h = st.h[other] + turn
     if kind == op.POSITION_RELATIVE_OBJECT:
-        c = cos(st.h[other])
-        w = sin(st.h[other])
-        ahead = x
-        x = ahead * c - y * w
-        y = ahead * w + y * c
+        x, y, z = from_own_axes(st, other, x, y, z)
     return st.x[other] + x, st.y[other] + y, st.z[other] + z, h, 1
 
 

@@ -13,7 +13,7 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.numbers import angle_between, bearing, clip, length_of, ratio
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.motion.laying import spiral_step
+from scenario_compiler.engine.motion.spirals import spiral_step
 from scenario_compiler.marker import compiled
 
 CORNER = 2.0

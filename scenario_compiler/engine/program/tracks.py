@@ -40,8 +40,9 @@ TIMED_STEP = 1.0
 
 
 def add_track(draft: ProgramBuilder, trajectory: Trajectory, place: Place) -> int:
-    """Append a trajectory; return its row."""
+    """Append a trajectory after those on which its own positions lie; return its row."""
     p, shape = draft.program, trajectory.shape
+    first = len(p.track_kind)
     if isinstance(shape, Polyline):
         kind = op.TRACK_POLYLINE
         _add_polyline(draft, shape, trajectory.closed, place)
@@ -53,6 +54,7 @@ def add_track(draft: ProgramBuilder, trajectory: Trajectory, place: Place) -> in
         _add_clothoids(draft, shape, place)
     p.track_kind.append(kind)
     p.track_closed.append(1 if trajectory.closed else 0)
+    p.track_inner.append(first)
     p.track_raised.append(1 if raised(trajectory) else 0)
     p.track_order.append(shape.order if isinstance(shape, Nurbs) else 0)
     p.track_corner.append(len(p.corner_position))
@@ -88,8 +90,9 @@ def _add_polyline(draft: ProgramBuilder, line: Polyline, closed: bool, place: Pl
     if closed and vertices[0].time is None and vertices[0] != vertices[-1]:
         vertices.append(vertices[0])
     given = headed([vertex.position for vertex in vertices])
-    for vertex, heading in zip(vertices, given, strict=True):
-        _add_corner(draft, place(draft, vertex.position), _time(vertex.time))
+    places = [place(draft, vertex.position) for vertex in vertices]
+    for vertex, position, heading in zip(vertices, places, given, strict=True):
+        _add_corner(draft, position, _time(vertex.time))
         draft.program.vertex_heading.append(1 if heading else 0)
 
 
@@ -121,10 +124,11 @@ def _add_clothoids(draft: ProgramBuilder, shape: Clothoid | ClothoidSpline, plac
             for one in shape.segments
         ]
         last = shape.time_end
-    for position, numbers in pieces:
+    places = [op.NONE if position is None else place(draft, position) for position, _ in pieces]
+    for position, (_, numbers) in zip(places, pieces, strict=True):
         length = number_value(numbers[3], values)
         samples = min(max(ceil(length / SAMPLE_LENGTH), 1), MOST_SAMPLES)
-        _add_corner(draft, op.NONE if position is None else place(draft, position), *numbers, samples=samples)
+        _add_corner(draft, position, *numbers, samples=samples)
         draft.program.vertex_heading.extend([1] * samples)
     _add_corner(draft, op.NONE, _time(last), 0.0, 0.0, 0.0, 0.0, samples=0)
     draft.program.vertex_heading.append(1)
@@ -133,8 +137,9 @@ def _add_clothoids(draft: ProgramBuilder, shape: Clothoid | ClothoidSpline, plac
 def _add_nurbs(draft: ProgramBuilder, curve: Nurbs, place: Place) -> None:
     values = parameter_values(draft.plan.parameters)
     weights = [number_value(point.weight, values) for point in curve.points]
-    for point in curve.points:
-        _add_corner(draft, place(draft, point.position), _time(point.time))
+    corners = [place(draft, point.position) for point in curve.points]
+    for point, position in zip(curve.points, corners, strict=True):
+        _add_corner(draft, position, _time(point.time))
     samples = _parameters(curve, None if curve.points[0].time is None else _control_length(draft, curve))
     shares = [basis(curve.knots, curve.order, at, u) for at, u in samples]
     given = all(headed([point.position for point in curve.points]))

@@ -7,14 +7,16 @@ from typing import Any
 from lxml import etree
 
 from scenario_compiler.openscenario.motion import (
+    anywhere,
+    read_position,
     read_route,
     read_trajectory,
+    write_position,
     write_route,
     write_trajectory,
 )
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
-from scenario_compiler.openscenario.positions import anywhere, read_position, write_position
 from scenario_compiler.openscenario.spelling import (
     Child,
     Fields,

@@ -9,9 +9,9 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.openscenario.catalogs import given
+from scenario_compiler.openscenario.motion import read_position, write_position
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
-from scenario_compiler.openscenario.positions import read_position, write_position
 from scenario_compiler.openscenario.spelling import Form, made
 from scenario_compiler.openscenario.vehicles import CATEGORIES
 from scenario_compiler.vocabulary.actions import (

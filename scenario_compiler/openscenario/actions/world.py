@@ -7,9 +7,9 @@ from typing import Any
 from lxml import etree
 
 from scenario_compiler.markup import codes
+from scenario_compiler.openscenario.motion import read_position, write_position
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
-from scenario_compiler.openscenario.positions import read_position, write_position
 from scenario_compiler.openscenario.spelling import Form, made, nested, regular, text
 from scenario_compiler.vocabulary.actions import (
     AddEntityAction,

@@ -40,7 +40,7 @@ Point = (
     | RelativeObjectPosition
     | RelativeWorldPosition
 )
-"""Positions in routes and trajectories."""
+"""Positions of waypoints, and of everything that needs no route or trajectory of its own."""
 
 
 class Waypoint(Word):
@@ -121,7 +121,7 @@ class Vertex(Word):
     word: Literal["vertex"] = "vertex"
 
     time: Number | None = attribute("Time at which the vertex is reached, s.", default=None, quantity="time")
-    position: Point = child("Position.")
+    position: "Point | RoutePosition | TrajectoryPosition" = child("Position.")
 
 
 class Polyline(Word):
@@ -142,7 +142,7 @@ class Clothoid(Word):
     length: Number = attribute("Length, m.", quantity="length", minimum=0)
     start_time: Number | None = attribute("Time at which its start is passed, s.", default=None, quantity="time")
     stop_time: Number | None = attribute("Time at which its end is reached, s.", default=None, quantity="time")
-    position: Point = child("Position and heading of its start.")
+    position: "Point | RoutePosition | TrajectoryPosition" = child("Position and heading of its start.")
 
 
 class ClothoidSegment(Word):
@@ -157,7 +157,7 @@ class ClothoidSegment(Word):
         "Heading at its start relative to the end of the previous segment, degrees.", default=0.0, quantity="angle"
     )
     time_start: Number | None = attribute("Time at which its start is passed, s.", default=None, quantity="time")
-    position: Point | None = child(
+    position: "Point | RoutePosition | TrajectoryPosition | None" = child(
         "Position of its start, if that is not the end of the previous segment.", default=None
     )
 
@@ -180,7 +180,7 @@ class ControlPoint(Word):
         "Time at which the corresponding point of the curve is reached, s.", default=None, quantity="time"
     )
     weight: Number = attribute("Its weight.", default=1.0)
-    position: Point = child("Position.")
+    position: "Point | RoutePosition | TrajectoryPosition" = child("Position.")
 
 
 class Nurbs(Word):

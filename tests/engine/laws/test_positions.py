@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, sqrt
 from pathlib import Path
 
 import pytest
@@ -164,3 +164,55 @@ def test_a_position_on_a_route_where_an_entity_is_faces_as_its_lane_is_travelled
     place = play(tmp_path, {"B": Actor(lane=lane, s=300.0), "A": placed}, [], 0.1).at("A", 0.0)
     assert (place.x, place.lane) == (300.0, lane)
     assert place.h == pytest.approx(heading)
+
+
+def vertex(position: str) -> str:
+    """Return a vertex at a position."""
+    return f"<Vertex><Position>{position}</Position></Vertex>"
+
+
+def polyline(*vertices: str) -> str:
+    """Return a trajectory through vertices."""
+    line = f"<Shape><Polyline>{''.join(vertices)}</Polyline></Shape>"
+    return f'<TrajectoryRef><Trajectory name="t" closed="false">{line}</Trajectory></TrajectoryRef>'
+
+
+def on_trajectory(s: float, t: float, trajectory: str) -> str:
+    """Return a position beside a trajectory."""
+    return f'<TrajectoryPosition s="{s}" t="{t}">{trajectory}</TrajectoryPosition>'
+
+
+def test_vertices_can_lie_beside_other_trajectories(tmp_path: Path) -> None:
+    """The line of A crosses the helper, which leads from (100, -20) to (200, -20), at 30 m of it, from its right.
+
+    A vertex of the helper lies on a third trajectory, and A's line ends on a route.
+    """
+    third = polyline(*(vertex(f'<WorldPosition x="100" y="{y}"/>') for y in (0, -100)))
+    helper = polyline(vertex(on_trajectory(20.0, 0.0, third)), vertex('<WorldPosition x="200" y="-20"/>'))
+    waypoints = "".join(
+        f'<Waypoint routeStrategy="shortest"><Position><LanePosition roadId="1" laneId="-1" s="{s}"/></Position>'
+        "</Waypoint>"
+        for s in (100, 300)
+    )
+    route = (
+        f'<RoutePosition><RouteRef><Route name="r" closed="false">{waypoints}</Route></RouteRef><InRoutePosition>'
+        '<FromLaneCoordinates pathS="30" laneId="-1"/></InRoutePosition></RoutePosition>'
+    )
+    line = polyline(vertex(on_trajectory(30.0, -15.0, helper)), vertex(on_trajectory(30.0, 5.0, helper)), vertex(route))
+    follow = (
+        f"<RoutingAction><FollowTrajectoryAction>{line}<TimeReference><None/></TimeReference>"
+        '<TrajectoryFollowingMode followingMode="position"/></FollowTrajectoryAction></RoutingAction>'
+    )
+    run = play(tmp_path, {"A": Actor()}, [Event("A", follow)], seconds=6.0)
+    assert (run.at("A", 2.0).x, run.at("A", 2.0).y) == pytest.approx((130.0, -25.0))
+    assert (run.at("A", 3.0).x, run.at("A", 3.0).y) == pytest.approx((130.0, -15.0))
+    assert (run.at("A", 4.0).x, run.at("A", 4.0).y) == pytest.approx((130.0, -5.0))
+
+
+def test_the_axes_of_a_relative_position_are_tilted_as_its_entity(tmp_path: Path) -> None:
+    """B stands where the road climbs by 0.1: 10 m along its own axis are 10 / sqrt(1.01) in the plane."""
+    up = put(tmp_path, '<RelativeObjectPosition entityRef="B" dx="10" dy="1"/>', B=Actor(lane=-2, s=1100, speed=0.0))
+    assert (up.x, up.y) == pytest.approx((1100.0 + 10.0 / sqrt(1.01), -4.25))
+    above = '<RelativeObjectPosition entityRef="B" dx="0" dy="0" dz="2"/>'
+    back = put(tmp_path, above, B=Actor(lane=-2, s=1100, speed=0.0))
+    assert back.x == pytest.approx(1100.0 - 0.2 / sqrt(1.01))
