@@ -74,10 +74,9 @@ HOMES = (
     Home("triggers", _STORYBOARD, "Trigger ConditionGroup Condition ByEntityCondition TriggeringEntities "
          "EntityCondition ByValueCondition EntityRef"),
     Home("conditions", None, "ByObjectType TimeToCollisionConditionTarget RelativeLaneRange"),
-    Home("positions", None, "Position"),
     Home("points", None, "Orientation"),
     Home("motion", None,
-         "RouteRef Route Waypoint InRoutePosition PositionOfCurrentEntity PositionInRoadCoordinates "
+         "Position RouteRef Route Waypoint InRoutePosition PositionOfCurrentEntity PositionInRoadCoordinates "
          "PositionInLaneCoordinates TrajectoryRef Trajectory Shape Polyline Vertex Clothoid ClothoidSpline "
          "ClothoidSplineSegment Nurbs ControlPoint Knot"),
     Home("actions", None,
