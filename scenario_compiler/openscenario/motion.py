@@ -72,7 +72,9 @@ class _Strategy:
 
 
 WAYPOINT = regular("Waypoint", Waypoint, _Strategy(), _point())
-ROUTE = regular("Route", RouteWord, text("name"), boolean("closed"), Children("waypoints", WAYPOINT, least=1, wanted=2))
+_NAME = replace(text("name"), default="", always=True)
+_CLOSED = replace(boolean("closed"), default=False, always=True)
+ROUTE = regular("Route", RouteWord, _NAME, _CLOSED, Children("waypoints", WAYPOINT, least=1, wanted=2))
 
 
 class _CurvatureRate:
@@ -195,9 +197,7 @@ def _write_shape(word: Word, output: Output) -> etree._Element:
     return made("Shape", form.write(word, output))
 
 
-TRAJECTORY = regular(
-    "Trajectory", Trajectory, text("name"), boolean("closed"), Child("shape", "Shape", _read_shape, _write_shape)
-)
+TRAJECTORY = regular("Trajectory", Trajectory, _NAME, _CLOSED, Child("shape", "Shape", _read_shape, _write_shape))
 
 
 def read_route(node: Node) -> RouteWord | None:

@@ -107,11 +107,11 @@ def check_tilt(node: Node) -> None:
 class _Along:
     """How far ahead a RelativeLanePosition lies: along the road (`ds`) or in the lane (`dsLane`, since 1.1).
 
-    From 1.1 on both may be missing: then the position is beside the entity.
+    From 1.1 on both may be missing: then the position is beside the entity. If both are given, `ds` counts (esmini 3.6).
     """
 
     def read(self, node: Node) -> Fields:
-        if node.has("dsLane"):
+        if node.has("dsLane") and not node.has("ds"):
             return {"along": "lane", "distance": node.number("dsLane")}
         return {"along": "road", "distance": node.number("ds", 0.0)}
 

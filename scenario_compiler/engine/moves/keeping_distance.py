@@ -50,8 +50,9 @@ def limit_or(p: Program, k: int, place: int, otherwise: float) -> float:
 
 @compiled
 def limit_of_vehicle(p: Program, k: int, place: int, of_vehicle: int) -> float:
-    """Return a limit of an action, or the vehicle's own if the action has none."""
-    return limit_or(p, k, place, max(p.const[p.entity_const[p.action_entity[k]] + of_vehicle], 0.0))
+    """Return the vehicle's own limit, or the action's if that is less."""
+    own = max(p.const[p.entity_const[p.action_entity[k]] + of_vehicle], 0.0)
+    return min(limit_or(p, k, place, own), own)
 
 
 @compiled

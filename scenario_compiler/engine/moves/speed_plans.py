@@ -26,15 +26,17 @@ def pieces_needed(entries: int) -> int:
 
 @compiled
 def limit_in_profile(p: Program, k: int, change: float, timed: int) -> float:
-    """Return the greatest acceleration of an entry, m/s2: the action's, or without a given time also the vehicle's."""
+    """Return the greatest acceleration of an entry, m/s2: the action's, but no more than the vehicle's.
+
+    Without a limit of the action, an entry without a time has the vehicle's, and one with a time has none.
+    """
     place = slot.A_ACCELERATION if change > 0.0 else slot.A_DECELERATION
     limit = p.const[p.action_const[k] + place]
-    if limit >= 0.0:
-        return limit
-    if timed == 1:
+    if limit < 0.0 and timed == 1:
         return op.FAR
     of_vehicle = slot.E_MAX_ACCELERATION if change > 0.0 else slot.E_MAX_DECELERATION
-    return p.const[p.entity_const[p.action_entity[k]] + of_vehicle]
+    own = p.const[p.entity_const[p.action_entity[k]] + of_vehicle]
+    return own if limit < 0.0 else min(limit, own)
 
 
 @compiled

@@ -23,14 +23,15 @@ class Transition:
         self.tag = tag
 
     def read(self, node: Node) -> Fields:
-        """Return the fields; without the child, the change is a step."""
+        """Return the fields; without the child, the change is a step, which needs no dimension and no value."""
         inner = node.required(self.tag)
         if inner is None:
             return {"shape": "step"}
         shape = inner.choice("dynamicsShape", SHAPES)
-        dimension = inner.choice("dynamicsDimension", ("time", "rate", "distance"))
+        usual, least = ("time", 0.0) if shape == "step" else (None, None)
+        dimension = inner.choice("dynamicsDimension", ("time", "rate", "distance"), usual)
         inner.text("followingMode", "")
-        value = inner.number("value")
+        value = inner.number("value", least)
         if dimension == "time":
             return {"shape": shape, "over_time": value}
         kind: type[AtRate | OverDistance] = AtRate if dimension == "rate" else OverDistance

@@ -55,6 +55,12 @@ def test_along_a_lane_ahead_and_left_are_those_of_its_travel(tmp_path: Path, to:
     assert (put(tmp_path, place).x, put(tmp_path, place).y) == pytest.approx((x, y))
 
 
+def test_beside_ds_a_distance_along_the_lane_does_not_count(tmp_path: Path) -> None:
+    """C comes towards A, so that 10 m along the road are behind it."""
+    place = put(tmp_path, '<RelativeLanePosition entityRef="C" ds="10" dsLane="30" dLane="0"></RelativeLanePosition>')
+    assert place.x == pytest.approx(502.0)
+
+
 @pytest.mark.law("RelativeLanePosition", "without a distance")
 def test_a_relative_position_without_distances_is_beside_the_entity(tmp_path: Path) -> None:
     place = put(tmp_path, '<RelativeLanePosition entityRef="B" dLane="1"></RelativeLanePosition>')
@@ -172,9 +178,9 @@ def vertex(position: str) -> str:
 
 
 def polyline(*vertices: str) -> str:
-    """Return a trajectory through vertices."""
+    """Return a trajectory through vertices, without its name and `closed`, which a run does not need."""
     line = f"<Shape><Polyline>{''.join(vertices)}</Polyline></Shape>"
-    return f'<TrajectoryRef><Trajectory name="t" closed="false">{line}</Trajectory></TrajectoryRef>'
+    return f"<TrajectoryRef><Trajectory>{line}</Trajectory></TrajectoryRef>"
 
 
 def on_trajectory(s: float, t: float, trajectory: str) -> str:
@@ -195,7 +201,7 @@ def test_vertices_can_lie_beside_other_trajectories(tmp_path: Path) -> None:
         for s in (100, 300)
     )
     route = (
-        f'<RoutePosition><RouteRef><Route name="r" closed="false">{waypoints}</Route></RouteRef><InRoutePosition>'
+        f"<RoutePosition><RouteRef><Route>{waypoints}</Route></RouteRef><InRoutePosition>"
         '<FromLaneCoordinates pathS="30" laneId="-1"/></InRoutePosition></RoutePosition>'
     )
     line = polyline(vertex(on_trajectory(30.0, -15.0, helper)), vertex(on_trajectory(30.0, 5.0, helper)), vertex(route))

@@ -198,6 +198,25 @@ def test_entries_relative_to_an_entity_are_added_to_its_speed(tmp_path: Path) ->
     assert run.at("A", 5.0).v == pytest.approx(12.0)
 
 
+def test_an_action_allows_no_more_than_its_vehicle(tmp_path: Path) -> None:
+    """The vehicle accelerates and brakes by 10 m/s2 at most."""
+    limits = 'maxAcceleration="20" maxDeceleration="20" maxSpeed="70"'
+    run = play(tmp_path, A, [Event("A", profile("position", "30 20", limits))])
+    assert [run.at("A", time).v for time in (2.0, 3.0, 3.5, 4.0)] == pytest.approx([20.0, 30.0, 25.0, 20.0])
+    far = (
+        '<LongitudinalAction><LongitudinalDistanceAction entityRef="B" distance="20" freespace="false" '
+        f'continuous="true" displacement="trailingReferencedEntity"><DynamicConstraints {limits}/>'
+        "</LongitudinalDistanceAction></LongitudinalAction>"
+    )
+    run = play(tmp_path, A_AND_B, [Event("A", far)])
+    assert run.at("A", 2.0).v == pytest.approx(20.0)
+
+
+def test_a_step_needs_no_dimension_and_no_value(tmp_path: Path) -> None:
+    run = play(tmp_path, A, [Event("A", speed(4.0, 'dynamicsShape="step"'))])
+    assert run.acts("A", 4.0) == pytest.approx(1.05)
+
+
 def synchronize(final: str, way: float, tolerance: str = "") -> str:
     """Return an arrival of A, which begins at 60 m, after a way, when B, which begins at 208 m, has gone 100 m."""
     return (
