@@ -182,7 +182,8 @@ def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt
 def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
     """Advance a lane change or a move to an offset over a time; return 1 if it is complete.
 
-    A standing entity waits. The ego's is complete where its planned way ends, or at once if it has none.
+    A standing entity waits, unless it is put there at once. Every change moves its entity ahead too, by the speed that
+    the actions before it in the file have set. The ego's is complete where its planned way ends, or at once if it has none.
     """
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED:
@@ -190,7 +191,10 @@ def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
     if st.road[i] < 0:
         return 1
     if st.action_span[k] <= 0.0:
-        st.kept_off[i] = st.facing[i] * (st.action_from[k] + st.action_change[k])
+        shift_to(n, st, k, i, 0.0, 0.0)
+        if abs(st.v[i]) >= op.TOLERANCE and dt > 0.0:
+            glide(n, p, st, i, st.v[i] * dt)
+            st.moved[i] = 1
         place_scripted(n, st, i)
         return 1
     if abs(st.v[i]) < op.TOLERANCE or dt <= 0.0:

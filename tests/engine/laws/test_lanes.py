@@ -55,6 +55,14 @@ def test_a_change_by_distance_takes_that_distance_along_the_road(tmp_path: Path)
     assert run.at("A", 3.0).y == pytest.approx(-1.75 - 3.5 * ahead / 40.0)
 
 
+@pytest.mark.parametrize(("order", "x"), [(1, 60.5), (-1, 60.505)])
+def test_a_step_moves_ahead_by_the_speed_that_earlier_actions_have_set(tmp_path: Path, order: int, x: float) -> None:
+    change = Event("A", lane_change('<AbsoluteTargetLane value="-2"/>', STEPWISE))
+    faster = Event("A", speed(20.0, by("linear", "rate", 2.0)))
+    run = play(tmp_path, {"A": Actor()}, [change, faster][::order], seconds=2.0)
+    assert (run.at("A", 1.05).x, run.at("A", 1.05).y) == pytest.approx((x, -5.25))
+
+
 @pytest.mark.law("LaneChangeAction", "step")
 def test_a_step_is_made_at_once(tmp_path: Path) -> None:
     run = play(tmp_path, A, [Event("A", lane_change(RIGHT, STEPWISE))])
