@@ -107,7 +107,7 @@ def check_tilt(node: Node) -> None:
 class _Along:
     """How far ahead a RelativeLanePosition lies: along the road (`ds`) or in the lane (`dsLane`, since 1.1).
 
-    From 1.1 on both may be missing: then the position is beside the entity. If both are given, `ds` counts (esmini 3.6).
+    From 1.1 on both may be missing: then the position is beside the entity. If both are given, `ds` counts (esmini).
     """
 
     def read(self, node: Node) -> Fields:

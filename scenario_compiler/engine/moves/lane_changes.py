@@ -183,7 +183,7 @@ def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
     """Advance a lane change or a move to an offset over a time; return 1 if it is complete.
 
     A standing entity waits, unless it is put there at once. Every change moves its entity ahead too, by the speed that
-    the actions before it in the file have set. The ego's is complete where its planned way ends, or at once if it has none.
+    the actions before it in the file set. The ego's is complete where its planned way ends, or at once if it has none.
     """
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED:
