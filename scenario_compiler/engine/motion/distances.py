@@ -4,15 +4,15 @@ A distance is Euclidean, along or across. A Euclidean one includes the height: "
 three-dimensional Euclidean space is used" (Distances, ASAM OpenSCENARIO). Along and across refer to the entity's own
 axes, the world's axes, the road, the centre line of the entity's lane (across: the road; esmini 3.6 takes the road for
 both), or the trajectory that it follows (the road if it follows none). With `freespace`, it is measured between the
-boxes, and is 0 if they overlap in that direction. Along is positive ahead, across positive to the left; a Euclidean
-distance is negative to what is not ahead. A target off every road is measured at its foot on the entity's way, and an
-entity off every road at its foot on the target's road. The distance is FAR if no road leads to the target. All
-distances are in m.
+boxes, and is 0 if they overlap in that direction; along and across a road, between the places of their corners on it.
+Along is positive ahead, across positive to the left; a Euclidean distance is negative to what is not ahead. A target
+off every road is measured at its foot on the entity's way, and an entity off every road at its foot on the target's
+road. The distance is FAR if no road leads to the target. All distances are in m.
 """
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import atan2, cos, pi, sin
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -340,6 +340,73 @@ def turned_against(n: RoadTables, road: int, s: float, direction: int, h: float)
 
 
 @compiled
+def corner_on_road(bend: float, t: float, forward: float, left: float) -> tuple[float, float]:
+    """Return how far a point lies along and across a road from a point at t on it, given by the tangent and the normal.
+
+    `bend` is the road's curvature; it, t and the results refer to one direction on the road.
+    """
+    rest = 1.0 - bend * (t + left)
+    if abs(bend) < op.TOLERANCE or rest < op.TOLERANCE:
+        return forward, left
+    return atan2(bend * forward, rest) / bend, (1.0 - length_of(bend * forward, rest)) / bend - t
+
+
+@compiled
+def reach_on_road(p: Program, i: int, turned: float, bend: float, t: float, measure: int) -> tuple[float, float]:
+    """Return (middle, half extent) of a box along or across a road, m, the middle from the entity's reference point.
+
+    `turned` is the entity's heading relative to the direction to which `bend`, t and the result refer.
+    """
+    base = p.entity_const[i]
+    least = op.FAR
+    most = -op.FAR
+    for corner in range(4):
+        along = p.const[base + slot.E_CENTER] + p.const[base + slot.E_LENGTH] * (0.5 if corner < 2 else -0.5)
+        across = p.const[base + slot.E_WIDTH] * (0.5 if corner in (0, 3) else -0.5)
+        forward = along * cos(turned) - across * sin(turned)
+        left = along * sin(turned) + across * cos(turned)
+        forward, left = corner_on_road(bend, t, forward, left)
+        value = forward if measure == op.MEASURE_ALONG else left
+        least = min(least, value)
+        most = max(most, value)
+    return 0.5 * (least + most), 0.5 * (most - least)
+
+
+@compiled
+def own_reach(
+    n: RoadTables, p: Program, st: State, i: int, turned: float, frame: int, measure: int
+) -> tuple[float, float]:
+    """Return (middle, half extent) of i's box along or across its road; along its lane as if that were straight."""
+    bend = 0.0
+    if st.road[i] >= 0 and frame != op.FRAME_LANE:
+        bend = st.facing[i] * road_curvature(n, st.road[i], st.s[i])
+    return reach_on_road(p, i, turned, bend, st.facing[i] * st.t[i], measure)
+
+
+@compiled
+def reach_there(
+    n: RoadTables,
+    p: Program,
+    st: State,
+    i: int,
+    j: int,
+    road: int,
+    s: float,
+    left: float,
+    direction: int,
+    frame: int,
+    measure: int,
+) -> tuple[float, float]:
+    """Return (middle, half extent) of j's box at s on a road, `left` of i, as `along_or_beside` has found it."""
+    bend = 0.0
+    t = 0.0
+    if st.road[i] >= 0 and frame != op.FRAME_LANE:
+        bend = direction * road_curvature(n, road, s)
+        t = left + st.facing[i] * st.t[i]
+    return reach_on_road(p, j, turned_against(n, road, s, direction, st.h[j]), bend, t, measure)
+
+
+@compiled
 def road_distance_between(
     n: RoadTables, p: Program, st: State, i: int, j: int, frame: int, measure: int, freespace: int
 ) -> float:
@@ -351,15 +418,10 @@ def road_distance_between(
         ahead = way_in_lane(n, st, i, road, ahead)
     if freespace == 0:
         return ahead if measure == op.MEASURE_ALONG else left
-    own = turned_on_road(n, st, i, road, direction)
-    other = turned_against(n, road, s, direction, st.h[j])
-    own_forward = p.const[p.entity_const[i] + slot.E_CENTER]
-    other_forward = p.const[p.entity_const[j] + slot.E_CENTER]
-    if measure == op.MEASURE_ALONG:
-        middle = ahead + other_forward * cos(other) - own_forward * cos(own)
-        return gap_beyond(middle, half_extent(p, i, own) + half_extent(p, j, other))
-    middle = left + other_forward * sin(other) - own_forward * sin(own)
-    return gap_beyond(middle, half_extent(p, i, own - 0.5 * pi) + half_extent(p, j, other - 0.5 * pi))
+    own, own_reached = own_reach(n, p, st, i, turned_on_road(n, st, i, road, direction), frame, measure)
+    other, other_reached = reach_there(n, p, st, i, j, road, s, left, direction, frame, measure)
+    between = ahead if measure == op.MEASURE_ALONG else left
+    return gap_beyond(between + other - own, own_reached + other_reached)
 
 
 @compiled
@@ -471,8 +533,5 @@ def distance_to(n: RoadTables, p: Program, st: State, i: int, k: int, mode: int,
     value = ahead if measure == op.MEASURE_ALONG else left
     if freespace == 0:
         return value
-    own = turned_on_road(n, st, i, road, direction)
-    forward = p.const[p.entity_const[i] + slot.E_CENTER]
-    if measure == op.MEASURE_ALONG:
-        return gap_beyond(value - forward * cos(own), half_extent(p, i, own))
-    return gap_beyond(value - forward * sin(own), half_extent(p, i, own - 0.5 * pi))
+    own, reached = own_reach(n, p, st, i, turned_on_road(n, st, i, road, direction), frame, measure)
+    return gap_beyond(value - own, reached)

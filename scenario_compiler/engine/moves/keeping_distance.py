@@ -7,7 +7,6 @@ follows or its own axis, between the reference points or the boxes. After esmini
 
 from __future__ import annotations
 
-from math import cos
 from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
@@ -21,6 +20,8 @@ from scenario_compiler.engine.motion.distances import (
     along_roads,
     gap_beyond,
     half_extent,
+    own_reach,
+    reach_there,
     track_distance_between,
     turned_against,
     way_in_lane,
@@ -74,19 +75,16 @@ def ahead_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, 
     follows = track_followed(p, st, i)
     if p.action_mode[k] == op.FRAME_TRAJECTORY and follows >= 0:
         return track_distance_between(p, st, i, j, follows, op.MEASURE_ALONG, freespace)
-    ahead, _, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
-    if p.action_mode[k] == op.FRAME_LANE and ahead < op.FAR:
+    frame = p.action_mode[k]
+    ahead, left, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+    if frame == op.FRAME_LANE and ahead < op.FAR:
         ahead = way_in_lane(n, st, i, st.road[j], ahead)
     if ahead >= op.FAR or freespace == 0:
         return ahead, 0.0
-    own = turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
-    other = turned_against(n, st.road[j], st.s[j], direction, st.h[j])
-    ahead = (
-        ahead
-        + p.const[p.entity_const[j] + slot.E_CENTER] * cos(other)
-        - p.const[p.entity_const[i] + slot.E_CENTER] * cos(own)
-    )
-    return ahead, half_extent(p, i, own) + half_extent(p, j, other)
+    turned = turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
+    own, own_reached = own_reach(n, p, st, i, turned, frame, op.MEASURE_ALONG)
+    other, other_reached = reach_there(n, p, st, i, j, st.road[j], st.s[j], left, direction, frame, op.MEASURE_ALONG)
+    return ahead + other - own, own_reached + other_reached
 
 
 @compiled

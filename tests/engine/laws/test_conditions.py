@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
+from math import hypot, pi
 from pathlib import Path
 
 import pytest
@@ -162,6 +162,19 @@ def test_a_distance_between_boxes(tmp_path: Path) -> None:
     """A's front is 4 m ahead of its reference point, B's rear 1 m behind its own: 30 m are left after 1.5 s."""
     more = 'coordinateSystem="road" relativeDistanceType="longitudinal" freespace="true"'
     assert seen(tmp_path, gap("RelativeDistanceCondition", more, 30.0), **B_AHEAD) == pytest.approx(1.6)
+
+
+@pytest.mark.parametrize(("lane", "centre"), [(-2, 55.25), (-1, 51.75)])
+def test_across_a_bend_a_gap_is_between_the_places_of_corners(tmp_path: Path, lane: int, centre: float) -> None:
+    """Farthest out is the corner at A's front, 4 m ahead; least far out is the one at B's rear, 1 m behind."""
+    more = 'coordinateSystem="road" relativeDistanceType="lateral" freespace="true"'
+    left = hypot(centre + 9.0, 1.0) - hypot(centre + 1.0, 4.0)
+    place = f'<Position><RoadPosition roadId="1" s="100" t="{50.0 - centre - 10.0}"/></Position>'
+    actors = {"A": Actor(lane=lane), "B": Actor(position=place, speed=0.0), "W": Actor(lane=2)}
+    for value, wanted in ((left + 1e-3, True), (left - 1e-3, False)):
+        told = of_entity("A", gap("RelativeDistanceCondition", more, value))
+        run = play(tmp_path, actors, [Event("W", speed(DONE), told)], 1.0, road="bend")
+        assert (run.acts("W", DONE) is not None) == wanted
 
 
 @pytest.mark.law("SpeedCondition", "vertical")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, pi, sin, sqrt
+from math import atan, atan2, cos, pi, remainder, sin, sqrt
 from pathlib import Path
 
 import pytest
@@ -341,6 +341,17 @@ def test_without_limits_an_entity_is_put_at_its_distance(tmp_path: Path, side: s
     run = play(tmp_path, actors, [Event("A", distance(told))], seconds=4.0)
     assert run.at("A", 3.0).v == pytest.approx(8.0)
     assert run.at("A", 3.0).x - run.at("B", 3.0).x == pytest.approx(sign * 20.0)
+
+
+@pytest.mark.parametrize(("lane", "inner"), [(-2, 54.25), (2, 43.75)])
+def test_along_a_bend_a_gap_is_between_the_places_of_corners(tmp_path: Path, lane: int, inner: float) -> None:
+    """The inner corners are nearest: A's 4 m ahead of its reference point, B's 1 m behind its own."""
+    actors = {"B": Actor(lane=lane, s=150.0, speed=0.0), "A": Actor(lane=lane, s=150.0 + 10.0 * lane)}
+    keep = distance('distance="10" freespace="true" continuous="true" coordinateSystem="road"')
+    run = play(tmp_path, actors, [Event("A", keep)], seconds=4.0, road="bend")
+    one, other = (atan2(seen.x, 50.0 - seen.y) for seen in (run.at("A", 3.0), run.at("B", 3.0)))
+    between = 50.0 * abs(remainder(other - one, 2.0 * pi))
+    assert between == pytest.approx(10.0 + 50.0 * (atan(4.0 / inner) + atan(1.0 / inner)), abs=1e-6)
 
 
 @pytest.mark.parametrize("freespace", ["false", "true"])

@@ -4,6 +4,7 @@ The road goes along x: lanes -1, -2, -3 to the right (centres at y = -1.75, -5.2
 x = 1000 on it climbs by 0.1. Lane -3 narrows to nothing between x = 700 and 750.
 
 In against.xodr, road 1 goes along x as far as x = 300, where road 2 begins, whose s runs against x.
+In bend.xodr, the road begins along x and is an arc to the left with a radius of 50 m, two lanes on either side.
 """
 
 from __future__ import annotations
