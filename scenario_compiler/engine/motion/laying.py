@@ -221,7 +221,8 @@ def pace_vertices(p: Program, st: State, track: int, speed: float, smooth: int) 
     """Give the vertices of a polyline the speeds and accelerations that keep its times.
 
     With `smooth` 1, an entity accelerates uniformly from vertex to vertex, starting with its own speed; it may arrive
-    too early if it would otherwise have to reverse. Without it, the speed is constant between two vertices.
+    too early if it would otherwise have to reverse. Two vertices of the same time are passed with the speed before
+    them. Without `smooth`, the speed is constant between two vertices.
     """
     first = p.track_vertex[track]
     for v in range(first, p.track_vertex[track + 1]):
@@ -234,7 +235,9 @@ def pace_vertices(p: Program, st: State, track: int, speed: float, smooth: int) 
         mean = ds / span if span > op.TOLERANCE else 0.0
         if smooth == 0:
             st.track_v[v] = mean
-        elif ds <= op.TOLERANCE or span <= op.TOLERANCE:
+        elif span <= op.TOLERANCE:
+            continue
+        elif ds <= op.TOLERANCE:
             speed = 0.0
         elif 2.0 * mean < speed:
             st.track_a[v] = -0.5 * speed * speed / ds

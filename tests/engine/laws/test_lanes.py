@@ -289,6 +289,14 @@ def test_times_begin_at_the_initial_distance(tmp_path: Path, domain: str, times:
     assert run.at("A", row).x == pytest.approx(x)
 
 
+@pytest.mark.parametrize("mode", ["position", "follow"])
+def test_a_vertex_that_is_given_twice_counts_once(tmp_path: Path, mode: str) -> None:
+    line = polyline("60 -1.75 0", "80 -1.75 2", "80 -1.75 2", "110 -1.75 5")
+    timing = '<Timing domainAbsoluteRelative="relative" scale="1" offset="0"/>'
+    run = play(tmp_path, A, [Event("A", follow(line, timing, mode))])
+    assert [run.at("A", time).x for time in (2.0, 4.0, 5.0, 8.0)] == pytest.approx([70.0, 90.0, 100.0, 130.0])
+
+
 @pytest.mark.law("FollowTrajectoryAction", "with heights")
 def test_a_trajectory_with_heights_has_pitch(tmp_path: Path) -> None:
     points = "".join(
