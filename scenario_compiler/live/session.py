@@ -16,6 +16,7 @@ from typing import Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from scenario_compiler.engine.columns.slots import K_RISK_AFTER
 from scenario_compiler.engine.ego.person import nothing_asks
 from scenario_compiler.live.sight import Sight
 from scenario_compiler.live.sounds import files_of
@@ -34,9 +35,7 @@ from scenario_compiler.runtime import open_world
 from scenario_compiler.runtime.loop import Execution
 from scenario_compiler.runtime.messages import message_text
 from scenario_compiler.trust import Trust
-from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.takeover import Language, Modality, Told
-from scenario_compiler.vocabulary.word import number_value
 from scenario_compiler.worlds import WorldError, WorldFinding
 
 FRAME_TIME = 0.04
@@ -408,5 +407,5 @@ class Session(threading.Thread):
         none = not plan.takeover.minimum_risk or plan.takeover.automation.after == "let_go"
         if none or state not in ("request", "escalation"):
             return None
-        after = number_value(plan.takeover.minimum_risk_after, parameter_values(plan.parameters))
+        after = execution.program.const[K_RISK_AFTER + st.cause[0]]
         return round(max(0.0, st.request_at[0] + after - st.clock[0]), 1)
