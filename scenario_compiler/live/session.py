@@ -133,7 +133,7 @@ class Session(threading.Thread):
         now: Time of the run, s.
         state: State of the takeover.
         held: Why the run stands still, `paused` or `probe`; empty while it goes on.
-        marks: Deviations from the procedure: `person_left`, `requested`, `aborted`.
+        marks: Deviations from the procedure: `person_left`, `requested`, `aborted`, `paused`.
     """
 
     def __init__(
@@ -199,8 +199,11 @@ class Session(threading.Thread):
                 self.wheel.request()
 
     def pause(self) -> None:
-        """Stop the run until it is resumed."""
-        self._paused.set()
+        """Stop the run until it is resumed, and mark it: its person has had more time than its clock shows."""
+        with self._ending:
+            if self.going:
+                self.marks.add("paused")
+                self._paused.set()
 
     def resume(self) -> None:
         """Continue a paused run."""
