@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -308,4 +309,9 @@ def command(run: Run) -> str:
     world = "" if header.world == "kinematic" else f" --world {header.world}"
     variant = f" --variant {header.variant}" if header.variant else ""
     inputs = "" if run.plan.takeover.driver.by_person is None else " --inputs ."
-    return f"scenario-compiler run plan.json{world} --seed {header.seed}{variant}{inputs} -o again"
+    controller = run.plan.controller
+    named = (
+        [] if controller is None else [controller.model, *([controller.detector.model] if controller.detector else [])]
+    )
+    trust = "".join(f" --trust {shlex.quote(one)}" for one in named if ":" in one)
+    return f"scenario-compiler run plan.json{world} --seed {header.seed}{variant}{inputs}{trust} -o again"
