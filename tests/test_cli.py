@@ -127,6 +127,7 @@ def test_wrong_use_exits_with_2(
     [
         ("run obstacle_ahead", "--port 8001", "only with --watch"),
         ("run obstacle_ahead", "--host 0.0.0.0", "only with --watch"),
+        ("run obstacle_ahead --watch", "--inputs out", "not with --watch"),
         ("run obstacle_ahead", "--video-shows map", "only with --video"),
         ("report out", "--video-shows map", "only with --video"),
         ("report out --video", "--camera", "not with --video"),

@@ -225,6 +225,8 @@ def _refuse_wrong_use(options: argparse.Namespace) -> None:
         raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
     if not options.watch:
         refuse_idle(options, "only with --watch", "host", "port")
+    elif options.inputs is not None:
+        raise WrongUse("--inputs: not with --watch; the report of a run plays it")
     if options.video is None:
         refuse_idle(options, "only with --video", "video_shows")
     if options.show is not None and options.output is None:

@@ -85,6 +85,8 @@ class Drive:
         world: Name of the world.
         options: Options of the world.
         seed: Seed of all random numbers.
+        variant: Number of the variant, as in a sweep with the same seed.
+        interpreted: Whether the engine runs as plain Python.
         trust: The user's own code that the plan may use.
         folder: Folder of the run; None to write nothing. A server of several runs makes a subfolder for each.
         size: Width and height of the view ahead, pixels.
@@ -97,6 +99,8 @@ class Drive:
     network: Network
     world: str = "kinematic"
     seed: int = 1
+    variant: int = 0
+    interpreted: bool = False
     trust: Trust | None = None
     folder: Path | None = None
     size: tuple[int, int] = (1280, 720)
@@ -240,7 +244,15 @@ class Session(threading.Thread):
         automated = drive.plan.controller is not None
         try:
             with open_world(drive.world, drive.plan, drive.network, **drive.options) as world:
-                execution = Execution(drive.plan, world, drive.seed, trust=drive.trust, person=self.wheel)
+                execution = Execution(
+                    drive.plan,
+                    world,
+                    drive.seed,
+                    drive.variant,
+                    interpreted=drive.interpreted,
+                    trust=drive.trust,
+                    person=self.wheel,
+                )
                 self._go(execution)
                 with self._ending:  # from here on, nothing that happens belongs to the run
                     self.going = False

@@ -146,6 +146,13 @@ def test_a_run_that_is_aborted_is_kept_and_marked(compiled: Compilation, tmp_pat
     assert (folder / "recording.parquet").is_file()
 
 
+def test_a_watched_run_is_the_variant_that_was_asked_for(compiled: Compilation) -> None:
+    runs: list[Run] = []
+    chosen = replace(drive(compiled), variant=17, interpreted=True)
+    Session(chosen, lambda picture: True, kept=lambda _, run: runs.append(run)).run()
+    assert [run.recording.header.variant for run in runs] == [17]
+
+
 def test_the_page_counts_down_to_the_minimum_risk_manoeuvre_of_the_cause(tmp_path: Path) -> None:
     file = tmp_path / "soon.xml"
     file.write_text(
