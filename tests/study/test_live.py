@@ -254,7 +254,7 @@ def test_the_experimenter_pauses_requests_aborts_and_notes(standing: tuple[Serve
     assert (row["cause"], row["marks"], row["search_right"]) == ("scheduled", "aborted paused requested", "1")
     (table,) = (study.parent / "data" / "sub-01" / "ses-01" / "beh").glob("*_run-01_events.tsv")
     pauses = [float(one["onset"]) for one in read_table(table) if one["trial_type"] == "paused"]
-    assert pauses == [one["t"] for one in records if one["kind"] == "paused"]
+    assert pauses == [pytest.approx(one["t"]) for one in records if one["kind"] == "paused"]
 
 
 PRESS_LARGEST = """
