@@ -8,7 +8,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
-from types import FrameType
+from types import FrameType, ModuleType
 from typing import Any
 
 
@@ -43,8 +43,11 @@ def left_to_this_process() -> Iterator[None]:
 
     An interruption in the meantime is delayed until the context ends. A new process inherits the blocked SIGINT, but no
     handler.
+
+    The processes run only functions of this package, and do not import the script that started this one: a script of a
+    user without `if __name__ == "__main__"` would run in each of them from its beginning.
     """
-    with put_off():
+    with put_off(), _no_script():
         if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
             yield
             return
@@ -56,6 +59,17 @@ def left_to_this_process() -> Iterator[None]:
             yield
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _no_script() -> Iterator[None]:
+    """Hide the script of this process from `multiprocessing`, which has new processes import it."""
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
 
 
 @dataclass

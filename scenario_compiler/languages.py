@@ -112,6 +112,8 @@ def expand(
     chosen = known[0] if name is None and known else name
     if isinstance(source, StudyFile) or chosen is None or chosen not in source.scenarios:
         message = f"there is no scenario '{chosen}'" if chosen else "the file contains no scenario"
+        if chosen == "":
+            message = "the name of the scenario after the '#' is missing"
         place = source.document.origin(source.document.root)
         sink.add(names.UNKNOWN_SCENARIO, message, place, hint=did_you_mean(chosen or "", known))
         return None

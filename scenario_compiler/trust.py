@@ -91,7 +91,8 @@ class Trust:
         """Return the absolute path of the Python file in a name; None for the name of a module.
 
         A relative path from the user starts from the current folder, or from the scenario's folder if there is no such
-        file; any other path starts from the folder of the file that contains it.
+        file; any other path starts from the folder of the file that contains it. A path that leads to no file there
+        means the trusted file of the same name: a plan may lie in another folder than the scenario that it comes from.
         """
         if not code.is_file:
             return None
@@ -99,7 +100,13 @@ class Trust:
         if any(name in (code.source, f"{code.source}:{code.attribute}") for name in self.named):
             folders = [Path(), *([] if self.beside is None else [self.beside]), *folders]
         paths = [_absolute(folder / code.source) for folder in folders]
-        return next((path for path in paths if path.is_file()), paths[0])
+        namesakes = [path for path in self._files() if path.name == paths[0].name]
+        return next((path for path in (*paths, *namesakes) if path.is_file()), paths[0])
+
+    def _files(self) -> list[Path]:
+        """Return the absolute paths of the Python files that the user has named, also for a class in one."""
+        sources = [name if (code := code_name(name)) is None else code.source for name in self.named]
+        return [_absolute(Path(source)) for source in sources if source.endswith(".py")]
 
 
 def _covers(name: str, code: CodeName, file: Path | None) -> bool:

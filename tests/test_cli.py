@@ -85,6 +85,11 @@ def test_a_report_is_written_again_from_its_folder(conflict: Path, tmp_path: Pat
     assert report.read_bytes() == first
 
 
+def test_a_name_that_is_missing_after_the_mark_is_reported(conflict: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("run", f"{conflict}#") == 1
+    assert "the name of the scenario after the '#' is missing" in capsys.readouterr().err
+
+
 def test_several_scenarios_need_a_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "two.xml"
     file.write_text(TWO, encoding="utf-8")
@@ -122,6 +127,7 @@ def test_wrong_use_exits_with_2(
     [
         ("run obstacle_ahead", "--port 8001", "only with --watch"),
         ("run obstacle_ahead", "--host 0.0.0.0", "only with --watch"),
+        ("run obstacle_ahead --watch", "--inputs out", "not with --watch"),
         ("run obstacle_ahead", "--video-shows map", "only with --video"),
         ("report out", "--video-shows map", "only with --video"),
         ("report out --video", "--camera", "not with --video"),

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import html
+import re
+import shlex
 from pathlib import Path
 
 import pytest
 
 from tests.command import call
+from tests.test_cli import CONFLICT
 
 LIBRARY = Path(__file__).parent.parent / "library"
 
@@ -30,6 +34,16 @@ def test_a_file_is_listed_as_a_gallery_with_a_picture_each() -> None:
     page = Path("gallery.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") == 1
     assert "obstacle_ahead" in page
+
+
+def test_the_command_in_a_gallery_can_be_pasted_into_a_shell_whatever_the_files_name() -> None:
+    Path("my conflict #2.xml").write_text(CONFLICT, encoding="utf-8")
+    assert call("list", ".", "--html", "gallery.html") == 0
+    (command,) = re.findall(
+        "<code>(scenario-compiler run .*?)</code>", Path("gallery.html").read_text(encoding="utf-8")
+    )
+    target = shlex.split(html.unescape(command))[2]
+    assert call("run", target, "--perception", "ideal", "--duration", "0.2") == 0
 
 
 def test_what_a_file_of_openscenario_varies_is_listed(corpus: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,6 +11,8 @@ import pytest
 from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import Progress
+from scenario_compiler.cli.differences import verdict
+from scenario_compiler.recording.comparison import Comparison, Parting
 from tests.batch.conftest import conflict_in
 from tests.command import call
 from tests.test_cli import CONFLICT
@@ -60,6 +62,16 @@ def test_an_event_that_differs_before_the_rows_do_is_named(tmp_path: Path, capsy
     out = capsys.readouterr().out
     assert "The rows first differ at 8.35 s: the x of ego" in out
     assert "Events that differ: 6, the first of them at 7.4 s." in out
+
+
+def test_a_value_that_one_run_does_not_have_has_no_unit() -> None:
+    def said(column: str, first: str, second: str) -> str:
+        parting = Parting(1.05, "ego", column, first, second)
+        found = Comparison((), 3, True, parting, (), (), ())
+        return next(iter(verdict(found, None)))
+
+    assert said("blocked_distance", "181.9", "nan").endswith("is 181.9 m in the first, missing in the second.")
+    assert said("x, y", "absent", "1.0, 2.0").endswith("is absent in the first, 1.0, 2.0 m in the second.")
 
 
 @pytest.mark.parametrize(("other", "tolerance", "code"), [("faster", 0.05, 1), ("faster", 0.5, 0), ("longer", 5, 1)])

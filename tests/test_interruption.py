@@ -263,5 +263,26 @@ def test_ctrl_c_while_a_process_is_started_interrupts_the_program_and_not_the_pr
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
+SCRIPT = """
+import multiprocessing, sys
+from scenario_compiler.interruption import left_to_this_process
+print("the script runs", flush=True)
+process = multiprocessing.get_context("spawn").Process(target=sys.exit)
+with left_to_this_process():
+    process.start()
+process.join()
+print(process.exitcode, sys.modules["__main__"].process is process)
+"""
+
+
+@pytest.mark.parametrize("source", ["a file", "standard input"])
+def test_a_script_without_a_guard_does_not_run_again_in_its_processes(tmp_path: Path, source: str) -> None:
+    file = tmp_path / "script.py"
+    file.write_text(SCRIPT, encoding="utf-8")
+    command, given = ([file], None) if source == "a file" else (["-"], SCRIPT)
+    done = subprocess.run([sys.executable, *command], input=given, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("the script runs\n0 True\n", "")
+
+
 def test_the_exit_code_contains_the_signals_number_as_in_shells() -> None:
     assert 128 + signal.SIGINT == 130

@@ -57,8 +57,9 @@ def test_code_of_the_page_runs(
     assert "['gap']" in printed
     assert "True True" in printed
     assert "ideal 5.0 0.1" in printed
+    assert f"{Path('sweep', 'results.parquet')} 20" in printed
     assert printed[-1] == "['afterwards', 'story']"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["cut_in.xosc", "town_grid.xodr"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cut_in.xosc", "sweep", "town_grid.xodr"]
 
 
 @pytest.mark.slow

@@ -15,6 +15,7 @@ import pytest
 from lxml import etree
 
 from scenario_compiler.cli import make_parser
+from scenario_compiler.expressions import parse_expression
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.measures import MEASURES
@@ -106,3 +107,11 @@ def test_language_page_explains_every_element_of_the_schema_by_example() -> None
     sections = [one for one in page.split("<a id=")[1:] if "\n## `<" in one]
     assert len(sections) > 150
     assert [one.splitlines()[0] for one in sections if "```xml" not in one] == []
+
+
+def test_examples_of_expressions_on_the_language_page_have_the_values_that_it_states() -> None:
+    examples = re.findall(r"\(`([^`]+)`\s+is\s+(-?\d+)\)", GENERATOR.language_page())
+    assert len(examples) == 4
+    assert [(text, parse_expression(text).evaluate({})) for text, value in examples] == [
+        (text, float(value)) for text, value in examples
+    ]

@@ -327,6 +327,26 @@ def test_a_plan_cannot_run_code(tmp_path: Path) -> None:
     assert content["controller"]["model"] == "stranger:Mine"
 
 
+def test_a_plan_in_another_folder_runs_with_the_trusted_file_of_the_same_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = written(tmp_path, "stranger.py:Mine")
+    plan = tmp_path / "elsewhere" / "plan.json"
+    plan.parent.mkdir()
+    assert call("compile", file, "-o", plan) == 0
+    monkeypatch.chdir(plan.parent)
+    capsys.readouterr()
+    assert call("run", "plan.json") == 1
+    assert capsys.readouterr().err.startswith("plan.json: error[SC507]")
+    for other in ("../other.py", "../stranger.py:Other"):
+        assert call("run", "plan.json", "--trust", other) == 1
+    assert not (tmp_path / "it_ran").exists()
+    assert call("run", "plan.json", "--trust", "../stranger.py:Mine", "-o", "out") == 0
+    assert call("run", "plan.json", "--trust", "../stranger.py") == 0
+    report = Path("out", "report.html").read_text(encoding="utf-8")
+    assert "scenario-compiler run plan.json --seed 1 --trust stranger.py:Mine -o again" in report
+
+
 def test_wrong_properties_are_found_only_in_trusted_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = written(tmp_path, "stranger:Mine", '<property name="throtle" value="0.5"/>')
     assert call("validate", file) == 0

@@ -102,15 +102,16 @@ class Sampler:
         """Keep the points that fulfil the constraints which another draw cannot change.
 
         Raises:
-            SweepError: None does, or a constraint has no value.
+            SweepError: None does, no draw of the first one fulfils the other constraints, or a constraint has no value.
         """
         settled = tuple(one for one in self.where if one not in self._drawn_again)
-        if not settled:
-            return
-        good = (number for number in range(self.points) if self._holds(self._point(number, 0), settled))
-        self.chosen = array("q", good)
-        if not len(self.chosen):
-            raise SweepError(f"no sample meets {self.constraints}")
+        if settled:
+            good = (number for number in range(self.points) if self._holds(self._point(number, 0), settled))
+            self.chosen = array("q", good)
+            if not len(self.chosen):
+                raise SweepError(f"no sample meets {self.constraints}")
+        if self._drawn_again:
+            self.sample(0)
 
     @cached_property
     def _drawn_again(self) -> tuple[Expression, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
@@ -172,7 +173,7 @@ def _command(one: Listed) -> str:
     from scenario_compiler.resources import library_folder
 
     ours = one.file.resolve().is_relative_to(library_folder().resolve())
-    return f"scenario-compiler run {one.name if ours else f'{one.file.name}#{one.name}'}"
+    return f"scenario-compiler run {shlex.quote(one.name if ours else f'{one.file.name}#{one.name}')}"
 
 
 def new_command(options: argparse.Namespace) -> int:

@@ -74,7 +74,8 @@ trust = ["our_lab.steering", "/home/me/steering.py"]
 A module that the command line names is looked for in the current folder and in the scenario's folder too; a module that
 only a file names is not. The relative path of a Python file starts from the current folder on the command line, and
 from the scenario's folder in a scenario. The same holds for a path in a property that the controller's `Params` declare
-as a `pathlib.Path`.
+as a `pathlib.Path`. In a plan, the relative path of a Python file starts from the plan's folder; if it leads to no file
+there, it means the file of the same name that you trust, as in `run plan.json --trust ../steering.py`.
 
 ## Files
 

@@ -69,7 +69,7 @@ def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
     if parting is not None:
         name, unit = _called(parting.column)
         whose = f"the {name} of {parting.entity}" if parting.entity else f"the {name}"
-        values = f"{parting.first}{unit} in the first, {parting.second}{unit} in the second"
+        values = f"{_valued(parting.first, unit)} in the first, {_valued(parting.second, unit)} in the second"
         yield f"The rows first differ at {parting.t:.6g} s: {whose} is {values}."
     if not found.same_times:
         yield f"The runs have different rows: {found.rows} rows are at times that both have."
@@ -84,6 +84,11 @@ def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
         yield f"Events that only the sensors of one world report: {len(found.events) - counting}."
     within = "" if tolerance is None else f" within {tolerance:g} m"
     yield f"The same happened in both{within}." if found.equal else "The runs differ."
+
+
+def _valued(value: str, unit: str) -> str:
+    """Return a value with its unit; one that is not there has none."""
+    return {"nan": "missing", "absent": "absent"}.get(value, f"{value}{unit}")
 
 
 def _called(column: str) -> tuple[str, str]:

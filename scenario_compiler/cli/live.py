@@ -160,7 +160,18 @@ def serve_plan(
     def keep(run: Run) -> None:
         note_failures(run.recording, run.plan, options.target, sink)
 
-    drive = Drive(plan, network, options.world, options.seed, trust_of(options), folder, options=of_world, found=found)
+    drive = Drive(
+        plan,
+        network,
+        options.world,
+        options.seed,
+        variant=options.variant if watched else 0,
+        interpreted=options.interpreted if watched else False,
+        trust=trust_of(options),
+        folder=folder,
+        options=of_world,
+        found=found,
+    )
     stay_small()
     try:
         return serve(

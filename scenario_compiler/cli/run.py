@@ -197,7 +197,7 @@ def run_command(options: argparse.Namespace) -> int:
         sink = new_sink(options)
     plan, network = planned
     _refuse_wrong_use_of(plan, options)
-    person = _recorded_person(options)
+    person = _recorded_person(options, plan.step)
     if options.seed is None:
         options.seed = 1 if person is None else person.seed
     try:
@@ -225,6 +225,8 @@ def _refuse_wrong_use(options: argparse.Namespace) -> None:
         raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
     if not options.watch:
         refuse_idle(options, "only with --watch", "host", "port")
+    elif options.inputs is not None:
+        raise WrongUse("--inputs: not with --watch; the report of a run plays it")
     if options.video is None:
         refuse_idle(options, "only with --video", "video_shows")
     if options.show is not None and options.output is None:
@@ -239,6 +241,8 @@ def _refuse_wrong_use_of(plan: Plan, options: argparse.Namespace) -> None:
     """Raise WrongUse for options that cannot be followed with a plan."""
     if plan.takeover.driver.by_person is not None and options.inputs is None:
         raise WrongUse("this plan has a person at the wheel: run it with `drive`, or with --pilot for the driver model")
+    if plan.takeover.driver.by_person is None and options.inputs is not None:
+        raise WrongUse("--inputs has no effect: there is no person at the wheel of this plan")
     if not plan.entities and (options.watch or options.video is not None):
         raise WrongUse("pictures show the view of the first vehicle: this scenario has no entity")
     keep_inputs(inputs_of(plan), options.trajectory, options.video)
@@ -324,17 +328,29 @@ def run_with_progress(
         return start(progress=None if shown is None else lambda t: shown(t, plan.duration))
 
 
-def _recorded_person(options: argparse.Namespace) -> RecordedPerson | None:
-    """Return the recorded person of the run that --inputs names; raise WrongUse if the recording cannot be read."""
+def _recorded_person(options: argparse.Namespace, step: float) -> RecordedPerson | None:
+    """Return the recorded person of the run that --inputs names.
+
+    Raises:
+        WrongUse: The recording cannot be read, has no person, or has other time steps than the plan.
+    """
     if options.inputs is None:
         return None
     from scenario_compiler.controllers.person import RecordedPerson
     from scenario_compiler.recording.store import RecordingError, read_recording
 
     try:
-        return RecordedPerson(read_recording(options.inputs / "recording.parquet"))
+        recording = read_recording(options.inputs / "recording.parquet")
     except RecordingError as error:
         raise WrongUse(str(error)) from None
+    if not RecordedPerson.is_in(recording):
+        raise WrongUse(f"there is no person at the wheel of the run in {options.inputs}")
+    if recording.header.step != step:
+        steps = f"{recording.header.step:g} s, the plan's {step:g} s"
+        raise WrongUse(
+            f"the inputs in {options.inputs} belong to other time steps: {steps}; --dt changes those of a plan"
+        )
+    return RecordedPerson(recording)
 
 
 def print_run(run: Run, folder: Path | None, file: TextIO) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
@@ -48,6 +49,11 @@ class RecordedPerson:
         self._recording = recording
         self._row = 0
         self.seed = recording.header.seed
+
+    @staticmethod
+    def is_in(recording: Recording) -> bool:
+        """Return whether a person was at the wheel of a recorded run."""
+        return len(recording.t) > 0 and not math.isnan(recording.person_throttle[0])
 
     @property
     def has_ended_the_run(self) -> bool:

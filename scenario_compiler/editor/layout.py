@@ -81,7 +81,8 @@ def _holds_text(draft: Draft, tag: Tag) -> bool:
     """Return whether an element contains text other than white space between its tags."""
     at = tag.head_end
     inside = [(one.start, one.end) for one in tag.children]
-    inside += [one for one in draft.passed_over if tag.head_end <= one[0] < tag.end_start]
+    skipped = [one for one in draft.passed_over if tag.head_end <= one[0] < tag.end_start]
+    inside += [one for one in skipped if not draft.text.startswith("<![CDATA[", one[0])]
     for start, end in [*sorted(inside), (tag.end_start, tag.end_start)]:
         if start >= at and draft.text[at:start].strip():
             return True

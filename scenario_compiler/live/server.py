@@ -47,7 +47,7 @@ class LiveServer:
             done: Called when a watched run has ended and its page has been informed.
         """
         self.drive, self.door = drive, door
-        self._runs = 0
+        self._runs, self._earlier = 0, 0 if drive.folder is None else _greatest_number(drive.folder)
         self._reported: set[int] = set()
         self._kept = kept
         self.cockpit = Cockpit(self._next, watched=watched, ended=done if watched else None)
@@ -82,7 +82,7 @@ class LiveServer:
 
     def _folder(self, number: int) -> Path | None:
         """Return the folder of a run; None if nothing is written."""
-        return None if self.drive.folder is None else self.drive.folder / f"drive-{number:03d}"
+        return None if self.drive.folder is None else self.drive.folder / f"drive-{self._earlier + number:03d}"
 
     def _ended(self, session: Session, run: Run) -> None:
         self._reported.add(session.number)
@@ -108,6 +108,12 @@ class LiveServer:
             await connection.close(code=1008)
         else:
             await self.cockpit.serve(connection)
+
+
+def _greatest_number(folder: Path) -> int:
+    """Return the greatest number of a run's folder that is there; 0 without one."""
+    numbers = [one.name.removeprefix("drive-") for one in folder.glob("drive-*")]
+    return max((int(one) for one in numbers if one.isascii() and one.isdecimal()), default=0)
 
 
 def drive_page(name: str, language: Language, base: str = "") -> str:

@@ -16,6 +16,7 @@ from typing import Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from scenario_compiler.engine.columns.slots import K_RISK_AFTER
 from scenario_compiler.engine.ego.person import nothing_asks
 from scenario_compiler.live.sight import Sight
 from scenario_compiler.live.sounds import files_of
@@ -34,9 +35,7 @@ from scenario_compiler.runtime import open_world
 from scenario_compiler.runtime.loop import Execution
 from scenario_compiler.runtime.messages import message_text
 from scenario_compiler.trust import Trust
-from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.takeover import Language, Modality, Told
-from scenario_compiler.vocabulary.word import number_value
 from scenario_compiler.worlds import WorldError, WorldFinding
 
 FRAME_TIME = 0.04
@@ -86,6 +85,8 @@ class Drive:
         world: Name of the world.
         options: Options of the world.
         seed: Seed of all random numbers.
+        variant: Number of the variant, as in a sweep with the same seed.
+        interpreted: Whether the engine runs as plain Python.
         trust: The user's own code that the plan may use.
         folder: Folder of the run; None to write nothing. A server of several runs makes a subfolder for each.
         size: Width and height of the view ahead, pixels.
@@ -98,6 +99,8 @@ class Drive:
     network: Network
     world: str = "kinematic"
     seed: int = 1
+    variant: int = 0
+    interpreted: bool = False
     trust: Trust | None = None
     folder: Path | None = None
     size: tuple[int, int] = (1280, 720)
@@ -134,7 +137,7 @@ class Session(threading.Thread):
         now: Time of the run, s.
         state: State of the takeover.
         held: Why the run stands still, `paused` or `probe`; empty while it goes on.
-        marks: Deviations from the procedure: `person_left`, `requested`, `aborted`.
+        marks: Deviations from the procedure: `person_left`, `requested`, `aborted`, `paused`.
     """
 
     def __init__(
@@ -200,8 +203,11 @@ class Session(threading.Thread):
                 self.wheel.request()
 
     def pause(self) -> None:
-        """Stop the run until it is resumed."""
-        self._paused.set()
+        """Stop the run until it is resumed, and mark it: its person has had more time than its clock shows."""
+        with self._ending:
+            if self.going:
+                self.marks.add("paused")
+                self._paused.set()
 
     def resume(self) -> None:
         """Continue a paused run."""
@@ -238,7 +244,15 @@ class Session(threading.Thread):
         automated = drive.plan.controller is not None
         try:
             with open_world(drive.world, drive.plan, drive.network, **drive.options) as world:
-                execution = Execution(drive.plan, world, drive.seed, trust=drive.trust, person=self.wheel)
+                execution = Execution(
+                    drive.plan,
+                    world,
+                    drive.seed,
+                    drive.variant,
+                    interpreted=drive.interpreted,
+                    trust=drive.trust,
+                    person=self.wheel,
+                )
                 self._go(execution)
                 with self._ending:  # from here on, nothing that happens belongs to the run
                     self.going = False
@@ -408,5 +422,5 @@ class Session(threading.Thread):
         none = not plan.takeover.minimum_risk or plan.takeover.automation.after == "let_go"
         if none or state not in ("request", "escalation"):
             return None
-        after = number_value(plan.takeover.minimum_risk_after, parameter_values(plan.parameters))
+        after = execution.program.const[K_RISK_AFTER + st.cause[0]]
         return round(max(0.0, st.request_at[0] + after - st.clock[0]), 1)

@@ -113,6 +113,7 @@ class Wheel:
         self._lock = threading.Lock()
         self._told = Told(seq=0)
         self._asked: Wish = ""
+        self._control_every, self._asks_for = plan.control_every, 0
         self._away = False
         self._left = False
         self._requesting = False
@@ -120,13 +121,17 @@ class Wheel:
         self._kept_until = 0.0
 
     def tell(self, told: Told) -> None:
-        """Store the page's report; buttons are kept until the run has processed them."""
+        """Store the page's report; buttons are kept until the run has processed them.
+
+        The automation answers in its next control step whether it accepts control. A refused wish is not repeated: it
+        would take the wheel from a person who drives on, as soon as its reason to refuse ends.
+        """
         with self._lock:
             self._told = told
             if told.take_over:
                 self._asked = "take_over"
             elif told.hand_back:
-                self._asked = "hand_back"
+                self._asked, self._asks_for = "hand_back", self._control_every
 
     def request(self) -> None:
         """Let the automation request a takeover if it drives."""
@@ -150,8 +155,9 @@ class Wheel:
             by_hand = state in DRIVEN_BY_HAND
             self._left = self._left and by_hand
             told, away = self._told, self._away or self._left
-            if self._asked == ("take_over" if by_hand else "hand_back"):
+            if by_hand == (self._asked == "take_over") or (self._asked == "hand_back" and self._asks_for == 0):
                 self._asked = ""
+            self._asks_for -= 1
             wish: Wish = self._asked
             self._requesting = self._requesting and state in ("automated", "warning")
             requesting = self._requesting

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from lxml import etree
 
@@ -31,6 +31,23 @@ class UnknownNameError(ExpressionError):
         self.hint = did_you_mean(name, known) or "declare it with <parameter name=... type=... default=.../>"
 
 
+class GivenName(str):
+    """A name that was written in the surroundings of the element that uses it, such as in the use of a template.
+
+    Attributes:
+        scope: The names that are known where it was written.
+    """
+
+    scope: Any
+
+    @classmethod
+    def of(cls, name: str, scope: object) -> GivenName:
+        """Return a name as it is meant in a scope."""
+        given = cls(name)
+        given.scope = scope
+        return given
+
+
 class UndeterminedError(Exception):
     """The value depends on a parameter without a value; this is not a fault, as in a template without a use."""
 
@@ -47,6 +64,7 @@ class Environment:
         structural: Open parameters on which something other than a number depends; filled while reading.
         limits: Limits of numbers that depend on open parameters, each once, in the order of reading.
         quantities: Quantities of the parameters that the part declares itself.
+        scopes: The names that are known where the value of a parameter was written, if that is outside of the part.
     """
 
     bindings: Mapping[str, Binding] = field(default_factory=dict)
@@ -56,19 +74,34 @@ class Environment:
     structural: set[str] = field(default_factory=set)
     limits: dict[tuple[str, str, AttributeSpelling], Expression] = field(default_factory=dict)
     quantities: Mapping[str, str] = field(default_factory=dict)
+    scopes: Mapping[str, object] = field(default_factory=dict)
 
-    def with_value(self, name: str, value: Value) -> Environment:
-        """Return the environment with the value of one more name, which hides another of the same name."""
+    def with_value(self, name: str, value: Value, scope: object) -> Environment:
+        """Return the environment with the value of one more name, which hides another of the same name.
+
+        Args:
+            name: The name.
+            value: Its value.
+            scope: The names that are known where the value is written.
+        """
         return replace(
             self,
             bindings={**self.bindings, name: value},
             undetermined=self.undetermined - {name},
             quantities={one: quantity for one, quantity in self.quantities.items() if one != name},
+            scopes={**self.scopes, name: scope},
         )
 
     def quantity_of(self, text: str) -> str:
         """Return the quantity of the parameter to which a text refers without calculating; empty for another text."""
-        return self.quantities.get((_inner(text)[0] or "").strip().removeprefix("$"), "")
+        return self.quantities.get(_alone(text), "")
+
+    def scope_of(self, text: str) -> object:
+        """Return the names that are known where the value of the parameter to which a text refers was written.
+
+        None if the text does not refer to a parameter without calculating, or if its value is the part's own.
+        """
+        return self.scopes.get(_alone(text))
 
     def undecided(self, more: Iterable[str] = ()) -> Environment:
         """Return the environment in which the same names and `more` are known but have no values."""
@@ -143,6 +176,11 @@ def _inner(text: str) -> tuple[str | None, int]:
         if match:
             return match.group(1), lead + match.start(1)
     return None, 0
+
+
+def _alone(text: str) -> str:
+    """Return the name of the parameter to which a text refers without calculating; empty for another text."""
+    return (_inner(text)[0] or "").strip().removeprefix("$")
 
 
 def _find(name: str, text: str) -> int:

@@ -10,7 +10,7 @@ from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Place, d
 from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value, parse_expression
 from scenario_compiler.markup import codes
-from scenario_compiler.markup.environment import ReadingContext, UndeterminedError, UnknownNameError
+from scenario_compiler.markup.environment import GivenName, ReadingContext, UndeterminedError, UnknownNameError
 from scenario_compiler.markup.names import UNKNOWN_PARAMETER
 from scenario_compiler.markup.units import in_unit
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, AttributeRule, out_of_limits
@@ -39,6 +39,9 @@ MEANT_TRUTHS = {"true": ("true", "yes", "on", "1"), "false": ("false", "no", "of
 WITH_UNIT = {name for name, one in QUANTITIES.items() if one.unit not in ("", "1")}
 """Quantities that are measured in a unit."""
 
+SCOPED = ("entity", "event", "traffic")
+"""What a name may refer to that is local to the use of a template."""
+
 _SPACES = re.compile(f"[{SPACE}]+")
 _NUMBER = re.compile(rf"(?:{NUMBER})\Z")
 _GROUPED = re.compile(r"[+-]?[0-9]{1,3}(?:,[0-9]{3})+(?![0-9,])")
@@ -55,14 +58,22 @@ def read_attribute(text: str, rule: AttributeRule, reading: ReadingContext, orig
         expression = reading.environment.symbolic(text)
         if rule.kind == "number":
             return _number(text, expression, rule, reading, origin)
-        if expression is not None:
-            text = format_value(reading.environment.settled(expression))
+        settled = text if expression is None else format_value(reading.environment.settled(expression))
     except UndeterminedError:
         raise UnreadError from None
     except ExpressionError as error:
         report_expression(error, text, reading.sink, origin)
         raise UnreadError from None
-    return _structural(text, rule, reading, origin)
+    value = _structural(settled, rule, reading, origin)
+    scope = reading.environment.scope_of(text) if rule.spelling.names in SCOPED else None
+    return value if scope is None else _meant_in(scope, value)
+
+
+def _meant_in(scope: object, value: FieldValue) -> FieldValue:
+    """Return a name or names as they are meant in the scope in which they were written."""
+    if isinstance(value, tuple):
+        return tuple(GivenName.of(one, scope) if isinstance(one, str) else one for one in value)
+    return GivenName.of(value, scope) if isinstance(value, str) else value
 
 
 def _number(

@@ -84,6 +84,9 @@ def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:
     if plan is not None:
         _check_parameters(plan, FilePlace(str(path)), sink)
         _check_ego(plan, FilePlace(str(path)), sink)
+        for word in (plan.controller, None if plan.controller is None else plan.controller.detector):
+            if word is not None:  # a relative path of a Python file starts from the folder of the file that names it
+                word.written_at(FilePlace(str(path)))
     return None if plan is None or sink.has_errors else plan
 
 

@@ -204,4 +204,6 @@ def read_outcome(path: Path) -> Outcome:
     try:
         return Outcome.model_validate_json(read_file(path))
     except ValidationError as problem:
-        raise OutcomeError(f"{path} is not an outcome: {problem}") from problem
+        fault = problem.errors(include_url=False)[0]
+        where = "".join(f"{part}: " for part in fault["loc"])
+        raise OutcomeError(f"{path} is not an outcome: {where}{fault['msg']}") from problem

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import shlex
+from collections.abc import Callable
 from typing import NamedTuple
 
 from scenario_compiler.recording.criteria import Where
@@ -213,7 +215,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
             ("Time budget", number(policy.budget, "s")),
             ("Escalation after", number(policy.escalate_after, "s")),
             *stop,
-            ("Causes", "; ".join(_cause(cause) for cause in policy.causes) or "all"),
+            ("Causes", "; ".join(_cause(cause, number) for cause in policy.causes) or "all"),
             ("Driver", _driver(run)),
         ]
     units = {one.name: unit_words(QUANTITIES[one.type].unit) for one in plan.parameters if one.type in QUANTITIES}
@@ -239,21 +241,23 @@ def _line(line: SecondaryMarkings | LineBeside) -> str:
     return f"{line.colour} {where}"
 
 
-def _cause(cause: Cause) -> str:
+def _cause(cause: Cause, number: Callable[[Number, str], str]) -> str:
     words = {
-        "warning_below": ("warning below", "", 1.0),
-        "request_below": ("request below", "", 1.0),
-        "margin": ("margin", "m", 1.0),
-        "gap_front": ("gap ahead", "s", 1.0),
-        "gap_rear": ("gap behind", "s", 1.0),
+        "budget": ("time budget", "s"),
+        "warning_budget": ("warning budget", "s"),
+        "warning_below": ("warning below", ""),
+        "warning_over": ("warning ends over", ""),
+        "request_below": ("request below", ""),
+        "margin": ("margin", "m"),
+        "gap_front": ("gap ahead", "s"),
+        "gap_rear": ("gap behind", "s"),
+        "after": ("after", "s"),
+        "minimum_risk_after": ("minimum-risk manoeuvre after", "s"),
     }
-    parts = []
-    for field, (word, unit, factor) in words.items():
-        value = getattr(cause, field)
-        if isinstance(value, float | int):
-            parts.append(f"{word} {decimal(factor * value)} {unit}".rstrip())
-        elif value is not None:
-            parts.append(f"{word} {value.text}")
+    given = {field: getattr(cause, field) for field in words}
+    parts = [
+        f"{words[field][0]} {number(value, words[field][1])}" for field, value in given.items() if value is not None
+    ]
     if cause.count is not None and cause.of is not None:
         parts.append(f"{cause.count} of {cause.of} control steps")
     return CAUSE_WORDS[cause.kind] + (f" ({', '.join(parts)})" if parts else "")
@@ -305,4 +309,9 @@ def command(run: Run) -> str:
     world = "" if header.world == "kinematic" else f" --world {header.world}"
     variant = f" --variant {header.variant}" if header.variant else ""
     inputs = "" if run.plan.takeover.driver.by_person is None else " --inputs ."
-    return f"scenario-compiler run plan.json{world} --seed {header.seed}{variant}{inputs} -o again"
+    controller = run.plan.controller
+    named = (
+        [] if controller is None else [controller.model, *([controller.detector.model] if controller.detector else [])]
+    )
+    trust = "".join(f" --trust {shlex.quote(one)}" for one in named if ":" in one)
+    return f"scenario-compiler run plan.json{world} --seed {header.seed}{variant}{inputs}{trust} -o again"

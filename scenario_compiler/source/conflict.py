@@ -161,7 +161,10 @@ DEEPEST_INCLUDE = 30
 
 
 class TemplateElement(Word):
-    """A reusable part of a scenario with a name and parameters. Its ids are local to each use."""
+    """A reusable part of a scenario with a name and parameters. Its ids are local to each use.
+
+    A name that a use gives to a parameter, such as the id of an entity, is the one known where the use is written.
+    """
 
     word: Literal["template"] = "template"
 

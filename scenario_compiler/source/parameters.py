@@ -110,7 +110,9 @@ def default_value(parameter: Parameter, sink: Diagnostics) -> Value | None:
     return typed(parameter.default, parameter, parameter.place_of("default"), sink)
 
 
-def bind_use(declared: Declared, given: Mapping[str, str], reading: ReadingContext, use: Word) -> Environment:
+def bind_use(
+    declared: Declared, given: Mapping[str, str], reading: ReadingContext, use: Word, scope: object
+) -> Environment:
     """Return the meanings of a template's parameters in one use of it.
 
     Args:
@@ -118,6 +120,7 @@ def bind_use(declared: Declared, given: Mapping[str, str], reading: ReadingConte
         given: The attributes of the use, as written.
         reading: The context of the use; its environment resolves `$name` in `given`.
         use: The word that uses it.
+        scope: The names that are known at the use.
     """
     sink, parameters = reading.sink, declared.known
     bindings: dict[str, Binding] = {}
@@ -160,6 +163,7 @@ def bind_use(declared: Declared, given: Mapping[str, str], reading: ReadingConte
         outer.structural,
         outer.limits,
         declared.quantities,
+        {name: outer.scope_of(text) or scope for name, text in given.items()},
     )
 
 

@@ -15,7 +15,7 @@ from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, did_yo
 from scenario_compiler.document import Origin, read_document
 from scenario_compiler.expressions import RESERVED, Value
 from scenario_compiler.markup import names
-from scenario_compiler.markup.environment import Environment, ReadingContext
+from scenario_compiler.markup.environment import Environment, GivenName, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.resources import template_folders
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
@@ -140,12 +140,23 @@ class TemplateScope:
             scope = scope.parent
 
     def resolve(self, name: str) -> str | None:
-        """Return the id in the whole scenario to which a name refers here; the innermost scope that has it counts."""
-        return next((scope.ids[name] for scope in self._outwards() if name in scope.ids), None)
+        """Return the id in the whole scenario to which a name refers here.
+
+        The innermost scope that has it counts, from here or, if the name was given from outside, from there.
+        """
+        return next((scope.ids[name] for scope in self._scopes_of(name) if name in scope.ids), None)
 
     def known(self) -> set[str]:
-        """Return every name that can be resolved here."""
+        """Return every name of an entity that can be resolved here."""
         return {one for scope in self._outwards() for one in scope.ids}
+
+    def _home_of(self, name: str) -> TemplateScope:
+        """Return the scope in which a name that is used here was written."""
+        return name.scope if isinstance(name, GivenName) else self
+
+    def _scopes_of(self, name: str) -> Iterator[TemplateScope]:
+        """Yield the scopes in which a name that is used here may be found, from the innermost one."""
+        return self._home_of(name)._outwards()
 
     def resolved(self, word: AnyWord, sink: Diagnostics) -> AnyWord:
         """Return the word with the full names of all entities, events and traffic in it; report unknown ones."""
@@ -175,7 +186,7 @@ class TemplateScope:
             names.UNKNOWN_ENTITY,
             f"there is no entity '{named}'",
             word.place_of(attribute),
-            hint=did_you_mean(named, self.known()),
+            hint=did_you_mean(named, self._home_of(named).known()),
         )
         return named
 
@@ -200,21 +211,21 @@ class TemplateScope:
 
     def resolve_event(self, name: str) -> str | None:
         """Return the name in the whole scenario to which the name of an event refers here."""
-        return next((scope.events[name] for scope in self._outwards() if name in scope.events), None)
+        return next((scope.events[name] for scope in self._scopes_of(name) if name in scope.events), None)
 
     def _resolve_traffic(self, name: str) -> str | None:
-        return next((scope.traffic[name] for scope in self._outwards() if name in scope.traffic), None)
+        return next((scope.traffic[name] for scope in self._scopes_of(name) if name in scope.traffic), None)
 
     def _unknown_traffic(self, named: str, word: Word, attribute: str, sink: Diagnostics) -> str:
         if self._has_read_everything(sink):
-            known = {one for scope in self._outwards() for one in scope.traffic}
+            known = {one for scope in self._scopes_of(named) for one in scope.traffic}
             hint = did_you_mean(named, known) if known else "the scenario has no traffic with a name"
             sink.add(names.UNKNOWN_TRAFFIC, f"there is no traffic '{named}'", word.place_of(attribute), hint=hint)
         return named
 
     def _unknown_event(self, named: str, word: Word, attribute: str, sink: Diagnostics) -> str:
         if self._has_read_everything(sink):
-            known = {one for scope in self._outwards() for one in scope.events}
+            known = {one for scope in self._scopes_of(named) for one in scope.events}
             hint = did_you_mean(named, known) or 'give the <when> that is meant a name: <when name="brakes">'
             sink.add(names.UNKNOWN_EVENT, f"there is no event '{named}'", word.place_of(attribute), hint=hint)
         return named
@@ -418,7 +429,7 @@ class Expander:
         for number, value in enumerate(values if elements else (), start=1):
             if self.has_too_many:
                 break
-            inside = reading._replace(environment=reading.environment.with_value(variable, value))
+            inside = reading._replace(environment=reading.environment.with_value(variable, value, scope))
             inner = self._inside(f"{name}.{number}", scope, reading.origin(element))
             self.add_items(rule, elements, inside, inner, chain)
 
@@ -462,7 +473,7 @@ class Expander:
         inner = self._inside(name, scope, use.origin)
         if identity not in self.declared:
             self.declared[identity] = template_parameters(template, reading.sink)
-        environment = bind_use(self.declared[identity], use.arguments, reading, use)
+        environment = bind_use(self.declared[identity], use.arguments, reading, use, scope)
         inside = template.reading(reading.sink, environment, use.origin)
         self.add_template(template, inside, inner, (*chain, identity))
 

@@ -166,7 +166,8 @@ class Attendance:
         with self._lock:
             session = self.session
             if self.presence == "started":
-                self.journal.add("paused", self.step.number, t=None if session is None else session.now)
+                run = {} if session is None else {"attempt": self._run["attempt"], "t": session.now}
+                self.journal.add("paused", self.step.number, **run)
                 self.presence = "paused"
             if session is not None:
                 session.pause()

@@ -44,8 +44,8 @@ Row = dict[str, Any]
 EVENT_COLUMNS = (
     Column("onset", "number", "s", "Time from the start of the run."),
     Column("duration", "number", "s", "Duration; missing if the event is instantaneous."),
-    Column("trial_type", "text", "", "What happened: an event of the run, probe (an answer to a query) or search (an "
-           "answer in the secondary task)."),
+    Column("trial_type", "text", "", "What happened: an event of the run, probe (an answer to a query), search (an "
+           "answer in the secondary task) or paused (by the experimenter; the run's clock stands still)."),
     Column("cause", "text", "", "Cause; of a probe the query, of a search `right` or `wrong`.", "if there is no cause"),
     Column("entity", "text", "", "Id of the entity concerned.", "if there is none"),
     Column("message", "text", "", "Message; of a probe the given and the true answer.", "if there is none"),
@@ -64,7 +64,8 @@ TRIAL_COLUMNS = (
     Column("setting", "text", "", "Level of the factor setting.", "without this factor; in practice and foil trials"),
     Column("attempt", "integer", "", "Number of starts of the run: above 1 if the program ended during it."),
     Column("marks", "text", "", "Deviations from the plan: aborted (by the experimenter), person_left (the page was "
-           "closed), requested (by the experimenter), broken_off.", "if there is none"),
+           "closed), requested (by the experimenter), paused (by the experimenter, during the run), broken_off.",
+           "if there is none"),
     Column("driven_by", "text", "", "person, or model in a pilot."),
     Column("seed", "integer", "", "Seed of the run."),
     Column("plan_digest", "text", "", "Digest of the plan that was run."),
@@ -300,6 +301,7 @@ def _events(study: StudyElement, plan: Plan, recording: Recording, own: Sequence
             rows.append(
                 {"onset": record["t"], "trial_type": "probe", "cause": name, "message": text, "value": int(right)}
             )
+    rows += [{"onset": one["t"], "trial_type": "paused"} for one in own if one["kind"] == "paused"]
     searches = [one for one in own if one["kind"] == "search"]
     by_person = any(one["kind"] == "driven" and one["driven_by"] == "person" for one in own)
     if study.task is not None and by_person:

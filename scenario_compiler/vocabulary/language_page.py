@@ -20,9 +20,10 @@ _HEAD = (
 )
 _EXPRESSIONS = (
     "Parameters have the units of XML, so angles are in degrees, but `sin`, `atan` and the other functions of angles\n"
-    "use radians: write `${sin(radians($bend))}`. `^` groups from the left, the result of `%` has the sign of the\n"
-    "divisor, `round` rounds halves up, `pi` is the constant, and `if(test, a, b)` is `a` or `b`. Texts are written\n"
-    "in single quotes, as in `${$kind == 'bus'}`. A list is either written out or one parameter as a whole.\n"
+    "use radians: write `${sin(radians($bend))}`. `^` groups from the left (`2^3^2` is 64) and comes before a sign\n"
+    "(`-2^2` is -4), `%` has the sign of its left side (`-7 % 3` is -1), and `round` takes halves away from 0\n"
+    "(`round(-2.5)` is -3). `pi` is the constant, and `if(test, a, b)` is `a` or `b`. Texts are written in single\n"
+    "quotes, as in `${$kind == 'bus'}`. A list is either written out or one parameter as a whole.\n"
 )
 
 

@@ -104,6 +104,11 @@ ONCE = 1.5
 """Lifetime of a line that is visible in one picture, time steps."""
 
 
+def time_before(t: float, step: float, frames: int) -> float:
+    """Return the time of the step that was `frames` steps before the one at time `t`, s; 0 for one before the start."""
+    return max(0, round(t / step) - max(0, frames)) * step
+
+
 class CarlaWorld:
     """A world in a CARLA server; see `World`."""
 
@@ -127,13 +132,13 @@ class CarlaWorld:
         self._actors: dict[int, Any] = {}
         self._sensors: list[Any] = []
         self._images: queue.Queue[Any] = queue.Queue()
-        self._reports: queue.Queue[WorldEvent] = queue.Queue()
+        self._reports: queue.Queue[tuple[int, WorldEvent]] = queue.Queue()
         self._image: NDArray[np.uint8] | None = None
         self._degradation: Sensor | None = None
         self._lights: dict[int, int] = {}
         self._shown: dict[str, str] = {}
         self._weather: Weather | None = None
-        self._clock = 0.0
+        self._clock, self._frame = 0.0, 0
         self._session = CarlaSession(plan, network, self.options)
         self._carla, self._client, self._world = self._session.carla, self._session.client, self._session.world
         self._library = self._session.library
@@ -190,7 +195,7 @@ class CarlaWorld:
             self._set_weather(self.plan.weather if snapshot.weather is None else snapshot.weather)
             self._spawn_ego(snapshot.entities[0])
             self._mirror(snapshot)
-            self._world.tick(self.options.timeout)
+            self._clock, self._frame = 0.0, self._world.tick(self.options.timeout)
             self._look()
             if self.moves_ego:
                 self._give_speed(snapshot.entities[0].speed)
@@ -243,11 +248,11 @@ class CarlaWorld:
         other = event.other_actor.id
         number = next((k for k, actor in self._actors.items() if actor.id == other), -1)
         entity = self.plan.entities[number].id if number > 0 else ""
-        self._reports.put(WorldEvent("world_collision", self._clock, entity, event.other_actor.type_id))
+        self._reports.put((event.frame, WorldEvent("world_collision", 0.0, entity, event.other_actor.type_id)))
 
     def _note_lane(self, event: Any) -> None:
         kinds = ", ".join(sorted({str(mark.type) for mark in event.crossed_lane_markings}))
-        self._reports.put(WorldEvent("lane_invasion", self._clock, message=kinds))
+        self._reports.put((event.frame, WorldEvent("lane_invasion", 0.0, message=kinds)))
 
     def _blueprint(self, entity: Entity) -> Any:
         wanted = entity.vehicle.name
@@ -346,7 +351,6 @@ class CarlaWorld:
 
     def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
         """Mirror the others, command the ego, tick, and return the ego's new state."""
-        self._clock = snapshot.t
         ego = self.plan.entities[0]
         with self._session.answering():
             if snapshot.weather is not None:
@@ -357,7 +361,7 @@ class CarlaWorld:
                 self._actors[0].apply_control(self._carla.VehicleControl(throttle, min(max(steer, -1.0), 1.0), brake))
             self._mirror(snapshot)
             self._lines.draw_path(snapshot.entities[0].pose, command.path, ONCE * self.plan.step)
-            self._world.tick(self.options.timeout)
+            self._clock, self._frame = snapshot.t, self._world.tick(self.options.timeout)
             self._look()
             self._follow_with_spectator()
             return self._ego_state(ego) if self.moves_ego else None
@@ -410,8 +414,12 @@ class CarlaWorld:
         return self._built_in.picture(snapshot)
 
     def events(self) -> Sequence[WorldEvent]:
-        """Return the reports of the ego's collision and lane sensors since the last call."""
+        """Return the reports of the ego's collision and lane sensors since the last call.
+
+        A report may come after a later tick, because CARLA's client calls the sensors' functions in threads of its own.
+        """
         found = []
         while not self._reports.empty():
-            found.append(self._reports.get_nowait())
+            frame, event = self._reports.get_nowait()
+            found.append(event._replace(t=time_before(self._clock, self.plan.step, self._frame - frame)))
         return found

@@ -193,6 +193,14 @@ def test_constraints_know_parameters_of_every_type_that_do_not_vary(
             run_sweep(conflict, spec, tmp_path / "sweep", report=False)
 
 
+@pytest.mark.parametrize("where", ["distance > 100", "distance > nothing", "distance > 50 and speed > 100"])
+def test_a_constraint_that_no_draw_meets_writes_nothing(conflict: Path, tmp_path: Path, where: str) -> None:
+    spec = _spec(vary=("distance=uniform(40, 60)",), samples=1, where=(where,))
+    with pytest.raises(SweepError, match=r"no sample meets|there is no parameter 'nothing'"):
+        run_sweep(conflict, spec, tmp_path / "sweep", report=False)
+    assert not (tmp_path / "sweep").exists()
+
+
 @pytest.mark.parametrize("vary", [("distanse=uniform(1, 2)",), ("distance=uniform(5, 60)",), ()])
 def test_a_wrong_sweep_writes_nothing(conflict: Path, tmp_path: Path, vary: tuple[str, ...]) -> None:
     with pytest.raises((CompileError, SweepError)):

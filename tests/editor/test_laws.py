@@ -227,6 +227,11 @@ def test_everything_that_can_be_named_is_known() -> None:
     assert {rule.spelling.names for rule in rules if rule.spelling.names} == set(KNOWN)
 
 
+def test_the_text_of_an_element_is_not_laid_out_whether_it_is_quoted_or_not() -> None:
+    for text in ("<a>\n<b>\n x\n</b>\n</a>", "<a>\n<b>\n<![CDATA[ x\n<y>]]>\n</b>\n</a>"):
+        assert laid_out(text) == text.replace("<b>", "  <b>")
+
+
 @pytest.mark.parametrize("path", LIBRARY, ids=lambda path: path.stem)
 def test_the_library_is_laid_out(path: Path) -> None:
     text = path.read_text(encoding="utf-8")

@@ -209,6 +209,23 @@ def test_a_second_page_watches(own: Served) -> None:
             assert closes(other)
 
 
+def test_a_run_is_written_after_those_that_are_there(conflict: Path, tmp_path: Path) -> None:
+    earlier = tmp_path / "drive-007" / "outcome.json"
+    earlier.parent.mkdir()
+    earlier.write_text("kept", encoding="utf-8")
+    (tmp_path / "drive-notes").mkdir()
+    with served("drive", conflict, *COARSELY, "-o", tmp_path, "--force", "--duration", "0.3") as server:
+        with server.connected() as page:
+            seated(page)
+            page.send('{"kind": "start"}')
+            while "end" not in picture(page, 60):
+                pass
+        assert asked(server, "/runs/1")[0] == 200
+    assert sorted(one.name for one in tmp_path.glob("drive-*")) == ["drive-007", "drive-008", "drive-notes"]
+    assert earlier.read_text(encoding="utf-8") == "kept"
+    assert (tmp_path / "drive-008" / "report.html").is_file()
+
+
 def test_an_address_that_cannot_be_served_is_named(
     own: Served, conflict: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

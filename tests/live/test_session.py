@@ -16,7 +16,7 @@ from scenario_compiler.live.session import SLOWEST, Drive, Given, Picture, Sessi
 from scenario_compiler.report.run import Run
 from scenario_compiler.worlds import WorldError
 from scenario_compiler.worlds.kinematic import KinematicWorld
-from tests.live.scenarios import OPEN
+from tests.live.scenarios import OPEN, SOON
 
 
 @pytest.fixture(scope="module")
@@ -144,3 +144,32 @@ def test_a_run_that_is_aborted_is_kept_and_marked(compiled: Compilation, tmp_pat
     session.run()
     assert kept == [({"aborted"}, "user")]
     assert (folder / "recording.parquet").is_file()
+
+
+def test_a_watched_run_is_the_variant_that_was_asked_for(compiled: Compilation) -> None:
+    runs: list[Run] = []
+    chosen = replace(drive(compiled), variant=17, interpreted=True)
+    Session(chosen, lambda picture: True, kept=lambda _, run: runs.append(run)).run()
+    assert [run.recording.header.variant for run in runs] == [17]
+
+
+def test_the_page_counts_down_to_the_minimum_risk_manoeuvre_of_the_cause(tmp_path: Path) -> None:
+    file = tmp_path / "soon.xml"
+    file.write_text(
+        SOON.replace('kind="path_blocked"', 'kind="path_blocked" minimum_risk_after="20"'), encoding="utf-8"
+    )
+    overrides = Overrides(perception="ideal", duration=1.0)
+    done = compile_target(file, {}, Diagnostics(), overrides=overrides)
+    assert done is not None
+    left: list[tuple[float, float]] = []
+
+    def show(picture: Picture) -> bool:
+        if picture.about.get("left") is not None:
+            left.append((picture.about["t"], picture.about["left"]))
+        return True
+
+    runs: list[Run] = []
+    Session(drive(done), show, kept=lambda _, run: runs.append(run)).run()
+    (request,) = (event.t for run in runs for event in run.recording.events if event.kind == "request")
+    assert left
+    assert all(seconds == pytest.approx(request + 20.0 - t, abs=0.051) for t, seconds in left)

@@ -50,6 +50,18 @@ def test_a_button_counts_until_it_has_been_heeded() -> None:
     assert wheel.act(0.10, "automated").wish == ""
 
 
+def test_a_refused_wish_to_hand_back_is_not_repeated() -> None:
+    wheel = Wheel(PLAN.model_copy(update={"control_every": 5}))
+    wheel.tell(Told(seq=1, hand_back=True))
+    wheel.tell(Told(seq=2))
+    wishes = [wheel.act(0.02 * k, "manual").wish for k in range(8)]
+    assert wishes == ["hand_back"] * 5 + [""] * 3
+    wheel.tell(Told(seq=3, hand_back=True))
+    assert [wheel.act(0.2 + 0.02 * k, "manual").wish for k in range(6)] == ["hand_back"] * 5 + [""]
+    wheel.tell(Told(seq=4, hand_back=True))
+    assert [wheel.act(0.4 + 0.02 * k, state).wish for k, state in enumerate(("automated", "manual"))] == ["", ""]
+
+
 def test_who_leaves_lets_the_vehicle_stop_and_may_come_back() -> None:
     wheel = Wheel(PLAN)
     wheel.tell(Told(seq=7, throttle=0.5))

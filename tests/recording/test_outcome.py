@@ -126,5 +126,7 @@ def test_an_undefined_measure_is_null_and_says_why(tmp_path: Path) -> None:
 @pytest.mark.parametrize("text", ["", "{", "{}", "[1]", '{"format": "other"}'])
 def test_a_file_that_is_not_an_outcome_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "o.json").write_text(text, encoding="utf-8")
-    with pytest.raises(OutcomeError, match="not an outcome"):
+    with pytest.raises(OutcomeError, match="not an outcome") as refused:
         read_outcome(tmp_path / "o.json")
+    assert "\n" not in str(refused.value)
+    assert "pydantic" not in str(refused.value)

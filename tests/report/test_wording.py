@@ -6,9 +6,11 @@ from dataclasses import replace
 
 import pytest
 
+from scenario_compiler.expressions import parse_expression
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.wording import command, conditions, decimal, fixed, outcome_words, summary_of
 from scenario_compiler.vocabulary.scenario import Parameter
+from scenario_compiler.vocabulary.takeover import Cause
 
 
 @pytest.mark.parametrize(
@@ -73,3 +75,17 @@ def test_the_speed_at_the_start_is_the_recorded_one(finished: Run) -> None:
 def test_how_often_the_vehicle_is_controlled(finished: Run, steps: int, words: str) -> None:
     run = replace(finished, plan=finished.plan.model_copy(update={"control_every": steps}))
     assert dict(conditions(run))["Step, control"].endswith(f" s, {words}")
+
+
+def test_the_causes_have_their_own_numbers(finished: Run) -> None:
+    causes = (
+        Cause(kind="path_blocked", budget=6.0, warning_budget=parse_expression("$distance / 12"), margin=0.5),
+        Cause(kind="sensor_health", warning_below=0.6, warning_over=0.7, count=5, of=8, minimum_risk_after=0.0),
+    )
+    takeover = finished.plan.takeover.model_copy(update={"causes": causes})
+    assert dict(conditions(replace(finished, plan=finished.plan.model_copy(update={"takeover": takeover}))))[
+        "Causes"
+    ] == (
+        "path blocked (time budget 6 s, warning budget 10 s, margin 0.5 m); sensor health (warning below 0.6, "
+        "warning ends over 0.7, minimum-risk manoeuvre after 0 s, 5 of 8 control steps)"
+    )

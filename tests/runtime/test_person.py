@@ -272,6 +272,23 @@ def test_a_command_repeats_a_persons_run_and_a_model_stands_in(
     assert call("compare", tmp_path / "by_hand" / "recording.parquet", tmp_path / "again" / "recording.parquet") == 0
 
 
+def test_inputs_that_would_have_no_effect_or_another_one_are_refused(
+    conflict: Path, compiled: Compilation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ideal = ("run", conflict, "--perception", "ideal")
+    assert call(*ideal, "--pilot", "-o", tmp_path / "pilot") == 0
+    (tmp_path / "by_hand").mkdir()
+    write_recording(driven(compiled, brakes_when_asked), tmp_path / "by_hand" / "recording.parquet")
+    capsys.readouterr()
+    for options, reason in {
+        ("--inputs", tmp_path / "pilot"): "there is no person at the wheel of the run in",
+        ("--inputs", tmp_path / "by_hand"): "belong to other time steps: 0.02 s, the plan's 0.05 s",
+        ("--inputs", tmp_path / "by_hand", "--pilot"): "--inputs has no effect: there is no person at the wheel",
+    }.items():
+        assert call(*ideal, *options) == 2
+        assert reason in capsys.readouterr().err
+
+
 def test_the_command_in_a_persons_report_repeats_the_run_with_its_seed(
     compiled: Compilation, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

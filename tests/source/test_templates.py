@@ -9,9 +9,10 @@ from scenario_compiler.expressions import Expression
 from scenario_compiler.languages import check_source, expand
 from scenario_compiler.source.templates import TemplateScope
 from scenario_compiler.vocabulary.actions import StopTrafficAction, TrafficSourceAction
-from scenario_compiler.vocabulary.conditions import RelativeClearanceCondition
+from scenario_compiler.vocabulary.conditions import EventCondition, RelativeClearanceCondition
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.positions import RelativeLanePosition
+from scenario_compiler.vocabulary.scenario import Scenario
 from scenario_compiler.vocabulary.traversal import walk
 from tests.source.made import codes_of, expanded, library_text, parsed
 
@@ -47,6 +48,66 @@ def test_a_name_inside_hides_the_same_name_outside() -> None:
     outside = '<static id="a"><at><lane road="1" lane="-1" s="99"/></at></static>'
     scenario = expanded(library_text(f'{outside}<use template="pair"/>', head=PAIR))
     assert _behind(scenario.actors[2]).entity == "pair1.a"
+
+
+FOLLOWER = """<template name="follower">
+  <parameter name="behind" type="text" default="a"/>
+  <parameter name="after" type="text" default="stops"/>
+  <parameter name="flow" type="text" default="cars"/>
+  <static id="a"><at><ahead_of entity="ego" distance="9"/></at></static>
+  <static id="b"><at><ahead_of entity="$behind" distance="${2 * 5}"/></at></static>
+  <traffic id="cars" vehicles="1"/>
+  <when name="stops" entity="$behind"><clearance of="$behind" forward="5"/><do><stop/></do></when>
+  <when><event name="$after"/><do><stop_traffic traffic="$flow"/></do></when>
+</template>"""
+
+
+def _names_in(scenario: Scenario) -> list[str]:
+    (clear,) = (word for word in walk(scenario.storyboard) if isinstance(word, RelativeClearanceCondition))
+    (event,) = (word for word in walk(scenario.storyboard) if isinstance(word, EventCondition))
+    (stop,) = (word for word in walk(scenario.storyboard) if isinstance(word, StopTrafficAction))
+    moved = [actor for group in scenario.storyboard.stories[0].acts[0].groups for actor in group.actors]
+    return [_behind(scenario.actors[-1]).entity, *clear.of, event.name, stop.traffic, *moved]
+
+
+def test_a_name_that_a_use_gives_is_the_name_where_the_use_is_written() -> None:
+    outside = (
+        '<static id="a"><at><lane road="1" lane="-1" s="99"/></at></static><traffic id="cars" vehicles="1"/>'
+        '<when name="stops"><time after="1"/><do><stop/></do></when>'
+    )
+    given = '<use template="follower" behind="a" after="stops" flow="cars"/>'
+    direct = expanded(library_text(outside + given, head=FOLLOWER))
+    assert _names_in(direct) == ["a", "a", "stops", "cars", "ego", "a"]
+    around = (
+        '<template name="around"><parameter name="lead" type="text"/>'
+        '<static id="a"><at><ahead_of entity="ego" distance="50"/></at></static>'
+        '<use template="follower" behind="{}" after="stops" flow="${{\'cars\'}}"/></template>'
+    )
+    passed_on = expanded(
+        library_text(outside + '<use template="around" lead="a"/>', head=FOLLOWER + around.format("$lead"))
+    )
+    assert _names_in(passed_on)[:4] == ["a", "a", "stops", "cars"]
+    nested = expanded(library_text(outside + '<use template="around" lead="a"/>', head=FOLLOWER + around.format("a")))
+    assert _names_in(nested)[:4] == ["around1.a", "around1.a", "stops", "cars"]
+
+
+def test_a_name_that_a_parameter_has_by_default_is_the_templates_own() -> None:
+    scenario = expanded(library_text('<use template="follower"/>', head=FOLLOWER))
+    inside = "follower1.a"
+    assert _names_in(scenario) == [inside, inside, "follower1.stops", "follower1.cars", "ego", inside]
+
+
+def test_a_name_that_a_use_gives_does_not_find_names_inside_the_template() -> None:
+    assert codes_of(library_text('<use template="follower" behind="b"/>', head=FOLLOWER)) == ["SC222"] * 3
+
+
+def test_a_loops_values_are_names_outside_of_its_rounds() -> None:
+    loop = (
+        '<static id="a"><at><lane road="1" lane="-1" s="99"/></at></static>'
+        '<for each="who" in="a ego"><static id="a"><at><ahead_of entity="$who" distance="9"/></at></static></for>'
+    )
+    scenario = expanded(library_text(loop))
+    assert [(one.id, _behind(one).entity) for one in scenario.actors[1:]] == [("for1.1.a", "a"), ("for1.2.a", "ego")]
 
 
 def test_templates_use_templates() -> None:

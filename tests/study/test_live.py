@@ -248,10 +248,13 @@ def test_the_experimenter_pauses_requests_aborts_and_notes(standing: tuple[Serve
     assert kinds[:3] == ["started", "begun", "paused"]
     assert next(one for one in records if one["kind"] == "note")["text"] == "looked aside"
     assert next(one for one in records if one["kind"] == "search")["right"] is True
-    assert next(one for one in records if one["kind"] == "driven")["marks"] == ["aborted", "requested"]
+    assert next(one for one in records if one["kind"] == "driven")["marks"] == ["aborted", "paused", "requested"]
     waited_for(lambda: rows_of(study, 1) != [])
     (row,) = rows_of(study, 1)
-    assert (row["cause"], row["marks"], row["search_right"]) == ("scheduled", "aborted requested", "1")
+    assert (row["cause"], row["marks"], row["search_right"]) == ("scheduled", "aborted paused requested", "1")
+    (table,) = (study.parent / "data" / "sub-01" / "ses-01" / "beh").glob("*_run-01_events.tsv")
+    pauses = [float(one["onset"]) for one in read_table(table) if one["trial_type"] == "paused"]
+    assert pauses == [pytest.approx(one["t"]) for one in records if one["kind"] == "paused"]
 
 
 PRESS_LARGEST = """
