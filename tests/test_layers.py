@@ -55,6 +55,7 @@ HALL = (
     "processes",
     "public",
     "randomness",
+    "records",
     "resources",
     "structure",
     "trust",

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from numbers import Complex, Real
 from typing import TYPE_CHECKING, Any
 
-from scenario_compiler.controllers.model import Control
+from scenario_compiler.controllers.data import Control
 
 if TYPE_CHECKING:
     import numpy as np

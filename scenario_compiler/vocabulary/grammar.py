@@ -10,9 +10,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
-from pydantic.fields import FieldInfo
-
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
+from scenario_compiler.records import Field
 from scenario_compiler.vocabulary.word import (
     QUANTITIES,
     AttributeSpelling,
@@ -123,16 +122,16 @@ def grammar_of(word: type[Word]) -> Grammar:
     return Grammar(attributes, tuple(children), others)
 
 
-def _attribute_rule(field: str, info: FieldInfo, spelling: AttributeSpelling) -> AttributeRule:
+def _attribute_rule(field: str, info: Field, spelling: AttributeSpelling) -> AttributeRule:
     kind, choices = _attribute_kind(info.annotation)
     return AttributeRule(
         name=spelling.name or field,
         field=field,
         kind=kind,
         spelling=spelling,
-        description=info.description or "",
+        description=info.description,
         required=info.is_required(),
-        default=None if info.is_required() else info.get_default(),
+        default=None if info.is_required() else info.default,
         choices=choices,
     )
 
@@ -148,13 +147,13 @@ def _attribute_kind(annotation: object) -> tuple[AttributeKind, tuple[str, ...]]
     return kinds[member], ()
 
 
-def _child_rule(field: str, info: FieldInfo, spelling: ChildSpelling) -> ChildRule:
+def _child_rule(field: str, info: Field, spelling: ChildSpelling) -> ChildRule:
     members = _members(info.annotation)
     return ChildRule(
         field=field,
         wrapper=spelling.wrapper,
         words={member.tag(): member for member in members},
-        description=info.description or "",
+        description=info.description,
         required=info.is_required(),
         many=get_origin(info.annotation) is tuple,
     )

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from typing_extensions import Self
 
-from scenario_compiler.controllers.model import SensorData
+from scenario_compiler.controllers.data import SensorData
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.frames import carla_from_pose, pose_from_carla
 from scenario_compiler.plan.model import Entity, Plan

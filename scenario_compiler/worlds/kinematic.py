@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from typing_extensions import Self
 
-from scenario_compiler.controllers.model import CameraMounting, SensorData
+from scenario_compiler.controllers.data import CameraMounting, SensorData
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.painted import lines_beside
 from scenario_compiler.roads import Network, SecondaryLine
