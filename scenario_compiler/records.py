@@ -13,8 +13,9 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping
 from functools import cache
+from inspect import get_annotations
 from types import new_class
-from typing import Any, ClassVar, get_origin, get_type_hints
+from typing import Any, ClassVar, get_origin
 
 if sys.version_info >= (3, 11):
     from typing import Self, dataclass_transform
@@ -128,7 +129,8 @@ class RecordClass(type):
 @cache
 def _fields_of(owner: RecordClass) -> Mapping[str, Field]:
     found: dict[str, Field] = {}
-    for name, annotation in get_type_hints(owner, include_extras=True).items():
+    annotations = [get_annotations(one, eval_str=True) for one in reversed(owner.__mro__)]
+    for name, annotation in {name: one for of_class in annotations for name, one in of_class.items()}.items():
         if name.startswith("_") or annotation is ClassVar or get_origin(annotation) is ClassVar:
             continue
         declared = next((vars(one)[name] for one in owner.__mro__ if name in vars(one)), REQUIRED)

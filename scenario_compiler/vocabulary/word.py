@@ -112,8 +112,7 @@ class Word(Record):
     @classmethod
     def tag(cls) -> str:
         """Return the name of the word's XML element; empty for words that are not a single element."""
-        field = cls.model_fields.get("word")
-        return "" if field is None else str(field.default)
+        return str(getattr(cls, "word", ""))
 
     @property
     def origin(self) -> Place:

@@ -8,8 +8,6 @@ from dataclasses import asdict
 from types import TracebackType
 from typing import TYPE_CHECKING, ClassVar
 
-from typing_extensions import Self
-
 from scenario_compiler.controllers.data import CameraMounting, SensorData
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.painted import lines_beside
@@ -20,6 +18,7 @@ from scenario_compiler.worlds.model import EgoCommand, EgoState, Snapshot, World
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+    from typing_extensions import Self
 
     from scenario_compiler.perception.degradation import Degradation
     from scenario_compiler.perception.road_camera import RoadCamera

@@ -11,8 +11,6 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Protocol, overload
 
-from typing_extensions import Self
-
 from scenario_compiler.diagnostics import Code
 from scenario_compiler.perception.faults import FAULTLESS, CameraFaults
 from scenario_compiler.records import Record
@@ -22,6 +20,7 @@ from scenario_compiler.vocabulary.weather import Weather
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+    from typing_extensions import Self
 
     from scenario_compiler.controllers.data import SensorData
     from scenario_compiler.roads import Network
