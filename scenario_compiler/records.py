@@ -129,13 +129,13 @@ class RecordClass(type):
 @cache
 def _fields_of(owner: RecordClass) -> Mapping[str, Field]:
     found: dict[str, Field] = {}
-    annotations = [get_annotations(one, eval_str=True) for one in reversed(owner.__mro__)]
-    for name, annotation in {name: one for of_class in annotations for name, one in of_class.items()}.items():
-        if name.startswith("_") or annotation is ClassVar or get_origin(annotation) is ClassVar:
-            continue
-        declared = next((vars(one)[name] for one in owner.__mro__ if name in vars(one)), REQUIRED)
-        one = declared if isinstance(declared, Field) else Field(declared)
-        found[name] = one.of_type(annotation)
+    for base in reversed(owner.__bases__):
+        if isinstance(base, RecordClass):
+            found.update(_fields_of(base))
+    for name, annotation in get_annotations(owner, eval_str=True).items():
+        if get_origin(annotation) is not ClassVar:
+            declared = vars(owner).get(name, REQUIRED)
+            found[name] = (declared if isinstance(declared, Field) else Field(declared)).of_type(annotation)
     return found
 
 
