@@ -133,7 +133,8 @@ def _fields_of(owner: RecordClass) -> Mapping[str, Field]:
         if isinstance(base, RecordClass):
             found.update(_fields_of(base))
     for name, annotation in get_annotations(owner, eval_str=True).items():
-        if get_origin(annotation) is not ClassVar:
+        origin: Any = get_origin(annotation)
+        if origin is not ClassVar:
             declared = vars(owner).get(name, REQUIRED)
             found[name] = (declared if isinstance(declared, Field) else Field(declared)).of_type(annotation)
     return found

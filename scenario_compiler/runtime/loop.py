@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, SupportsIndex
 
-from scenario_compiler.controllers.data import Control, SensorData, VehicleState
 from scenario_compiler.controllers.foreign import ControllerError
 from scenario_compiler.controllers.named import create_controller
 from scenario_compiler.controllers.person import Person, RecordedPerson
@@ -49,6 +48,7 @@ from scenario_compiler.worlds import (
 )
 
 if TYPE_CHECKING:
+    from scenario_compiler.controllers.data import Control, SensorData
     from scenario_compiler.controllers.model import ControllerModel
 
 ENTITY_COLUMNS = (
@@ -337,6 +337,8 @@ class Execution:
         return self.builder.finish(reason, st.flag[0])
 
     def _let_control(self, controller: ControllerModel) -> None:
+        from scenario_compiler.controllers.data import VehicleState  # a run without a controller does without it
+
         st, ego = self.state, self.plan.ego.vehicle
         outlook = self.simulation.look_out()
         seen = self.seen
