@@ -156,6 +156,9 @@ class Record(metaclass=RecordClass):
     }
     """Pydantic's settings: what else it refuses or allows, and that it builds a validator when it is first used."""
 
+    __pydantic_root_model__: ClassVar[bool] = False
+    """Pydantic asks for it when it makes a JSON schema."""
+
     def __init__(self, **values: Any) -> None:
         """Check the values; raise pydantic.ValidationError if one is missing or wrong."""
         _twin(type(self)).__pydantic_validator__.validate_python(values, self_instance=self)
