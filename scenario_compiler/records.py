@@ -61,12 +61,6 @@ class Field:
         self.json_schema_extra = json_schema_extra
         self.metadata = metadata
 
-    def __get__(self, record: object, owner: type) -> Field:
-        """Return the declaration as an attribute of the class; a record without a value has no such attribute."""
-        if record is None:
-            return self
-        raise AttributeError(f"this {owner.__name__} has no value of a field that its class declares")
-
     def is_required(self) -> bool:
         """Return whether a value must be given."""
         return self.default is REQUIRED and self.default_factory is None
@@ -118,7 +112,21 @@ def field(
 
 @dataclass_transform(kw_only_default=True, field_specifiers=(field,))
 class RecordClass(type):
-    """The class of the classes of records."""
+    """The class of the classes of records.
+
+    A class has no attributes for its declared fields, so that a record without a value has none either, and Python
+    finds the values of records at once.
+    """
+
+    _declared: dict[str, Field]
+    """The fields that the class itself declares with `field` or the like, by name."""
+
+    def __new__(cls, name: str, bases: tuple[type, ...], contents: dict[str, Any]) -> RecordClass:
+        """Make a class of its name, its base classes and what stands in its body."""
+        declared = {name: one for name, one in contents.items() if isinstance(one, Field)}
+        made = super().__new__(cls, name, bases, {name: contents[name] for name in contents if name not in declared})
+        made._declared = declared
+        return made
 
     @property
     def model_fields(cls) -> Mapping[str, Field]:
@@ -135,8 +143,8 @@ def _fields_of(owner: RecordClass) -> Mapping[str, Field]:
     for name, annotation in get_annotations(owner, eval_str=True).items():
         origin: Any = get_origin(annotation)
         if origin is not ClassVar:
-            declared = vars(owner).get(name, REQUIRED)
-            found[name] = (declared if isinstance(declared, Field) else Field(declared)).of_type(annotation)
+            declared = owner._declared.get(name) or Field(vars(owner).get(name, REQUIRED))
+            found[name] = declared.of_type(annotation)
     return found
 
 
