@@ -8,11 +8,11 @@ from scenario_compiler.compiler import Compilation as Compilation
 from scenario_compiler.compiler import Overrides as Overrides
 from scenario_compiler.compiler import compile_built as compile_built
 from scenario_compiler.compiler import compile_scenario as compile_scenario
-from scenario_compiler.controllers import Control as Control
-from scenario_compiler.controllers import ControllerModel as ControllerModel
-from scenario_compiler.controllers import ControllerParams as ControllerParams
-from scenario_compiler.controllers import SensorData as SensorData
-from scenario_compiler.controllers import VehicleState as VehicleState
+from scenario_compiler.controllers.data import Control as Control
+from scenario_compiler.controllers.data import SensorData as SensorData
+from scenario_compiler.controllers.data import VehicleState as VehicleState
+from scenario_compiler.controllers.model import ControllerModel as ControllerModel
+from scenario_compiler.controllers.model import ControllerParams as ControllerParams
 from scenario_compiler.diagnostics import CompileError as CompileError
 from scenario_compiler.diagnostics import Diagnostic as Diagnostic
 from scenario_compiler.diagnostics import Diagnostics as Diagnostics

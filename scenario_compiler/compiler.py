@@ -9,7 +9,7 @@ from typing import Literal, get_args
 
 from lxml import etree
 
-from scenario_compiler.controllers import check_controller
+from scenario_compiler.controllers.named import check_controller
 from scenario_compiler.diagnostics import CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import UNREADABLE, Document
 from scenario_compiler.files import split_target

@@ -15,7 +15,8 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 from lxml import etree
-from pydantic import BaseModel
+
+from scenario_compiler.records import Record
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -51,7 +52,7 @@ from scenario_compiler.vocabulary.word import Word
 FOLDER = Path(__file__).resolve().parent
 
 
-def json_schema(model: type[BaseModel]) -> str:
+def json_schema(model: type[Record]) -> str:
     """Return the JSON schema of a model's file form."""
     return json.dumps(model.model_json_schema(mode="serialization"), indent=1, sort_keys=True) + "\n"
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import pytest
 
 from scenario_compiler import Control, SensorData, VehicleState
-from scenario_compiler.controllers.model import CameraMounting
+from scenario_compiler.controllers.data import CameraMounting
 from tests.command import call
 from tests.pages import code_blocks
 

@@ -11,13 +11,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Literal
 
-from pydantic.fields import FieldInfo
-
 from scenario_compiler.batch.distributions import Distribution
 from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.takeovers import Takeover
+from scenario_compiler.records import Field
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.vocabulary.word import QUANTITIES
 
@@ -75,9 +74,8 @@ def takeover_columns() -> tuple[Column, ...]:
     return (index, *(_takeover_column(name, field) for name, field in Takeover.model_fields.items()))
 
 
-def _takeover_column(name: str, field: FieldInfo) -> Column:
-    extra = field.json_schema_extra
-    unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+def _takeover_column(name: str, field: Field) -> Column:
+    unit = str((field.json_schema_extra or {}).get("unit", ""))
     kind: ColumnKind = "integer" if field.annotation is int else "number" if unit else "text"
     empty = "" if field.is_required() else "there is none"
     return Column(name, kind, unit, str(field.description), empty)

@@ -266,7 +266,8 @@ def read_columns(path: Path, columns: list[str] | None = None) -> pa.Table:
 def _writer(sink: Any, schema: pa.Schema, *, lasting: bool = True) -> pq.ParquetWriter:
     """Return a writer; what does not last is read once more and then deleted, so that making it small is not worth it.
 
-    It has checksums nevertheless, because a sweep may be interrupted before it is read.
+    It has checksums nevertheless, because a sweep may be interrupted before it is read. Only texts have dictionaries:
+    with a dictionary of numbers, which are seldom equal, a table takes twice the time to write, and a tenth more room.
     """
     return pq.ParquetWriter(
         sink,
@@ -275,7 +276,7 @@ def _writer(sink: Any, schema: pa.Schema, *, lasting: bool = True) -> pq.Parquet
         data_page_version="1.0",
         compression="zstd" if lasting else "none",
         compression_level=3 if lasting else None,
-        use_dictionary=lasting,
+        use_dictionary=[field.name for field in schema if lasting and pa.types.is_string(field.type)],
         write_statistics=lasting,
         store_schema=False,
         write_page_checksum=True,

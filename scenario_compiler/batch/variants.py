@@ -10,7 +10,7 @@ from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.compiler import compile_target
-from scenario_compiler.controllers import refuse_untrusted
+from scenario_compiler.controllers.named import refuse_untrusted
 from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, weighed
 from scenario_compiler.expressions import Value, format_value
 from scenario_compiler.markup.names import MISSING_PARAMETER, UNKNOWN_ARGUMENT

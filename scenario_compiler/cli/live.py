@@ -86,7 +86,7 @@ def add_address(parser: argparse.ArgumentParser) -> None:
 
 def drive_command(options: argparse.Namespace) -> int:
     """Serve the page until the program is interrupted."""
-    from scenario_compiler.controllers import refuse_untrusted
+    from scenario_compiler.controllers.named import refuse_untrusted
 
     of_world = world_options(options)
     if options.output is not None and not options.force and is_filled(options.output):

@@ -178,7 +178,7 @@ def driven_by_model(plan: Plan) -> Plan:
 def run_command(options: argparse.Namespace) -> int:
     """Run a scenario or a plan."""
     # What runs is loaded before the scenario, so that `keep_loaded` includes it.
-    from scenario_compiler.controllers import refuse_untrusted
+    from scenario_compiler.controllers.named import refuse_untrusted
     from scenario_compiler.recording import outcome  # noqa: F401  # loaded only
     from scenario_compiler.runtime import loop  # noqa: F401  # loaded only
     from scenario_compiler.worlds import WorldError

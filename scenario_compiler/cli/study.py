@@ -124,7 +124,7 @@ def _trust(options: argparse.Namespace) -> Trust:
 
 def _compiled(options: argparse.Namespace, sink: Diagnostics) -> StudyCompilation | None:
     from scenario_compiler.compiler import Overrides, read_source
-    from scenario_compiler.controllers import refuse_untrusted
+    from scenario_compiler.controllers.named import refuse_untrusted
     from scenario_compiler.languages import check_source
     from scenario_compiler.source.study_file import StudyFile
     from scenario_compiler.study_plans import compile_study

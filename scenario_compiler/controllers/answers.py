@@ -10,12 +10,11 @@ from collections.abc import Mapping
 from numbers import Complex, Real
 from typing import TYPE_CHECKING, Any
 
-from scenario_compiler.controllers.model import Control
-
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from scenario_compiler.controllers.data import Control
     from scenario_compiler.perception.lane_detector import LaneResult
 
 COMMANDS = ("throttle", "steer", "brake")
@@ -35,6 +34,8 @@ class BadAnswerError(Exception):
 
 def control_of(given: object) -> Control:
     """Return a command whose numbers are finite floats and whose probabilities are from 0 to 1."""
+    from scenario_compiler.controllers.data import Control
+
     if not isinstance(given, Control):
         raise BadAnswerError(f"it returned {type(given).__name__}, which is not a Control")
     lanes = None if given.lanes is None else lane_of(given.lanes, "lanes")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenario_compiler.controllers.model import CameraMounting
+from scenario_compiler.controllers.data import CameraMounting
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.detectors import DETECTORS

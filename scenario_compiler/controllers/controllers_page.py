@@ -8,8 +8,9 @@ from collections.abc import Iterable
 from dataclasses import MISSING, Field, fields
 from typing import Any
 
-from scenario_compiler.controllers import CONTROLLERS, controller_class
-from scenario_compiler.controllers.model import CameraMounting, Control, ControllerModel, SensorData, VehicleState
+from scenario_compiler.controllers.data import CameraMounting, Control, SensorData, VehicleState
+from scenario_compiler.controllers.model import ControllerModel
+from scenario_compiler.controllers.named import CONTROLLERS, controller_class
 
 _HEAD = '''# Controllers
 

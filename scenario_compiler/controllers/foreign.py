@@ -16,23 +16,11 @@ import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
-from scenario_compiler.controllers.answers import (
-    BadAnswerError,
-    control_of,
-    image_of,
-    labels_of,
-    texts_of,
-    truth_of,
-)
-from scenario_compiler.controllers.model import Control, ControllerModel, ControllerParams, SensorData, VehicleState
+from scenario_compiler.controllers.answers import BadAnswerError
 from scenario_compiler.diagnostics import Code, FilePlace
 from scenario_compiler.trust import CodeName, Trust
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 UNKNOWN_CONTROLLER = Code(
     "SC503",
@@ -76,6 +64,8 @@ class Kind(NamedTuple):
 
 
 def _controller_fault(found: Any) -> str:
+    from scenario_compiler.controllers.model import ControllerModel, ControllerParams  # needed for user code only
+
     if not (isinstance(found, type) and issubclass(found, ControllerModel)):
         return "does not derive from ControllerModel"
     params: Any = found.Params
@@ -273,46 +263,3 @@ class ForeignCode:
             except BadAnswerError as bad:
                 what = str(bad)
         raise ControllerError.at(self.name, _start_of(function), f"{method}: {what}", self._kind)
-
-
-class ForeignController(ControllerModel):
-    """A controller of the user's; its exceptions and wrong answers become a ControllerError."""
-
-    def __init__(self, name: str, found: type[ControllerModel], make: Callable[[], ControllerModel]) -> None:
-        """Make the controller, of the class `found`.
-
-        Raises:
-            ControllerError: It cannot be made.
-        """
-        self._code = ForeignCode(name, CONTROLLER, found, make)
-        with blamed(name, code=found):
-            params = self._code.inner.params
-        super().__init__(params)
-
-    def reset(self, seed: int) -> None:
-        """See ControllerModel."""
-        self._code.ask("reset", lambda _: None, seed)
-
-    def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
-        """See ControllerModel. A result that is not a command of finite numbers is also an error."""
-        return self._code.ask("control", control_of, sensor_data, speed, vehicle)
-
-    def display_info(self) -> dict[str, str]:
-        """See ControllerModel."""
-        return self._code.ask("display_info", labels_of)
-
-    def warning_messages(self) -> list[str]:
-        """See ControllerModel."""
-        return self._code.ask("warning_messages", texts_of)
-
-    def critical_messages(self) -> list[str]:
-        """See ControllerModel."""
-        return self._code.ask("critical_messages", texts_of)
-
-    def initiate_takeover(self) -> bool:
-        """See ControllerModel."""
-        return self._code.ask("initiate_takeover", truth_of)
-
-    def overlay_image(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """See ControllerModel."""
-        return self._code.ask("overlay_image", lambda given: image_of(given, image), image)

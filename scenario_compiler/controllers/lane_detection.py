@@ -18,13 +18,8 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from pydantic import Field
 
-from scenario_compiler.controllers.model import (
-    Control,
-    ControllerModel,
-    ControllerParams,
-    SensorData,
-    VehicleState,
-)
+from scenario_compiler.controllers.data import Control, SensorData, VehicleState
+from scenario_compiler.controllers.model import ControllerModel, ControllerParams
 from scenario_compiler.perception.planned_way import on_way
 from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING, TRUSTED

@@ -67,7 +67,7 @@ HOMES = (
     Home("vehicles", Execution("compilation", "plan.lower"),
          "Vehicle Pedestrian MiscObject BoundingBox Center Dimensions Performance Axles Axle TrailerHitch "
          "TrailerCoupler"),
-    Home("actions.control", Execution("run", "controllers"), "Properties Property"),
+    Home("actions.control", Execution("run", "controllers.named"), "Properties Property"),
     Home("expansion", _STORYBOARD, "Storyboard"),
     Home("storyboard", _STORYBOARD,
          "Init InitActions Private Story Act ManeuverGroup Actors Maneuver Event Action"),

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from scenario_compiler.controllers import CONTROLLERS
+from scenario_compiler.controllers.named import CONTROLLERS
 from scenario_compiler.diagnostics import Diagnostics, FilePlace, Severity, all_codes
 from scenario_compiler.editor.analysis import LOOPS, Analysis
 from scenario_compiler.editor.draft import Tag

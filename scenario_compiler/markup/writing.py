@@ -31,11 +31,7 @@ def write_word(word: Word) -> etree._Element:
 def _write_children(element: etree._Element, word: Word, rule: ChildRule) -> None:
     value = getattr(word, rule.field)
     words = () if value is None else value if isinstance(value, tuple) else (value,)
-    if (
-        not rule.required
-        and words
-        and value == type(word).model_fields[rule.field].get_default(call_default_factory=True)
-    ):
+    if not rule.required and words and value == type(word).model_fields[rule.field].get_default():
         return
     if not words:
         return

@@ -8,14 +8,13 @@ import re
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
-
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, did_you_mean
 from scenario_compiler.document import UNREADABLE
 from scenario_compiler.expressions import Expression
 from scenario_compiler.files import read_file
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.records import Record
 from scenario_compiler.vocabulary.grammar import limits_broken
 
 UNDECLARED = Code(
@@ -65,8 +64,8 @@ def plan_text(plan: Plan) -> str:
     return _NOT_UTF_8.sub(lambda found: f"\\\\u{ord(found[0]):04x}", text)
 
 
-def _plain(value: BaseModel | Expression) -> dict[str, Any]:
-    """Return a model or an expression as JSON values; creating pydantic's serializers would take longer."""
+def _plain(value: Record | Expression) -> dict[str, Any]:
+    """Return a record or an expression as JSON values; creating pydantic's serializers would take longer."""
     return {"expr": value.text} if isinstance(value, Expression) else vars(value)
 
 
@@ -101,6 +100,8 @@ def _parsed(raw: bytes, place: FilePlace, sink: Diagnostics) -> Plan | None:
     if not isinstance(content, dict) or content.get("format") != Plan.model_fields["format"].default:
         sink.add(BAD_PLAN, "the file is not a plan: it is JSON, but not marked as a plan of this version", place)
         return None
+    from pydantic import ValidationError
+
     try:
         return Plan.model_validate_json(raw)
     except ValidationError as error:
@@ -132,7 +133,7 @@ def _names_in(value: object) -> set[str]:
     """Return the names of the parameters on which expressions anywhere in a plan depend."""
     if isinstance(value, Expression):
         return set(value.names)
-    if isinstance(value, BaseModel):
+    if isinstance(value, Record):
         return _names_in(tuple(vars(value).values()))
     if isinstance(value, dict):
         return _names_in(tuple(value.values()))

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.expressions import Value
@@ -16,6 +15,7 @@ from scenario_compiler.recording.on_path import least_time_to_collision, time_to
 from scenario_compiler.recording.recording import Booleans, Floats, Recording
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
+from scenario_compiler.records import Record, field
 from scenario_compiler.vocabulary.criteria import (
     Criterion,
     MakesProgress,
@@ -38,30 +38,26 @@ NOBODY: Mapping[ReferenceName, bool] = {}
 """Verdicts of no reference driver."""
 
 
-class Where(BaseModel):
+class Where(Record):
     """The place of the judged vehicle at a time."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
-
-    road: str | None = Field(description="Road below its reference point; null off every road.")
-    lane: int | None = Field(description="Lane; null off every road.")
-    s: float | None = Field(description="Distance along the road's reference line, m; null off every road.")
-    x: float = Field(description="x of the reference point, m.")
-    y: float = Field(description="y of the reference point, m.")
+    road: str | None = field(description="Road below its reference point; null off every road.")
+    lane: int | None = field(description="Lane; null off every road.")
+    s: float | None = field(description="Distance along the road's reference line, m; null off every road.")
+    x: float = field(description="x of the reference point, m.")
+    y: float = field(description="y of the reference point, m.")
 
 
-class CriterionResult(BaseModel):
+class CriterionResult(Record):
     """The result of a criterion for a run."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
-
-    criterion: str = Field(description="Name of the criterion in the conflict language.")
-    passed: bool = Field(description="Whether it holds.")
-    when: float | None = Field(default=None, description="Time at which it was first broken, s.")
-    where: Where | None = Field(
+    criterion: str = field(description="Name of the criterion in the conflict language.")
+    passed: bool = field(description="Whether it holds.")
+    when: float | None = field(default=None, description="Time at which it was first broken, s.")
+    where: Where | None = field(
         default=None, description="Position of the vehicle at that time; null if it was not present."
     )
-    why: str = Field(description="The reason, as a sentence.")
+    why: str = field(description="The reason, as a sentence.")
 
 
 class Rule(NamedTuple):

@@ -4,38 +4,46 @@ import csv
 import io
 from collections.abc import Iterable
 from pathlib import Path
-
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from typing import Annotated, Any
 
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.recording.decimals import shortest, to_the_nanosecond
 from scenario_compiler.recording.names import EVENT_TEXTS, EventKind
+from scenario_compiler.records import Record, field
 
 
-class EventRow(BaseModel):
+class _KnownKind:
+    """Tells pydantic which kinds of events there are."""
+
+    def __get_pydantic_core_schema__(self, source: object, handler: Any) -> Any:
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_after_validator_function(_known_kind, handler(source))
+
+
+def _known_kind(kind: str) -> str:
+    if kind not in EVENT_TEXTS:
+        raise ValueError(f"there is no kind of event '{kind}'")
+    return kind
+
+
+class EventRow(Record):
     """Something that happened at one instant: a row of events.csv, in the order of the fields."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
-
-    t: float = Field(description="Time, s.")
-    kind: EventKind = Field(description="What happened.", json_schema_extra={"enum": [*EVENT_TEXTS]})
-    entity: str = Field(default="", description="Id of the entity concerned; for a collision, of the other entity.")
-    cause: str = Field(
+    t: float = field(description="Time, s.")
+    kind: Annotated[EventKind, _KnownKind()] = field(
+        description="What happened.", json_schema_extra={"enum": [*EVENT_TEXTS]}
+    )
+    entity: str = field(default="", description="Id of the entity concerned; for a collision, of the other entity.")
+    cause: str = field(
         default="", description="Cause: of a warning or request, the kind of a failure, or who stopped the vehicle."
     )
-    message: str = Field(
+    message: str = field(
         default="",
         description="The message to the driver, the name of a storyboard event or an entity, or a sentence.",
     )
-    value: float | None = Field(default=None, description="A number that belongs to the event, in its SI unit.")
-
-    @field_validator("kind")
-    @classmethod
-    def _is_known(cls, kind: str) -> str:
-        if kind not in EVENT_TEXTS:
-            raise ValueError(f"there is no kind of event '{kind}'")
-        return kind
+    value: float | None = field(default=None, description="A number that belongs to the event, in its SI unit.")
 
 
 def write_events(events: Iterable[EventRow], path: Path) -> None:

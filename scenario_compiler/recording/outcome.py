@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from scenario_compiler.engine.columns.opcodes import STANDING
 from scenario_compiler.files import read_file
@@ -28,71 +27,68 @@ from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import MEANINGS, Resolution, resolutions
 from scenario_compiler.recording.takeovers import Takeover, takeovers_of
 from scenario_compiler.recording.traces import Traces, traces_of
+from scenario_compiler.records import Record, field
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
-
-
-class Interval(_Part):
+class Interval(Record):
     """An interval of time in one state of the takeover."""
 
-    state: StateName = Field(description="The state.")
-    begin: float = Field(description="Begin, s.")
-    end: float = Field(description="End, s.")
+    state: StateName = field(description="The state.")
+    begin: float = field(description="Begin, s.")
+    end: float = field(description="End, s.")
 
 
-class MeasureValue(_Part):
+class MeasureValue(Record):
     """A measure of the run."""
 
-    value: float | None = Field(description="The value; null if the measure is not defined.")
-    unit: str = Field(description="SI unit.")
-    definition: str = Field(description="How it is computed.")
-    source: str = Field(default="", description="Source of the definition; empty for our own.")
-    undefined: str = Field(default="", description="Why the value is null.")
+    value: float | None = field(description="The value; null if the measure is not defined.")
+    unit: str = field(description="SI unit.")
+    definition: str = field(description="How it is computed.")
+    source: str = field(default="", description="Source of the definition; empty for our own.")
+    undefined: str = field(default="", description="Why the value is null.")
 
 
-class Outcome(_Part):
+class Outcome(Record):
     """The outcome of a run."""
 
-    format: Literal["scenario-compiler/outcome/1"] = Field(
+    format: Literal["scenario-compiler/outcome/1"] = field(
         default="scenario-compiler/outcome/1", description="Version of this format."
     )
-    name: str = Field(description="Name of the scenario.")
-    plan_digest: str = Field(description="Digest of the plan.")
-    seed: int = Field(description="Seed of the run.")
-    variant: int = Field(default=0, description="Index of the variant in a sweep.")
-    result: Literal["pass", "fail", "error"] = Field(
+    name: str = field(description="Name of the scenario.")
+    plan_digest: str = field(description="Digest of the plan.")
+    seed: int = field(description="Seed of the run.")
+    variant: int = field(default=0, description="Index of the variant in a sweep.")
+    result: Literal["pass", "fail", "error"] = field(
         description="pass if all criteria are met; error if the run broke off."
     )
-    resolution: Resolution = Field(
+    resolution: Resolution = field(
         description="How the first request ended: "
         + "; ".join(f"{name}: {meaning}" for name, meaning in MEANINGS.items())
         + "."
     )
-    cause: str = Field(default="", description="Cause of the first request; empty without a request.")
-    collision_with: str | None = Field(
+    cause: str = field(default="", description="Cause of the first request; empty without a request.")
+    collision_with: str | None = field(
         default=None,
         description="Id of the first entity with which the ego vehicle collided; empty if the world's own physics "
         "reported a collision with something that the scenario does not have.",
     )
-    stands: StandingPlace = Field(
+    stands: StandingPlace = field(
         default="",
         description="Where the vehicle stands after a minimum-risk manoeuvre or a driver's stop: own_lane, other_lane, "
         "shoulder, across_edge (part of it beyond the edge of its lane or shoulder), off_road; empty if it was not "
         "stopped.",
     )
-    stop_reason: StopReason = Field(description="Why the run ended.")
-    error: int = Field(default=0, description="The engine's fault code; 0 for none.")
-    duration: float = Field(description="Time of the last row, s.")
-    criteria: tuple[CriterionResult, ...] = Field(description="Results of the plan's criteria.")
-    timeline: tuple[Interval, ...] = Field(
+    stop_reason: StopReason = field(description="Why the run ended.")
+    error: int = field(default=0, description="The engine's fault code; 0 for none.")
+    duration: float = field(description="Time of the last row, s.")
+    criteria: tuple[CriterionResult, ...] = field(description="Results of the plan's criteria.")
+    timeline: tuple[Interval, ...] = field(
         description="The takeover's states in order; empty without an automated vehicle."
     )
-    takeovers: tuple[Takeover, ...] = Field(default=(), description="All takeovers, one for each request.")
-    measures: dict[str, MeasureValue] = Field(description="The measures by name, each with the definition used.")
-    trajectory_hash: str = Field(description="SHA-256 of the trajectories: identical runs have identical hashes.")
-    versions: dict[str, str] = Field(description="Versions of the software on which the result depends.")
+    takeovers: tuple[Takeover, ...] = field(default=(), description="All takeovers, one for each request.")
+    measures: dict[str, MeasureValue] = field(description="The measures by name, each with the definition used.")
+    trajectory_hash: str = field(description="SHA-256 of the trajectories: identical runs have identical hashes.")
+    versions: dict[str, str] = field(description="Versions of the software on which the result depends.")
 
 
 class OtherPlanError(ValueError):
@@ -201,6 +197,8 @@ def write_outcome(outcome: Outcome, path: Path) -> None:
 
 def read_outcome(path: Path) -> Outcome:
     """Read an outcome back; raises OutcomeError if the file does not contain one."""
+    from pydantic import ValidationError
+
     try:
         return Outcome.model_validate_json(read_file(path))
     except ValidationError as problem:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.engine.columns.opcodes import FAR
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CODES, EventKind, StopReason
+from scenario_compiler.records import Record, field
 from scenario_compiler.vocabulary.driver import ReferenceName
 from scenario_compiler.vocabulary.sensors import Perception
 
@@ -25,34 +25,32 @@ Integers: TypeAlias = NDArray[np.int64]
 Booleans: TypeAlias = NDArray[np.bool_]
 
 
-class Header(BaseModel):
+class Header(Record):
     """The origin of a recording."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
-
-    plan_digest: str = Field(description="Digest of the plan.")
-    plan_name: str = Field(description="Name of the plan.")
-    seed: int = Field(description="Seed of the run.")
-    variant: int = Field(default=0, description="Index of the variant in a sweep.")
-    parameters: dict[str, float | bool | str] = Field(
+    plan_digest: str = field(description="Digest of the plan.")
+    plan_name: str = field(description="Name of the plan.")
+    seed: int = field(description="Seed of the run.")
+    variant: int = field(default=0, description="Index of the variant in a sweep.")
+    parameters: dict[str, float | bool | str] = field(
         default={}, description="Value of each parameter that the plan leaves open."
     )
-    avoided: dict[ReferenceName, bool] = Field(
+    avoided: dict[ReferenceName, bool] = field(
         default={},
         description="Whether each reference driver of a criterion avoids a collision when it drives from the start.",
     )
-    step: float = Field(description="Length of a time step, s.")
-    entities: tuple[str, ...] = Field(
+    step: float = field(description="Length of a time step, s.")
+    entities: tuple[str, ...] = field(
         description="Ids of the entities in document order, an automated ego vehicle first."
     )
-    perception: Perception = Field(description="Source of the lane confidence.")
-    world: str = Field(default="kinematic", description="Name of the world in which the run took place.")
-    versions: dict[str, str] = Field(
+    perception: Perception = field(description="Source of the lane confidence.")
+    world: str = field(default="kinematic", description="Name of the world in which the run took place.")
+    versions: dict[str, str] = field(
         default={},
         description="Versions of the software on which the result depends: this package, Python, libraries, the world; "
         "for a run with a camera also the environment variables that say which code NumPy and OpenBLAS use.",
     )
-    processor: str = Field(
+    processor: str = field(
         default="",
         description="Architecture and model of the processor, and the features by which libraries choose their code.",
     )

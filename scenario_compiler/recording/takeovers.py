@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.numbers import SAME_TIME
@@ -18,6 +17,7 @@ from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.resolution import Resolution, resolutions
 from scenario_compiler.recording.totals import RunTotals, finite_or_none
 from scenario_compiler.recording.traces import Traces
+from scenario_compiler.records import Record, field
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 ENDS: tuple[EventKind, ...] = ("escalation", "response", "minimum_risk", "standstill", "hand_back")
@@ -30,12 +30,12 @@ DRIVEN_TOTALS = ("takeover_lane_time", "takeover_longitudinal", "takeover_latera
 
 
 def _seconds(description: str) -> float | None:
-    found: float | None = Field(default=None, description=description, json_schema_extra={"unit": "s"})
+    found: float | None = field(default=None, description=description, json_schema_extra={"unit": "s"})
     return found
 
 
 def _acceleration(where: str) -> float | None:
-    found: float | None = Field(
+    found: float | None = field(
         default=None,
         description=f"Greatest absolute acceleration {where} from the request to the next, or the first collision.",
         json_schema_extra={"unit": "m/s2"},
@@ -43,27 +43,25 @@ def _acceleration(where: str) -> float | None:
     return found
 
 
-class Takeover(BaseModel):
+class Takeover(Record):
     """A request and its outcome. Missing times and durations are null."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
-
-    number: int = Field(description="Number of the request in its run, from 1 on.")
-    cause: str = Field(description="Cause of the request.")
-    resolution: Resolution = Field(
+    number: int = field(description="Number of the request in its run, from 1 on.")
+    cause: str = field(description="Cause of the request.")
+    resolution: Resolution = field(
         description="How the request ended; the values are those of `resolution` of the run."
     )
-    request_time: float = Field(description="Time of the request.", json_schema_extra={"unit": "s"})
+    request_time: float = field(description="Time of the request.", json_schema_extra={"unit": "s"})
     escalation_time: float | None = _seconds("Time of the escalation.")
     response_time: float | None = _seconds("Time of the driver's response.")
     minimum_risk_time: float | None = _seconds("Time at which the minimum-risk manoeuvre began.")
     standstill_time: float | None = _seconds("Time at which the minimum-risk manoeuvre came to a standstill.")
     hand_back_time: float | None = _seconds("Time at which control was handed back.")
     takeover_time: float | None = _seconds("Time from the request to the driver's response.")
-    speed: float | None = Field(
+    speed: float | None = field(
         default=None, description="Speed in the row of the request.", json_schema_extra={"unit": "m/s"}
     )
-    limit_distance: float | None = Field(
+    limit_distance: float | None = field(
         default=None,
         description="Distance from the front bumper to where the path is blocked or the lane ends, in the first row "
         "behind the request.",
@@ -73,7 +71,7 @@ class Takeover(BaseModel):
         "Time until the limit is reached, as `time_budget` of the run says of the first request."
     )
     takeover_buffer: float | None = _seconds("Time budget less takeover time.")
-    traffic_density: float | None = Field(
+    traffic_density: float | None = field(
         default=None,
         description="Vehicles that went the vehicle's way, as `traffic_density` of the run says of the first request.",
         json_schema_extra={"unit": "1/km"},

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from pydantic import BaseModel
-
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.measures import MEASURES
@@ -13,6 +11,7 @@ from scenario_compiler.recording.names import EVENT_TEXTS, StopReason
 from scenario_compiler.recording.outcome import Interval, MeasureValue, Outcome
 from scenario_compiler.recording.recording import COLUMNS, Header
 from scenario_compiler.recording.trajectory import TRAJECTORY_COLUMNS
+from scenario_compiler.records import Record
 
 STOPS: Mapping[StopReason, str] = {
     "duration": "The scenario's duration, or `--duration`, was reached.",
@@ -170,12 +169,12 @@ def _recorded() -> Iterable[tuple[str, str, str, str]]:
             yield f"`{column.name}`", column.unit, of, column.description
 
 
-def _fields(model: type[BaseModel], head: str = "key") -> str:
+def _fields(model: type[Record], head: str = "key") -> str:
     fields = model.model_fields.items()
-    return _table((head, "content"), ((f"`{name}`", field.description or "") for name, field in fields))
+    return _table((head, "content"), ((f"`{name}`", field.description) for name, field in fields))
 
 
-def _names(model: type[BaseModel]) -> str:
+def _names(model: type[Record]) -> str:
     return ", ".join(f"`{name}`" for name in model.model_fields)
 
 

@@ -8,16 +8,10 @@ import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import SupportsIndex
+from typing import TYPE_CHECKING, SupportsIndex
 
-from scenario_compiler.controllers import (
-    Control,
-    ControllerError,
-    ControllerModel,
-    SensorData,
-    VehicleState,
-    create_controller,
-)
+from scenario_compiler.controllers.foreign import ControllerError
+from scenario_compiler.controllers.named import create_controller
 from scenario_compiler.controllers.person import Person, RecordedPerson
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
@@ -52,6 +46,10 @@ from scenario_compiler.worlds import (
     WorldError,
     WorldOptions,
 )
+
+if TYPE_CHECKING:
+    from scenario_compiler.controllers.data import Control, SensorData
+    from scenario_compiler.controllers.model import ControllerModel
 
 ENTITY_COLUMNS = (
     *("present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off"),
@@ -339,6 +337,8 @@ class Execution:
         return self.builder.finish(reason, st.flag[0])
 
     def _let_control(self, controller: ControllerModel) -> None:
+        from scenario_compiler.controllers.data import VehicleState  # a run without a controller does without it
+
         st, ego = self.state, self.plan.ego.vehicle
         outlook = self.simulation.look_out()
         seen = self.seen

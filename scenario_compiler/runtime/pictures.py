@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, get_args
 
-from scenario_compiler.controllers import CameraMounting, Control, ControllerModel, SensorData
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.runtime.messages import message_text
 from scenario_compiler.vocabulary.takeover import Told
@@ -13,6 +12,9 @@ from scenario_compiler.vocabulary.takeover import Told
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from scenario_compiler.controllers.data import CameraMounting, Control, SensorData
+    from scenario_compiler.controllers.model import ControllerModel
 
 PICTURED = ("warning", "request", "escalation", "response", "minimum_risk", "standstill", "collision")
 """Kinds of events whose first occurrence is pictured."""

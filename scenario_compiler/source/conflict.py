@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from lxml import etree
 
@@ -91,7 +91,7 @@ class Else(Word):
 
     word: Literal["else"] = "else"
 
-    items: tuple[Any, ...] = child("The contents.", default=())
+    items: "tuple[Item, ...]" = child("The contents.", default=())
 
 
 class If(Word):
@@ -100,7 +100,7 @@ class If(Word):
     word: Literal["if"] = "if"
 
     test: bool = attribute("The test, such as ${$lanes > 2}. It is evaluated once, before the run.")
-    items: tuple[Any, ...] = child("Contents to insert if the test is true.", default=())
+    items: "tuple[Item, ...]" = child("Contents to insert if the test is true.", default=())
     otherwise: Else | None = child("Contents to insert if it is false.", default=None)
 
 
@@ -127,7 +127,7 @@ class Repeat(Word):
         defines="part",
         pattern=f"({ENTITY_ID})?",
     )
-    items: tuple[Any, ...] = child("Contents to insert in each round.", default=())
+    items: "tuple[Item, ...]" = child("Contents to insert in each round.", default=())
 
 
 class For(Word):
@@ -145,15 +145,12 @@ class For(Word):
         defines="part",
         pattern=f"({ENTITY_ID})?",
     )
-    items: tuple[Any, ...] = child("Contents to insert for each value.", default=())
+    items: "tuple[Item, ...]" = child("Contents to insert for each value.", default=())
 
 
 Paint = Markings | SecondaryMarkings | LineBeside
 
 Item = Static | Dynamic | Row | WorkZone | Traffic | Paint | EntityWhen | Use | If | Repeat | For
-
-for _word in (Else, If, Repeat, For):  # they contain items and are items themselves; Item is only known here
-    _word.model_fields["items"].annotation = tuple[Item, ...]
 
 
 DEEPEST_INCLUDE = 30

@@ -7,10 +7,9 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pydantic import BaseModel
-
 from scenario_compiler.expressions import Expression
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.records import Record
 
 UNSAID = ("name", "summary", "classifications", "origins", "derived", "digest", "parameters")
 """Parts of a plan that do not affect what happens."""
@@ -50,7 +49,7 @@ def _leaves(value: Any, where: str) -> Iterator[tuple[str, Any]]:
     """Yield the path and the value of every value that contains no others."""
     if isinstance(value, Expression):
         yield where, value.text
-    elif isinstance(value, BaseModel):
+    elif isinstance(value, Record):
         yield from _leaves(vars(value), where)
     elif isinstance(value, Mapping):
         for key, inner in value.items():

@@ -8,11 +8,10 @@ import re
 import types
 from collections.abc import Iterator, Mapping
 from functools import cache
-from typing import Annotated, Any, ForwardRef, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
-
-from pydantic.fields import FieldInfo
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
+from scenario_compiler.records import Field
 from scenario_compiler.vocabulary.word import (
     QUANTITIES,
     AttributeSpelling,
@@ -117,22 +116,22 @@ def grammar_of(word: type[Word]) -> Grammar:
             rule = _attribute_rule(field, info, spelling)
             attributes[rule.name] = rule
         elif isinstance(spelling, ChildSpelling):
-            children.append(_child_rule(field, info, _resolved(word, field, info), spelling))
+            children.append(_child_rule(field, info, spelling))
         elif isinstance(spelling, OtherAttributesSpelling):
             others = field
     return Grammar(attributes, tuple(children), others)
 
 
-def _attribute_rule(field: str, info: FieldInfo, spelling: AttributeSpelling) -> AttributeRule:
+def _attribute_rule(field: str, info: Field, spelling: AttributeSpelling) -> AttributeRule:
     kind, choices = _attribute_kind(info.annotation)
     return AttributeRule(
         name=spelling.name or field,
         field=field,
         kind=kind,
         spelling=spelling,
-        description=info.description or "",
+        description=info.description,
         required=info.is_required(),
-        default=None if info.is_required() else info.get_default(),
+        default=None if info.is_required() else info.default,
         choices=choices,
     )
 
@@ -148,21 +147,15 @@ def _attribute_kind(annotation: object) -> tuple[AttributeKind, tuple[str, ...]]
     return kinds[member], ()
 
 
-def _resolved(word: type[Word], field: str, info: FieldInfo) -> object:
-    """Return the type of a field; that of a position on a trajectory is declared after those of the trajectory."""
-    annotation: object = info.annotation
-    return get_type_hints(word)[field] if isinstance(annotation, ForwardRef) else annotation
-
-
-def _child_rule(field: str, info: FieldInfo, annotation: object, spelling: ChildSpelling) -> ChildRule:
-    members = _members(annotation)
+def _child_rule(field: str, info: Field, spelling: ChildSpelling) -> ChildRule:
+    members = _members(info.annotation)
     return ChildRule(
         field=field,
         wrapper=spelling.wrapper,
         words={member.tag(): member for member in members},
-        description=info.description or "",
+        description=info.description,
         required=info.is_required(),
-        many=get_origin(annotation) is tuple,
+        many=get_origin(info.annotation) is tuple,
     )
 
 

@@ -1,23 +1,31 @@
 """The declaration of a word of the language: its fields, units, limits and XML spelling, all in one place.
 
-A word is a frozen model. A field declared with `attribute` is an XML attribute; one declared with `child` is a child
+A word is a record. A field declared with `attribute` is an XML attribute; one declared with `child` is a child
 element (or several), always of another word's type. The reader, the XSD, the JSON schema and the help texts are all
 derived from these declarations.
 """
 
+from __future__ import annotations
+
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from types import MappingProxyType
-from typing import Annotated, Any, ClassVar, NamedTuple, TypeAlias
-
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
-from pydantic.fields import FieldInfo
-from pydantic_core import CoreSchema, core_schema
-from typing_extensions import Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, TypeAlias
 
 from scenario_compiler.diagnostics import FilePlace, Place
 from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, Value, parse_expression
+from scenario_compiler.records import REQUIRED, Field, Record
+
+if sys.version_info >= (3, 11):
+    from typing import Self
+else:
+    from typing_extensions import Self
+
+if TYPE_CHECKING:
+    from pydantic_core import CoreSchema
 
 
 class Quantity(NamedTuple):
@@ -56,10 +64,12 @@ def _plain(value: float | Expression) -> float | dict[str, str]:
     return {"expr": value.text} if isinstance(value, Expression) else value
 
 
-class _NumberSchema:
-    """Pydantic's schema of a number. Hundreds of fields share it, because building it is half of their cost."""
+@cache
+def _schema_of_numbers() -> CoreSchema:
+    """Return pydantic's schema of a number. Hundreds of fields share it, because building it is half of their cost."""
+    from pydantic_core import core_schema
 
-    validation = core_schema.no_info_before_validator_function(
+    return core_schema.no_info_before_validator_function(
         _number,
         core_schema.union_schema(
             [core_schema.float_schema(allow_inf_nan=False), core_schema.is_instance_schema(Expression)]
@@ -67,8 +77,12 @@ class _NumberSchema:
         serialization=core_schema.plain_serializer_function_ser_schema(_plain),
     )
 
+
+class _NumberSchema:
+    """Tells pydantic how a number is checked and written as JSON."""
+
     def __get_pydantic_core_schema__(self, source: object, handler: object) -> CoreSchema:
-        return self.validation
+        return _schema_of_numbers()
 
     def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
         return {"anyOf": [{"type": "number"}, {"additionalProperties": {"type": "string"}, "type": "object"}]}
@@ -83,50 +97,52 @@ def number_value(number: float | Expression, values: Mapping[str, Value]) -> flo
     return number.number(values) if isinstance(number, Expression) else float(number)
 
 
-class Word(BaseModel):
+class Word(Record):
     """A word of the scenario language.
 
     A subclass that is an XML element declares its tag as the only value of a field `word`. In JSON this field also
     distinguishes the members of a union.
     """
 
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", defer_build=True, arbitrary_types_allowed=True, allow_inf_nan=False
-    )
+    __slots__ = ("_origin",)
 
     moved: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """Former attributes that now belong to another word, each with the replacement that the hint shows."""
 
-    _origin: Place | None = PrivateAttr(default=None)
-
-    def __eq__(self, other: object) -> bool:
-        """Compare the contents; the place in the file makes no difference."""
-        return type(self) is type(other) and self.__dict__ == other.__dict__
-
     @classmethod
     def tag(cls) -> str:
         """Return the name of the word's XML element; empty for words that are not a single element."""
-        field = cls.model_fields.get("word")
-        return "" if field is None else str(field.default)
+        return str(getattr(cls, "word", ""))
 
     @property
     def origin(self) -> Place:
         """The place in the file where the author wrote the word; a nameless place for words made by programs."""
-        return self._origin or FilePlace("<python>")
+        return self._written_at or FilePlace("<python>")
+
+    @property
+    def _written_at(self) -> Place | None:
+        origin: Place | None = getattr(self, "_origin", None)
+        return origin
 
     def place_of(self, attribute: str) -> Place:
         """Return the place of one of the word's attributes in the file; the attribute is named as in XML."""
-        origin = self._origin
+        origin = self._written_at
         return origin.of(attribute) if isinstance(origin, Origin) else self.origin
 
     def written(self, attribute: str) -> str | None:
         """Return the text of one of the word's attributes in the file, named as in XML; None if it is not written."""
-        return self._origin.element.get(attribute) if isinstance(self._origin, Origin) else None
+        origin = self._written_at
+        return origin.element.get(attribute) if isinstance(origin, Origin) else None
 
     def written_at(self, origin: Place) -> Self:
         """Store the place where the word was written, and return the word."""
-        self._origin = origin
+        object.__setattr__(self, "_origin", origin)
         return self
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self:
+        """Return a copy from the same place, with other values of some fields, which are not checked."""
+        copied, origin = super().model_copy(update=update), self._written_at
+        return copied if origin is None else copied.written_at(origin)
 
 
 class AttributeSpelling(NamedTuple):
@@ -187,8 +203,6 @@ LABEL = "[A-Za-z0-9]+"
 ENTITY_ID = "[A-Za-z_][A-Za-z0-9_\\-]*"
 """Pattern of an entity's id in a file. A use of a template prefixes it with the use's name and a point."""
 
-REQUIRED: Any = ...
-
 
 def attribute(
     description: str,
@@ -207,13 +221,10 @@ def attribute(
     retired: tuple[tuple[str, str], ...] = (),
 ) -> Any:
     """Declare a field that XML writes as an attribute. Limits are in the XML unit of `quantity`."""
-    return _declare(
-        AttributeSpelling(
-            name, quantity, minimum, maximum, exclusive, names, defines, expression, separated, pattern, retired
-        ),
-        default=default,
-        description=description,
+    spelling = AttributeSpelling(
+        name, quantity, minimum, maximum, exclusive, names, defines, expression, separated, pattern, retired
     )
+    return Field(default, description=description, metadata=(spelling,))
 
 
 def child(
@@ -224,33 +235,26 @@ def child(
     wrapper: str = "",
 ) -> Any:
     """Declare a field that XML writes as a child element; a tuple-typed field takes any number of them."""
-    spelling = ChildSpelling(wrapper)
-    if default_factory is not None:
-        return _declare(spelling, default_factory=default_factory, description=description)
-    return _declare(spelling, default=default, description=description)
+    metadata = (ChildSpelling(wrapper),)
+    return Field(default, default_factory=default_factory, description=description, metadata=metadata)
 
 
 def other_attributes(description: str) -> Any:
     """Declare a field of type `dict[str, str]` that takes every attribute that no other field declares."""
-    return _declare(OtherAttributesSpelling(), default={}, description=description)
+    return Field({}, description=description, metadata=(OtherAttributesSpelling(),))
 
 
 def same_as(word: type[Word], field: str) -> Any:
     """Declare a field as another word does, so that its spelling, default and description are written once."""
-    info = word.model_fields[field]
-    spelling = spelling_of(info)
-    if spelling is None or info.default_factory is not None:
-        return _declare(spelling, default_factory=info.default_factory, description=info.description)
-    return _declare(spelling, default=info.default, description=info.description)
+    declared = word.model_fields[field]
+    return Field(
+        declared.default,
+        default_factory=declared.default_factory,
+        description=declared.description,
+        metadata=declared.metadata,
+    )
 
 
-def spelling_of(field: FieldInfo) -> Spelling | None:
+def spelling_of(field: Field) -> Spelling | None:
     """Return the XML spelling of a word's field; None for `word` itself."""
-    return next((m for m in field.metadata if isinstance(m, Spelling)), None)
-
-
-def _declare(spelling: Spelling | None, **settings: Any) -> Any:
-    info: FieldInfo = Field(**settings)
-    if spelling is not None:
-        info.metadata.append(spelling)
-    return info
+    return next((one for one in field.metadata if isinstance(one, Spelling)), None)

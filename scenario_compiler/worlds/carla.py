@@ -13,9 +13,7 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from typing_extensions import Self
-
-from scenario_compiler.controllers.model import SensorData
+from scenario_compiler.controllers.data import SensorData
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.frames import carla_from_pose, pose_from_carla
 from scenario_compiler.plan.model import Entity, Plan
@@ -40,6 +38,7 @@ from scenario_compiler.worlds.resistance import resistance
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+    from typing_extensions import Self
 
     from scenario_compiler.perception.degradation import Sensor
 

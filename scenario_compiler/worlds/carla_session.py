@@ -8,12 +8,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field
-
 from scenario_compiler.diagnostics import Code, Diagnostics
 from scenario_compiler.document import read_document
 from scenario_compiler.frames import carla_from_pose
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.records import field
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.export_carla import export_for_carla
 from scenario_compiler.worlds.model import WorldError, WorldOptions
@@ -42,17 +41,17 @@ TAKEN: set[tuple[str, int]] = set()
 class CarlaOptions(WorldOptions):
     """Options of the world `carla`."""
 
-    host: str = Field(default="127.0.0.1", description="Address of the server.")
-    port: int = Field(default=2000, ge=1, le=65535, description="Port of the server.")
-    timeout: float = Field(default=10.0, gt=0.0, description="Longest time to wait for an answer, s.")
-    ego: Literal["physics", "kinematic"] = Field(
+    host: str = field(default="127.0.0.1", description="Address of the server.")
+    port: int = field(default=2000, ge=1, le=65535, description="Port of the server.")
+    timeout: float = field(default=10.0, gt=0.0, description="Longest time to wait for an answer, s.")
+    ego: Literal["physics", "kinematic"] = field(
         default="physics", description="`physics` if CARLA's physics moves the ego, `kinematic` if the engine does."
     )
-    camera: Literal["carla", "built-in"] | None = Field(
+    camera: Literal["carla", "built-in"] | None = field(
         default=None,
         description="Camera of the automation; by default CARLA's, if it can show the paint and the mounting.",
     )
-    recording: str = Field(default="", description="Name of a recording that the server makes; none if empty.")
+    recording: str = field(default="", description="Name of a recording that the server makes; none if empty.")
 
 
 class CarlaSession:

@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import cached_property
 from types import TracebackType
 from typing import TYPE_CHECKING, ClassVar
 
-from typing_extensions import Self
-
-from scenario_compiler.controllers.model import CameraMounting, SensorData
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.painted import lines_beside
 from scenario_compiler.roads import Network, SecondaryLine
@@ -20,7 +18,9 @@ from scenario_compiler.worlds.model import EgoCommand, EgoState, Snapshot, World
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+    from typing_extensions import Self
 
+    from scenario_compiler.controllers.data import CameraMounting, SensorData
     from scenario_compiler.perception.degradation import Degradation
     from scenario_compiler.perception.road_camera import RoadCamera
     from scenario_compiler.perception.solids import Box
@@ -45,7 +45,13 @@ class KinematicWorld:
         self._viewer: RoadCamera | None = None
         self._drawn: Stage | None = None
         self._lines: list[SecondaryLine] = []
-        self.mounting = CameraMounting.of(plan.camera)
+
+    @cached_property
+    def mounting(self) -> CameraMounting:
+        """The mounting of the camera."""
+        from scenario_compiler.controllers.data import CameraMounting
+
+        return CameraMounting.of(self.plan.camera)
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:
         """Begin a run; its seed determines noise and rain."""
@@ -59,6 +65,8 @@ class KinematicWorld:
 
     def observe(self, snapshot: Snapshot) -> SensorData:
         """Draw the camera's image."""
+        from scenario_compiler.controllers.data import SensorData
+
         image = self._road_camera().frame(
             snapshot.poses[0],
             self._boxes(snapshot),

@@ -9,21 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Protocol, overload
-
-from pydantic import BaseModel, ConfigDict
-from typing_extensions import Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Protocol, overload
 
 from scenario_compiler.diagnostics import Code
 from scenario_compiler.perception.faults import FAULTLESS, CameraFaults
+from scenario_compiler.records import Record
 from scenario_compiler.roads.positions import Pose
 from scenario_compiler.vocabulary.weather import Weather
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+    from typing_extensions import Self
 
-    from scenario_compiler.controllers.model import SensorData
+    from scenario_compiler.controllers.data import SensorData
     from scenario_compiler.roads import Network
 
 WORLD_LOST = Code(
@@ -49,10 +48,10 @@ class WorldError(Exception):
         self.code = code
 
 
-class WorldOptions(BaseModel):
+class WorldOptions(Record):
     """Options of a world; subclasses declare fields, which are checked before the world is opened."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+    model_config: ClassVar[dict[str, Any]] = {**Record.model_config, "allow_inf_nan": True}
 
 
 class EntityState(NamedTuple):

@@ -57,14 +57,21 @@ def note_density(n: RoadTables, p: Program, st: State, i: int) -> None:
 def note_lane_time(p: Program, st: State, i: int) -> None:
     """Write the least time to collision along the lane with seen entities ahead of the ego's front bumper, s."""
     front = front_of(p, i)
-    half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH] * cos(st.path_heading[0])
-    middle = st.path_off[0] + front * sin(st.path_heading[0])
-    left = middle + half
-    right = middle - half
+    known = 0
+    left = 0.0
+    right = 0.0
     st.lane_time[0] = op.FAR
     for j in range(p.entity_count[0]):
         if j == i or st.on_way[j] == 0 or st.seen[j] == 0 or st.far[j] <= front:
             continue
         closing = st.v[i] - st.along[j]
-        if closing > 0.0 and st.low[j] < left and st.high[j] > right:
+        if not closing > 0.0:
+            continue
+        if known == 0:
+            known = 1
+            half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH] * cos(st.path_heading[0])
+            middle = st.path_off[0] + front * sin(st.path_heading[0])
+            left = middle + half
+            right = middle - half
+        if st.low[j] < left and st.high[j] > right:
             st.lane_time[0] = min(st.lane_time[0], max(st.near[j] - front, 0.0) / closing)

@@ -262,7 +262,7 @@ def meets_oncoming(
                 off, slope = moving_over(begin, target, out, before)
             back_from = gone
             back_over = shift_distance(v, off, RETURN_ACCELERATION)
-        if ratio(gone - back_from, back_over, 1.0) >= 1.0:
+        if back_from < op.FAR and ratio(gone - back_from, back_over, 1.0) >= 1.0:
             return 0
         entered = high > low and PASSING_SIGHT - usual * time - gone < spare * (v + usual)
         near = time >= earliest and any_comes_near(p, st, i, time, gone, v, spare, known) == 1
