@@ -1,9 +1,10 @@
 """Roads for the training of a lane detector besides those of real maps: maps with repainted marks, and made-up roads.
 
-    python tools/training_roads.py OUT [--files 10] [--first 9000]
+    python tools/training_roads.py OUT [--files 10] [--first 9000] [--repaint MAPS]
 
-writes files of made-up roads, `made_up_00.xodr` and so on, to the folder OUT. The confidence of the classical detector
-is fitted to them too (docs/perception.md). `tools/train_lane_network.py` makes the files that it needs itself.
+writes files of made-up roads, `made_up_00.xodr` and so on, to the folder OUT, and for each road file of the folder MAPS
+a copy with other lines, such as `repainted_town_grid.xodr`. The confidence of the classical detector is fitted to both
+too (docs/perception.md). `tools/train_lane_network.py` makes the files that it needs itself.
 
 The marks of a map follow its author's habits: some maps have no double line, some no line at the edge. Here all kinds
 of lines of OpenDRIVE are used, white and yellow, with common widths, dashes and gaps.
@@ -41,6 +42,9 @@ BESIDE = {
     "shoulder": (0.4, 3.0), "curb": (0.15, 0.3), "sidewalk": (1.0, 3.0), "parking": (2.0, 2.6), "biking": (1.2, 2.2),
 }  # fmt: skip
 """Least and greatest width of the lanes beside the driving lanes by type, m."""
+
+REPAINTED = 5000
+"""Seed of the lines in the copy of a folder's first road file."""
 
 ROADS, LENGTH = 4, 500.0
 """Number of roads in a made-up file, and the least length of each, m."""
@@ -254,15 +258,18 @@ def _elevation(draw: np.random.Generator, length: float) -> etree._Element:
 
 
 def main() -> None:
-    """Write the files of made-up roads."""
+    """Write the files of made-up roads and the repainted copies."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path)
     parser.add_argument("--files", type=int, default=10, help="number of files")
     parser.add_argument("--first", type=int, default=9000, help="seed of the first file")
+    parser.add_argument("--repaint", type=Path, metavar="MAPS", help="folder with road files to repaint")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     for number in range(options.files):
         made_up(options.out / f"made_up_{number:02d}.xodr", options.first + number)
+    for seed, file in enumerate(sorted(options.repaint.glob("*.xodr")) if options.repaint else [], REPAINTED):
+        repainted(file, options.out / f"repainted_{file.stem}.xodr", seed)
 
 
 if __name__ == "__main__":

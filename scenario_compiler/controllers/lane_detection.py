@@ -211,7 +211,8 @@ class LaneDetectionController(ControllerModel):
             self._prior = LaneState()
         assert self._prior is not None
         way = _way_of(sensor_data, ahead)
-        self._prior = replace(self._prior, way=Course.along(way))
+        junction = math.inf if sensor_data.junction is None else max(sensor_data.junction - ahead, 0.0)
+        self._prior = replace(self._prior, way=Course.along(way, junction))
         lanes = self._detector.detect(sensor_data.image, self._prior)
         self._prior = self._prior.after(lanes)
         health = self._monitor.observe(sensor_data.image, travelled).health

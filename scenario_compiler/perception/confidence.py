@@ -45,6 +45,7 @@ FEATURES = (
     *("weber", "weber_spread", "uneven", "beside", "ground", "gap", "gap_at", "deviation_near", "deviation_far"),
     *("lever", "deviation_tilt", "deviation", "turn", "place", "heading", "last_moved", "last_far", "unsettled"),
     *("seen_off", "seen_deviation", "width", "wide", "noise", "stray", "scatter"),
+    *("junction", "beyond", "ends", "resumes"),
     *("other_weber", "other_painted", "other_near"),
     *("prominence_lately", "painted_lately", "along_lately", "stretch_lately", "contrast_along_lately"),
     *("near_lately", "far_lately", "weber_lately"),
@@ -56,6 +57,12 @@ _HALVES = slice(round(1.0 / X_STEP), round(7.0 / X_STEP)), slice(round(7.0 / X_S
 
 _JUDGED = slice(_HALVES[0].start, _HALVES[1].stop)
 """Rows from 6 to 18 m."""
+
+_BEYOND = slice(_JUDGED.stop, None)
+"""Rows from there on: a broken line goes on, and one that ends at a junction does not."""
+
+JUNCTION_WITHIN, WITHOUT_ROUTE = 25.0, -5.0
+"""Distance beyond which a junction is as good as none, and the number that stands for an unknown distance, m."""
 
 PLACES, MIDDLE = np.array([6.0, 9.0, 12.0, 15.0, 18.0]), np.array(12.0)
 """Distances ahead of the camera at which boundaries are compared with where they were, m."""
@@ -328,6 +335,8 @@ def _of_side(
         "noise": math.log1p(known.noise),
         "stray": fit.stray,
         "scatter": 10.0 * fit.scatter,
+        "junction": 0.1 * (WITHOUT_ROUTE if known.way is None else min(known.way.junction, JUNCTION_WITHIN)),
+        **_continued(fit),
     }
 
 
@@ -351,6 +360,14 @@ def _paint(fit: Fit, near: slice, brightness: float) -> dict[str, float]:
         "gap": 0.25 * gap * X_STEP,
         "gap_at": last / (_JUDGED.stop - _JUDGED.start),
     }
+
+
+def _continued(fit: Fit) -> dict[str, float]:
+    """Return how the line goes on beyond the stretch on which it has to be right, and the gap around its end."""
+    shown = fit.near_curve > STANDS_OUT
+    before, after = shown[: _BEYOND.start][::-1], shown[_BEYOND]
+    ends, resumes = (int(part.argmax()) if part.any() else len(part) for part in (before, after))
+    return {"beyond": float(after.mean()), "ends": 0.1 * X_STEP * ends, "resumes": 0.1 * X_STEP * resumes}
 
 
 def _deviations(fit: Fit, known: Circumstances) -> dict[str, float]:

@@ -59,6 +59,8 @@ class Course:
         scale: (n,) width of the lane relative to that: distances from the route are multiplied by it.
         rise: (n,) height of the road above the plane below the ego, m.
         bank: (n,) by how much the road rises to the left for each metre, against that plane.
+        junction: Distance along it from beside the camera to the next junction, m, 0 inside one; infinite if there is
+            none.
     """
 
     s: Floats
@@ -71,10 +73,17 @@ class Course:
     scale: Floats
     rise: Floats
     bank: Floats
+    junction: float
 
     @staticmethod
-    def along(way: Sequence[WayPoint]) -> Course | None:
-        """Return the course along the points of a route; None if it has too few ahead on the compared stretch."""
+    def along(way: Sequence[WayPoint], junction: float = math.inf) -> Course | None:
+        """Return the course along the points of a route; None if it has too few ahead on the compared stretch.
+
+        Args:
+            way: The points, in the camera's ground frame.
+            junction: Distance along the route from beside the camera to the next junction, m; 0 if the camera is in
+                one, or just behind it.
+        """
         if len(stretch_of(way)) < 3:
             return None
         points = np.array(way)
@@ -97,7 +106,7 @@ class Course:
         known = usual if usual >= NARROWEST else None
         scale = np.ones_like(width) if known is None else np.clip(width / known, *SCALES)
         middle, heading = 0.5 * (s[:-1] + s[1:]), np.unwrap(np.arctan2(dy, dx))
-        return Course(s, x, y, middle, heading, turn_of(way), known, scale, rise, bank)
+        return Course(s, x, y, middle, heading, turn_of(way), known, scale, rise, bank, junction)
 
     @cached_property
     def aside(self) -> float:

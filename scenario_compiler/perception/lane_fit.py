@@ -111,6 +111,7 @@ class Fit:
         residual: Root mean square distance of the painted rows from the arc, m.
         painted: Share of the rows within 20 m that have a ridge within 0.25 m of the arc.
         on_curve: (rows,) strength on the refined arc itself.
+        near_curve: (rows,) strength of the strongest ridge within 0.25 m of the refined arc.
         contrast: (rows,) grey levels on the refined arc itself.
         green: Greenness of the greener side of the arc where there is paint, grey levels.
         slope_deviation: Standard deviation of the arc's slope, from the painted rows; infinite if there are none.
@@ -131,6 +132,7 @@ class Fit:
     residual: float
     painted: float
     on_curve: Floats
+    near_curve: Floats
     contrast: Floats
     green: float
     slope_deviation: float
@@ -344,7 +346,8 @@ class LaneFitter:
         painted, near = peaks[1] > STANDS_OUT, self.x < 20.0
         shown = self.x[:-1][painted[:-1] & painted[1:]]
         on_curve, contrast, green, beside, step = self._along(ridges, curve)
-        stray, scatter, deviations = self._deviations(self._peaks(ridges, curve), curve)
+        nearby = self._peaks(ridges, curve)
+        stray, scatter, deviations = self._deviations(nearby, curve)
         middle = float(np.median(votes))
         spread = float(np.median(np.abs(votes - middle))) + 0.15
         return Fit(
@@ -354,6 +357,7 @@ class LaneFitter:
             residual=float(np.sqrt((miss * weight).sum() / weight.sum())) if weight.any() else 0.2,
             painted=float(painted[near].mean()),
             on_curve=on_curve,
+            near_curve=nearby[1],
             contrast=contrast,
             green=float((green * on_curve)[near].sum() / (on_curve[near].sum() + 1.0)),
             slope_deviation=self._slope_deviation(weight, miss),

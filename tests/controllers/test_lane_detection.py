@@ -44,12 +44,18 @@ def commands(found: list[Control]) -> list[tuple[float, float, float]]:
     return [(one.steer, one.confidence_left, one.confidence_right) for one in found]
 
 
-@pytest.mark.parametrize("junction", [None, 5.0])
+@pytest.mark.parametrize("junction", [None, 30.0])
 def test_a_lane_along_the_route_is_trusted_as_much_as_without_a_route(junction: float | None) -> None:
     here, there = driven(1.0, AHEAD, junction)[-1], driven(1.0, (), None)[-1]
     assert here.confidence_left == pytest.approx(there.confidence_left, abs=0.1)
     assert here.confidence_right == pytest.approx(there.confidence_right, abs=0.1)
     assert here.steer == pytest.approx(there.steer, abs=0.02)
+
+
+def test_a_junction_close_ahead_makes_paint_a_little_less_certain_because_lines_end_there() -> None:
+    close, far = driven(1.0, AHEAD, 5.0)[-1], driven(1.0, AHEAD, None)[-1]
+    assert 0.6 < close.confidence_left < far.confidence_left
+    assert close.steer == pytest.approx(far.steer, abs=0.02)
 
 
 def test_a_lane_is_followed_although_the_route_is_a_little_different() -> None:

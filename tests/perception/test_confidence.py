@@ -1,4 +1,5 @@
 import json
+import math
 
 import numpy as np
 import pytest
@@ -18,9 +19,11 @@ from scenario_compiler.perception.confidence import (
     load_confidence,
     noise_of,
 )
+from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.perception.route_ahead import WayPoint
 from tests.perception.scenery import CLEAR, bend, two_lanes
 
 
@@ -145,3 +148,31 @@ def test_figures_of_made_up_probabilities() -> None:
     flipped = reliability(1.0 - p, outcomes)
     assert flipped.expected_error == pytest.approx(0.5)
     assert flipped.area == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(
+    ("ends", "beyond", "resumes"),
+    [(math.inf, (0.15, 0.6), (0.0, 0.9)), (35.0, (0.0, 0.05), (1.0, 1.3))],
+    ids=["goes on", "ends 18 m ahead"],
+)
+def test_a_broken_line_that_goes_on_differs_from_one_that_ends(
+    ends: float, beyond: tuple[float, float], resumes: tuple[float, float]
+) -> None:
+    """The features about the 12 m beyond the stretch on which a boundary has to be right."""
+    road = bend(0.0)
+    paint = Fading(1.0, 1.0) if math.isinf(ends) else Fading(1.0, 0.0, ends, ends + 0.1)
+    image = RoadCamera(two_lanes(road, quality=paint)).frame(road.pose(14.0), [], CLEAR, 0.0, 0)
+    left = dict(zip(FEATURES, ClassicalLaneDetector().look(image)[1][0].tolist(), strict=True))
+    assert beyond[0] <= left["beyond"] <= beyond[1]
+    assert resumes[0] <= left["resumes"] <= resumes[1]
+
+
+@pytest.mark.parametrize(("junction", "feature"), [(math.inf, 2.5), (12.0, 1.2), (0.0, 0.0), (None, -0.5)])
+def test_the_distance_to_the_junction_is_a_feature_where_the_route_is_known(
+    junction: float | None, feature: float
+) -> None:
+    road = bend(0.0)
+    image = RoadCamera(two_lanes(road)).frame(road.pose(20.0), [], CLEAR, 0.0, 0)
+    way = None if junction is None else Course.along([WayPoint(float(x), 0.0) for x in range(-3, 41)], junction)
+    _, rows = ClassicalLaneDetector().look(image, LaneState(way=way))
+    assert [row[FEATURES.index("junction")] for row in rows] == pytest.approx([feature, feature])

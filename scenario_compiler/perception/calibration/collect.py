@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
@@ -89,9 +90,10 @@ class Taker:
         clip: int,
         about: tuple[float, ...],
         way: Sequence[WayPoint] = (),
+        junction: float = math.inf,
     ) -> LaneResult:
-        """Run the detector on one image; `way` is the planned route in the camera's ground frame."""
-        result, rows = self.detector.look(image, replace(state, way=Course.along(way)))
+        """Run the detector on one image, with the planned route in the camera's ground frame (see `Course.along`)."""
+        result, rows = self.detector.look(image, replace(state, way=Course.along(way, junction)))
         for side, (row, found) in enumerate(zip(rows, (result.left, result.right), strict=True)):
             self.rows.append(row)
             said = (found.p_geom, found.p_paint, found.p)
@@ -121,7 +123,7 @@ def look_at_map(roads: MapRoads, detector: CalibratedDetector, seed: int, number
         state = LaneState()
         for view in views:
             about = (*numbers_of(conditions), float(view.number))
-            state = state.after(taker.look(view.image, state, view.truth, clip, about, view.way))
+            state = state.after(taker.look(view.image, state, view.truth, clip, about, view.way, view.junction))
     return taker.looks
 
 

@@ -24,7 +24,7 @@ PART = 24
 
 SEED, BANK_SEED, DRAWN_SEED = 11, 5, 23
 
-MORE = 8
+MORE = 6
 """Factor by which a map that is left out of a fit has more clips: the tables are of such maps alone, and a bin of a few
 hundred sides would have the largest error by chance."""
 

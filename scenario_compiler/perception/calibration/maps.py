@@ -68,12 +68,14 @@ class View:
         image: (height, width, 3) uint8, BGR.
         truth: The lane's boundaries and paint.
         way: Points of the path in the camera's ground frame, if the automation knows them; otherwise empty.
+        junction: Distance along the path from beside the camera to the next junction, m (see `Course.junction`).
         number: Index in the clip.
     """
 
     image: NDArray[np.uint8]
     truth: Truth
     way: tuple[WayPoint, ...]
+    junction: float
     number: int
 
 
@@ -177,7 +179,7 @@ class MapRoads:
         pitch = 0.0 if draw.random() < 0.5 else float(np.clip(draw.normal(0.0, 0.012), -0.03, 0.03))
         offset = float(np.clip(draw.normal(0, 0.22), -0.7, 0.7))
         drift = float(np.clip(draw.normal(0, 0.012), -0.04, 0.04))
-        near, navigated = way.junction < 25.0 + BEHIND, bool(draw.random() < NAVIGATED)
+        near, navigated = way.junction_from(0.0) < 25.0 + BEHIND, bool(draw.random() < NAVIGATED)
         conditions = Conditions(weather, sigma, pitch, leader, beside, curvature, near, navigated)
         return conditions, self._views(camera, lines, way, conditions, boxes, (offset, drift, speed * PERIOD))
 
@@ -200,7 +202,8 @@ class MapRoads:
             moved = [box._replace(x=box.x + dx, y=box.y + dy) for box in boxes]
             image = camera.frame(pose, moved, conditions.weather, conditions.sigma, number)
             view = camera.view(pose)
-            distance = way.distance - at - camera.box_offset - self.camera.x
+            ahead = camera.box_offset + self.camera.x
+            distance = way.distance - at - ahead
             near = (distance >= LOOKED_AT[0]) & (distance <= LOOKED_AT[1])
             painted = [
                 float(np.mean(quality[near] * contrast > SEEN)) if near.any() else 0.0
@@ -210,7 +213,7 @@ class MapRoads:
             meant: Sequence[WayPoint] = ()
             if conditions.navigated:
                 meant = way.points(view, at, road)
-            yield View(image, truth, tuple(meant), number)
+            yield View(image, truth, tuple(meant), max(way.junction_from(at) - ahead, 0.0), number)
 
     def _way(self, here: LanePosition) -> _Way | None:
         """Return the path that starts behind a place, None if it is too short."""
@@ -269,7 +272,7 @@ class _Way:
         roll: (n,) rad.
         left_line: Road and lane whose outer border is the left border, for each place, and s.
         right_line: The same for the right border.
-        junction: Distance along it to the first junction, m; infinite without one.
+        crossing: (n,) whether it is in a junction there.
     """
 
     distance: Floats
@@ -280,7 +283,7 @@ class _Way:
     roll: Floats
     left_line: list[tuple[int, int, float]]
     right_line: list[tuple[int, int, float]]
-    junction: float
+    crossing: NDArray[np.bool_]
 
     @staticmethod
     def along(network: Network, places: list[LanePosition]) -> _Way:
@@ -288,8 +291,7 @@ class _Way:
         n = network.tables
         left, right, angles = [], [], []
         left_line, right_line = [], []
-        junction = math.inf
-        for number, place in enumerate(places):
+        for place in places:
             road = network.road_index(place.road)
             sense = lane_direction(n, road, place.lane)
             borders = lane_borders(n, road, place.lane, place.s)
@@ -307,14 +309,18 @@ class _Way:
             pose = points[0]
             turned = 0.0 if sense > 0 else math.pi
             angles.append((pose.heading + turned, sense * pose.pitch, sense * pose.roll))
-            if math.isinf(junction) and n.road_junction[road] >= 0:
-                junction = float(number)
         heading, pitch, roll = (np.array(one) for one in zip(*angles, strict=True))
         middle = 0.5 * (np.array(left) + np.array(right))
+        crossing = np.array([n.road_junction[network.road_index(place.road)] >= 0 for place in places])
         gone = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(middle[:, :2], axis=0).T))])
         return _Way(
-            gone, np.array(left), np.array(right), np.unwrap(heading), pitch, roll, left_line, right_line, junction
+            gone, np.array(left), np.array(right), np.unwrap(heading), pitch, roll, left_line, right_line, crossing
         )
+
+    def junction_from(self, at: float) -> float:
+        """Return the distance along it from a place on to the next junction, m, 0 inside; infinite without one."""
+        there = self.distance[self.crossing & (self.distance >= at - 0.5)]
+        return max(float(there[0]) - at, 0.0) if len(there) else math.inf
 
     def points(self, view: CameraView, at: float, road: Pose) -> list[WayPoint]:
         """Return the points of the path from a place on, at which the road lies in the ground plane of a pose."""
