@@ -21,7 +21,7 @@ from pydantic import Field
 from scenario_compiler.controllers.data import Control, SensorData, VehicleState
 from scenario_compiler.controllers.model import ControllerModel, ControllerParams
 from scenario_compiler.perception.planned_way import on_way
-from scenario_compiler.perception.route_ahead import WayPoint
+from scenario_compiler.perception.route_ahead import WayPoint, without_folds
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING, TRUSTED
 
 if TYPE_CHECKING:
@@ -254,9 +254,9 @@ def _way_of(sensor_data: SensorData, ahead: float) -> Sequence[WayPoint]:
     """Return the planned route in the camera's ground frame."""
     points = [(x - ahead, y - sensor_data.camera.y) for x, y in sensor_data.route]
     if not sensor_data.route_widths:
-        return [WayPoint(x, y) for x, y in points]
+        return without_folds(WayPoint(x, y) for x, y in points)
     of_map = zip(sensor_data.route_widths, sensor_data.route_heights, sensor_data.route_banks, strict=True)
-    return [WayPoint(x, y, *more) for (x, y), more in zip(points, of_map, strict=True)]
+    return without_folds(WayPoint(x, y, *more) for (x, y), more in zip(points, of_map, strict=True))
 
 
 class _Spot(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import dropwhile, pairwise
 from typing import NamedTuple
 
@@ -33,6 +33,28 @@ SHARP = 0.15
 """Change of the route's heading up to the end of that stretch from which a bend is sharp, rad. The default camera sees
 0.39 rad to either side; in a bend with a radius below 33 m it does not see the inner boundary as far as 18 m ahead.
 """
+
+
+LEAST_ONWARD = 0.5
+"""Least distance by which a point of the route is farther on than the one before it, m; usual are 1 m."""
+
+
+def without_folds(way: Iterable[WayPoint]) -> list[WayPoint]:
+    """Return the points of a route that lead on.
+
+    Where a road's reference line has a corner, the middle of a lane on the inner side of it goes back a little, because
+    each of its points lies on the normal of a place on that line.
+    """
+    kept: list[WayPoint] = []
+    for point in way:
+        if len(kept) < 2:
+            onward = LEAST_ONWARD if not kept else math.dist(point[:2], kept[0][:2])
+        else:
+            (x, y), (dx, dy) = kept[-1][:2], (kept[-1].x - kept[-2].x, kept[-1].y - kept[-2].y)
+            onward = ((point.x - x) * dx + (point.y - y) * dy) / math.hypot(dx, dy)
+        if onward >= LEAST_ONWARD:
+            kept.append(point)
+    return kept
 
 
 def stretch_of(way: Sequence[WayPoint]) -> list[WayPoint]:

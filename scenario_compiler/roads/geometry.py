@@ -21,6 +21,10 @@ GAUSS_INNER = 8.0 / 18.0
 SMALL_ANGLE = 1e-9
 MIN_SPEED = 1e-12
 
+CORNER = 0.01
+"""Change of heading between two pieces of a reference line from which it has a corner there, rad; less is imprecision.
+"""
+
 
 @compiled
 def wrap_heading(h: float) -> float:
@@ -190,6 +194,31 @@ def road_heading(n: RoadTables, road: int, s: float) -> float:
 def road_curvature(n: RoadTables, road: int, s: float) -> float:
     """Return the curvature of the reference line, 1/m, positive to the left."""
     return piece_curvature(n, road_piece_at(n, road, s), s)
+
+
+@compiled
+def corners_near(n: RoadTables, road: int, s: float, within: float) -> float:
+    """Return by how much the reference line turns at the corners within a distance of s, rad, positive to the left."""
+    first = n.road_piece[road]
+    last = n.road_piece[road + 1]
+    piece = road_piece_at(n, road, s)
+    turned = 0.0
+    before = piece
+    while before > first and s - n.piece_s[before] < within:
+        turned = turned + corner_at(n, before)
+        before = before - 1
+    beyond = piece + 1
+    while beyond < last and n.piece_s[beyond] - s < within:
+        turned = turned + corner_at(n, beyond)
+        beyond = beyond + 1
+    return turned
+
+
+@compiled
+def corner_at(n: RoadTables, piece: int) -> float:
+    """Return by how much the reference line turns where a piece follows another one, rad; 0 if that is no corner."""
+    turned = wrap_angle(n.piece_h[piece] - piece_heading(n, piece - 1, n.piece_s[piece]))
+    return turned if abs(turned) > CORNER else 0.0
 
 
 @compiled

@@ -33,15 +33,21 @@ PLAN_VIEW = """<geometry s="0" x="0" y="0" hdg="0" length="{before}"><line/></ge
 <geometry s="{beyond}" x="{x}" y="{y}" hdg="{turned}" length="600"><line/></geometry>"""
 
 
-def curve_text(radius: float, *, left: bool = True, shape: str = "") -> str:
-    """Return a straight road with a bend of a radius, m, to the left or to the right, and then straight on."""
+def curve_text(radius: float, *, left: bool = True, spiral: bool = False) -> str:
+    """Return a straight road with a bend, and then straight on.
+
+    Args:
+        radius: The bend's radius, m; in a spiral, that at its end.
+        left: Whether it bends to the left.
+        spiral: Whether its curvature grows from 0 on.
+    """
     k = 1.0 / radius if left else -1.0 / radius
-    turned = k * ALONG
+    turned = 0.5 * k * ALONG if spiral else k * ALONG
     view = PLAN_VIEW.format(
         before=BEFORE,
         along=ALONG,
         beyond=BEFORE + ALONG,
-        shape=shape or f'<arc curvature="{k!r}"/>',
+        shape=f'<spiral curvStart="0" curvEnd="{k!r}"/>' if spiral else f'<arc curvature="{k!r}"/>',
         x=BEFORE + math.sin(turned) / k,
         y=(1.0 - math.cos(turned)) / k,
         turned=turned,
@@ -51,8 +57,8 @@ def curve_text(radius: float, *, left: bool = True, shape: str = "") -> str:
     return text[:begin] + view + text[end:]
 
 
-def curve(radius: float, *, left: bool = True, shape: str = "") -> Network:
-    return network_of(curve_text(radius, left=left, shape=shape))
+def curve(radius: float, *, left: bool = True, spiral: bool = False) -> Network:
+    return network_of(curve_text(radius, left=left, spiral=spiral))
 
 
 def middle(radius: float, *, left: bool = True, side: int = -1) -> float:
@@ -101,6 +107,40 @@ def test_a_bend_is_driven_at_the_speed_of_the_law_in_the_lane_and_without_a_requ
     assert max(v for s, v, _, _ in rows if s >= BEFORE) < 1.05 * expected
     assert max(abs(off) for *_, off in rows) < 0.5
     assert run.time_of(op.EVENT_REQUEST) == -1.0
+
+
+def polygon(radius: float, step: float, corners: int, straight: float = BEFORE) -> Network:
+    """Return a road with a bend to the left that is drawn as straight lines of a length, m, with corners between."""
+    x, y, s, heading, turned, views = 0.0, 0.0, 0.0, 0.0, step / radius, []
+    for length in (straight, *[step] * (corners - 1), 600.0):
+        views.append(
+            f'<geometry s="{s!r}" x="{x!r}" y="{y!r}" hdg="{heading!r}" length="{length!r}"><line/></geometry>'
+        )
+        x, y, s = x + length * math.cos(heading), y + length * math.sin(heading), s + length
+        heading += turned
+    text = road(1, s, lane(-1, "solid"), left=lane(1, "solid"))
+    return network_of(text[: text.index("<geometry")] + "".join(views) + text[text.index("</planView>") :])
+
+
+@pytest.mark.parametrize(("radius", "step"), [(60.0, 2.0), (60.0, 5.0), (30.0, 4.0), (16.0, 4.5)])
+def test_a_bend_drawn_with_corners_is_driven_like_the_arc_through_them(radius: float, step: float) -> None:
+    corners = round(ALONG / step) if radius > 20.0 else 10
+    run = draft_on(polygon(radius, step, corners), 14.0, BEFORE - 80.0).start()
+    rows = rows_until(run, BEFORE + step * corners - 15.0)
+    inside = [v for s, v, _, _ in rows if s > BEFORE + 15.0]
+    expected = math.sqrt(LATERAL * middle(radius))
+    assert min(inside) > 0.75 * expected
+    assert max(inside) < 1.15 * expected
+    assert max(abs(off) for *_, off in rows) < 0.75
+    assert run.time_of(op.EVENT_REQUEST) == -1.0
+
+
+@pytest.mark.parametrize(("turned", "slows"), [(0.005, False), (0.05, False), (0.3, True)])
+def test_a_single_corner_slows_the_car_only_if_it_cannot_be_cut(turned: float, slows: bool) -> None:
+    run = draft_on(polygon(1.0 / turned, 1.0, 1), 25.0, BEFORE - 200.0).start()
+    rows = rows_until(run, BEFORE + 5.0)
+    slowest = min(v for _, v, _, _ in rows)
+    assert slowest == pytest.approx(math.sqrt(LATERAL * 8.0 / turned) if slows else 25.0, rel=0.1)
 
 
 @pytest.mark.parametrize(("radius", "speed"), [(60.0, 25.0), (200.0, 33.0), (400.0, 40.0)])
@@ -209,8 +249,7 @@ def test_the_parameters_of_lane_detection_hold() -> None:
 
 def test_a_spiral_is_driven_faster_where_it_bends_less() -> None:
     """The curvature grows from 0 to 1 / 60 m along the bend."""
-    spiral = f'<spiral curvStart="0" curvEnd="{1.0 / 60.0!r}"/>'
-    rows = rows_until(draft_on(curve(60.0, shape=spiral), 25.0).start(), BEFORE + ALONG - 10.0)
+    rows = rows_until(draft_on(curve(60.0, spiral=True), 25.0).start(), BEFORE + ALONG - 10.0)
     for s, v, _, off in rows:
         k = max(s - BEFORE, 0.0) / ALONG / 60.0
         assert v * v * k / (1.0 + 1.75 * k) < 1.1 * LATERAL

@@ -3,6 +3,10 @@
 A bend with the curvature k is driven at most at the speed v with v^2 = a / k, where a is a lateral acceleration. At the
 distance d before it, comfortable braking by b allows the speed sqrt(v^2 + 2 b d). The curvature is that of the lane's
 centre. On a slippery road both accelerations are smaller (`comfort`).
+
+A bend may be drawn as straight lines with corners. Its curvature is the change of heading over 8 m. A single corner may
+be cut by e: an arc with the radius R that turns by the small angle w passes the corner at R w^2 / 8, so that its
+curvature is w^2 / (8 e).
 """
 
 from __future__ import annotations
@@ -15,13 +19,17 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.engine.motion.surroundings import TYRES_HOLD, comfort
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import curvature_ahead, lane_curvature
+from scenario_compiler.roads.geometry import corners_near
+from scenario_compiler.roads.lanes import curvature_ahead, lane_curvature, row_centre
 from scenario_compiler.roads.tables import RoadTables
 
 NEAREST = 4.0
 STEP = 3.2
 """Distance ahead at which the search for bends begins, and from one place to the next, m: `lane_detection` measures a
 bend over 4 m of its route on either side."""
+
+CUT = 0.15
+"""By how much a corner may be cut, m; chosen: a sixth of the space that a lane of 3.5 m leaves beside a car."""
 
 KNOWN_FOR = 2.0
 """Distance after which bends that limit the speed are searched again, m; chosen."""
@@ -42,6 +50,17 @@ unless its parameters change them."""
 
 SETTLING = 0.5
 """Time in which a difference to the speed for the bends decreases to a third (1 / e), s; chosen."""
+
+
+@compiled
+def corner_curvature(n: RoadTables, road: int, row: int, s: float) -> float:
+    """Return the curvature of a lane's centre that belongs to the corners of the road near s, 1/m, at least 0."""
+    turned = corners_near(n, road, s, NEAREST)
+    if turned == 0.0 or row < 0:
+        return 0.0
+    k = min(abs(turned) / (2.0 * NEAREST), turned * turned / (8.0 * CUT))
+    t, _ = row_centre(n, road, row, s)
+    return k / max(1.0 - k * t if turned > 0.0 else 1.0 + k * t, 0.1)
 
 
 @compiled
@@ -71,7 +90,7 @@ def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float,
         road, lane, row, s, over = path_ahead(n, p, st, NEAREST + beyond)
         if over > 0.0:
             return
-        bend = abs(lane_curvature(n, road, lane, row, s))
+        bend = max(abs(lane_curvature(n, road, lane, row, s)), corner_curvature(n, road, row, s))
         if bend > STRAIGHT:
             square = lateral / bend
             if square < fastest * fastest and square + 2.0 * braking * beyond < least:

@@ -20,7 +20,7 @@ from scenario_compiler.perception.camera import View as CameraView
 from scenario_compiler.perception.course import NARROWEST
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.roadside import roadside_of
-from scenario_compiler.perception.route_ahead import LOOKED_AT, WayPoint
+from scenario_compiler.perception.route_ahead import LOOKED_AT, WayPoint, without_folds
 from scenario_compiler.perception.scene import Scene, joined_marks
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.perception.textures import GROUND_SEED
@@ -330,7 +330,7 @@ class _Way:
         left, right = ((one[ahead] - np.array(road[:3])) @ up for one in (self.left, self.right))
         width = np.linalg.norm((self.left - self.right)[ahead], axis=1)
         rows = np.stack([x, y, width, 0.5 * (left + right), (left - right) / np.maximum(width, NARROWEST)], axis=1)
-        return [WayPoint(*row) for row in rows.tolist()]
+        return without_folds(WayPoint(*row) for row in rows.tolist())
 
     @property
     def curvature(self) -> float:
