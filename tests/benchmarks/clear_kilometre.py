@@ -26,10 +26,6 @@ STEP, AHEAD, LONGEST, SPEED = 5.0, 25, 300.0, 13.9
 """Distance between places that are looked at, how far ahead of a request paint has to be, the longest drive, m, and the
 speed where no bend is, m/s."""
 
-BEGIN_RADIUS = 25.0
-"""Least radius of the road where a drive begins, m: nobody switches an automation on in a bend in which the camera sees
-neither boundary of the lane, and nothing is remembered yet."""
-
 EVERY = 15
 """Steps after which it is looked again whether the way is clear."""
 
@@ -58,7 +54,7 @@ def painted(network: Network, place: LanePosition) -> bool:
 
 
 def stretches(network: Network) -> tuple[float, list[LanePosition]]:
-    """Return the m of lanes that are painted on both sides, and places on such at which drives begin."""
+    """Return the m of lanes that are painted on both sides, and places at which such begin, in order of travel."""
     n, metres, starts = network.tables, 0.0, []
     for row, lane in enumerate(n.lane_id):
         section = n.lane_section[row]
@@ -74,10 +70,8 @@ def stretches(network: Network) -> tuple[float, list[LanePosition]]:
             places.reverse()
         good = [painted(network, one) and lane_width(n, road, lane, one.s) > 2.5 for one in places]
         metres += sum(good) * (high - low) / count
-        begins = (k for k, one in enumerate(places) if abs(network.curvature(one.road, one.s)) * BEGIN_RADIUS < 1.0)
-        first = next(begins, None)
-        if first is not None and good[first] and high - low > 30.0:
-            starts.append(places[first])
+        if good[0] and high - low > 30.0:
+            starts.append(places[0])
     return metres, starts
 
 
