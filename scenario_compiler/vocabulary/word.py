@@ -246,13 +246,7 @@ def other_attributes(description: str) -> Any:
 
 def same_as(word: type[Word], field: str) -> Any:
     """Declare a field as another word does, so that its spelling, default and description are written once."""
-    declared = word.model_fields[field]
-    return Field(
-        declared.default,
-        default_factory=declared.default_factory,
-        description=declared.description,
-        metadata=declared.metadata,
-    )
+    return word.model_fields[field]
 
 
 def spelling_of(field: Field) -> Spelling | None:
