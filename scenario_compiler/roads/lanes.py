@@ -361,8 +361,14 @@ def lane_curvature(n: RoadTables, road: int, lane: int, row: int, s: float) -> f
     k = road_curvature(n, road, s)
     if k == 0.0:
         return 0.0
+    return lane_direction(n, road, lane) * curvature_in_lane(n, road, row, s, k)
+
+
+@compiled
+def curvature_in_lane(n: RoadTables, road: int, row: int, s: float, k: float) -> float:
+    """Return the curvature of a lane's centre where that of the reference line is k, 1/m, both along it."""
     t, _ = row_centre(n, road, row, s)
-    return lane_direction(n, road, lane) * k / max(1.0 - k * t, 0.1)
+    return k / max(1.0 - k * t, 0.1)
 
 
 @compiled

@@ -20,7 +20,7 @@ from scenario_compiler.engine.motion.path import path_ahead
 from scenario_compiler.engine.motion.surroundings import TYRES_HOLD, comfort
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import corners_near
-from scenario_compiler.roads.lanes import curvature_ahead, lane_curvature, row_centre
+from scenario_compiler.roads.lanes import curvature_ahead, curvature_in_lane, lane_curvature
 from scenario_compiler.roads.tables import RoadTables
 
 NEAREST = 4.0
@@ -59,8 +59,7 @@ def corner_curvature(n: RoadTables, road: int, row: int, s: float) -> float:
     if turned == 0.0 or row < 0:
         return 0.0
     k = min(abs(turned) / (2.0 * NEAREST), turned * turned / (8.0 * CUT))
-    t, _ = row_centre(n, road, row, s)
-    return k / max(1.0 - k * t if turned > 0.0 else 1.0 + k * t, 0.1)
+    return abs(curvature_in_lane(n, road, row, s, k if turned > 0.0 else -k))
 
 
 @compiled
