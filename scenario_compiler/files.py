@@ -38,6 +38,22 @@ def unsaved(contents: Mapping[str, bytes]) -> Iterator[None]:
         _UNSAVED.reset(token)
 
 
+def is_file(path: Path) -> bool:
+    """Return whether a path is a file; a path that the system does not accept is not."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Return whether a path is a folder; a path that the system does not accept is not."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
 def split_target(target: str | Path) -> tuple[str, str | None]:
     """Split FILE#name into the file and the scenario's name, each of which may contain a '#' itself.
 
@@ -45,10 +61,10 @@ def split_target(target: str | Path) -> tuple[str, str | None]:
     separates the two.
     """
     text = str(target)
-    if "#" not in text or Path(text).is_file():
+    if "#" not in text or is_file(Path(text)):
         return text, None
     splits = [(text[:at], text[at + 1 :]) for at in range(len(text) - 1, -1, -1) if text[at] == "#"]
-    return next((split for split in splits if Path(split[0]).is_file()), splits[0])
+    return next((split for split in splits if is_file(Path(split[0]))), splits[0])
 
 
 def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:

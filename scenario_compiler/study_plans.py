@@ -9,7 +9,7 @@ from pathlib import Path
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place
-from scenario_compiler.files import split_target
+from scenario_compiler.files import is_file, split_target
 from scenario_compiler.languages import ScenarioNameNeededError
 from scenario_compiler.markup.names import UNKNOWN_ARGUMENT, UNKNOWN_SCENARIO
 from scenario_compiler.resources import ConflictNotFoundError
@@ -110,7 +110,7 @@ class _StudyCompiler:
     def compiled(self, word: StudyScenario | Practice | Foil, condition: Condition | None = None) -> Compilation | None:
         """Compile the scenario that a word names, with the values and messages of a condition; None if that fails."""
         target, place = located(word.target, self.folder), word.place_of("target")
-        if not Path(split_target(target)[0]).is_file():
+        if not is_file(Path(split_target(target)[0])):
             self._report_missing(word.target, target, place)
             return None
         values = () if condition is None or condition.setting is None else condition.setting.values

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from scenario_compiler.files import read_file
+from scenario_compiler.files import is_file, read_file
 from scenario_compiler.resources import configuration_file
 
 MOST_CONFIGURATION_BYTES = 1024 * 1024
@@ -101,7 +101,7 @@ class Trust:
             folders = [Path(), *([] if self.beside is None else [self.beside]), *folders]
         paths = [_absolute(folder / code.source) for folder in folders]
         namesakes = [path for path in self._files() if path.name == paths[0].name]
-        return next((path for path in (*paths, *namesakes) if path.is_file()), paths[0])
+        return next((path for path in (*paths, *namesakes) if is_file(path)), paths[0])
 
     def _files(self) -> list[Path]:
         """Return the absolute paths of the Python files that the user has named, also for a class in one."""

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from scenario_compiler.controllers.answers import BadAnswerError
 from scenario_compiler.diagnostics import Code, FilePlace
+from scenario_compiler.files import is_file
 from scenario_compiler.trust import CodeName, Trust
 
 UNKNOWN_CONTROLLER = Code(
@@ -159,7 +160,7 @@ def _file_module(name: str, file: Path, kind: Kind) -> Any:
     known = sys.modules.get(str(file))
     if known is not None:
         return known
-    if not file.is_file():
+    if not is_file(file):
         raise _not_there(name, f"there is no file {file}", kind)
     spec = importlib.util.spec_from_file_location(str(file), file)
     if spec is None or spec.loader is None:

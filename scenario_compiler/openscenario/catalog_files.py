@@ -9,7 +9,8 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document
-from scenario_compiler.openscenario.files import VERSIONS, is_file, read_forgiving, read_version
+from scenario_compiler.files import is_file
+from scenario_compiler.openscenario.files import VERSIONS, read_forgiving, read_version
 from scenario_compiler.structure.walk import local_name
 
 

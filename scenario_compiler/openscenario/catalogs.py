@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from scenario_compiler.diagnostics import Severity, did_you_mean
 from scenario_compiler.expressions import names_in
+from scenario_compiler.files import is_file, is_folder
 from scenario_compiler.markup.names import UNKNOWN_ARGUMENT
 from scenario_compiler.openscenario.catalog_files import CatalogFolders
 from scenario_compiler.openscenario.codes import NO_CATALOG_FOLDER, UNKNOWN_CATALOG_ENTRY
-from scenario_compiler.openscenario.files import (
-    beside,
-    is_file,
-    is_folder,
-)
+from scenario_compiler.openscenario.files import beside
 from scenario_compiler.openscenario.node import FileContext, Node
 from scenario_compiler.openscenario.parameters import (
     assigned_name,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity
 from scenario_compiler.document import Document
+from scenario_compiler.files import is_file
 from scenario_compiler.markup.codes import WRONG_VALUE
 from scenario_compiler.markup.values import COMMAND_LINE
 from scenario_compiler.openscenario.catalogs import read_catalog_locations
@@ -15,7 +16,7 @@ from scenario_compiler.openscenario.codes import NO_SCENARIO_FILE, NOT_READ
 from scenario_compiler.openscenario.contents import OpenScenario, Variation
 from scenario_compiler.openscenario.distributions import read_variation
 from scenario_compiler.openscenario.entities import read_entities
-from scenario_compiler.openscenario.files import VERSIONS, beside, is_file, read_forgiving, read_version
+from scenario_compiler.openscenario.files import VERSIONS, beside, read_forgiving, read_version
 from scenario_compiler.openscenario.node import FileContext, Node
 from scenario_compiler.openscenario.parameters import (
     declared_name,

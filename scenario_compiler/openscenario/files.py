@@ -61,22 +61,6 @@ def beside(folder: Path, written: str) -> list[Path]:
     return list(dict.fromkeys([folder / path, folder / path.name])) if written.strip() else []
 
 
-def is_file(path: Path) -> bool:
-    """Return whether a path is a file; a path that the system does not accept is not."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
-
-
-def is_folder(path: Path) -> bool:
-    """Return whether a path is a folder; a path that the system does not accept is not."""
-    try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
-
-
 def read_version(major: str, minor: str, place: Place, sink: Diagnostics) -> tuple[int, int]:
     """Return the version in a header, or the nearest existing one with a warning."""
     named = (int(major), int(minor)) if major.isdecimal() and minor.isdecimal() and len(major + minor) < 9 else None

@@ -17,6 +17,7 @@ from scenario_compiler.diagnostics import (
     Severity,
     did_you_mean,
 )
+from scenario_compiler.files import is_file
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.resources import PUBLISHED_AS, MapNotFoundError, find_map, known_maps, portable
 from scenario_compiler.roads import Network, load_network
@@ -100,7 +101,7 @@ def open_plan_map(
         beside: Folder of the plan; None if it has none.
     """
     own = None if beside is None else beside / MAP_OF_RUN
-    name = plan.map.file if Path(plan.map.file).is_file() else plan.map.name
+    name = plan.map.file if is_file(Path(plan.map.file)) else plan.map.name
     if own is not None and own.is_file():
         name = str(own.resolve())
     network = open_map(name, None, FilePlace(plan.name), sink, maps)

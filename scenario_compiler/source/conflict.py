@@ -15,6 +15,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, Place, Severity, all_codes, code_named, did_you_mean
 from scenario_compiler.document import Document, read_document
+from scenario_compiler.files import is_file
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
@@ -375,4 +376,4 @@ def _find(name: str, folder: Path) -> Path:
     """Return the path of an included file: the whole path from the folder, or its bare name there."""
     whole = folder / name
     bare = folder / Path(name).name
-    return bare if not whole.is_file() and bare.is_file() else whole
+    return bare if not is_file(whole) and is_file(bare) else whole
