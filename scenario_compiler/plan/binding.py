@@ -114,9 +114,10 @@ NO_VALUE = Code(
 NOT_ON_EARTH = Code(
     "SC385",
     "map-without-projection",
-    "A position is given by latitude and longitude, but the map does not specify its projection, or the projection is "
-    "not a transverse Mercator projection (`+proj=tmerc` or `+proj=utm` in the `geoReference` of its header). Write "
-    "the position in the map's own axes instead:\n\n"
+    "A position is given by latitude and longitude, but the `geoReference` in the map's header is missing or not "
+    "known. Known are PROJ strings with `+proj=tmerc`, `utm`, `merc`, `webmerc` or `lcc`, in metres, with `+towgs84` "
+    "if the datum is another one than WGS 84, and EPSG codes of UTM zones and of some national grids, such as "
+    "`EPSG:25832`. Give the map such a projection, or write the position in the map's own axes:\n\n"
     '    <geographic latitude="49.0069" longitude="8.4037"/>\n'
     '    <free x="120.5" y="-33.2" heading="90"/>',
 )
@@ -260,16 +261,21 @@ class Binder:
         return self._facing(FoundLane(position.road, nearest.lane, s, offset), heading, position)
 
     def _bind_geographic(self, position: GeoPosition) -> FreePosition | None:
-        from scenario_compiler.roads.projection import read_projection
+        from scenario_compiler.roads.georeference import read_georeference
 
         header = self.network.model().header
-        projection = read_projection(header.geo_reference)
-        if projection is None:
+        georeference = read_georeference(header.geo_reference)
+        if georeference is None:
             hint = f"its geoReference is '{header.geo_reference}'" if header.geo_reference else "it has no geoReference"
             message = f"the map '{self.network.name}' does not specify a known projection"
             self.sink.add(NOT_ON_EARTH, message, position.origin, hint=hint)
             return None
-        x, y = projection.project(math.radians(position.latitude), math.radians(position.longitude))
+        found = georeference.project(math.radians(position.latitude), math.radians(position.longitude))
+        if found is None:
+            message = f"the projection of the map '{self.network.name}' has no such place"
+            self.sink.add(NOT_ON_EARTH, message, position.origin, hint=f"its geoReference is '{header.geo_reference}'")
+            return None
+        x, y = found
         away_x, away_y, _, turned = header.offset
         dx, dy = x - away_x, y - away_y
         c, w = math.cos(turned), math.sin(turned)

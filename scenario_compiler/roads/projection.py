@@ -1,30 +1,45 @@
-"""From latitude and longitude to a map's plane, for maps whose `geoReference` is a transverse Mercator projection.
+"""Map projections of an ellipsoid: transverse Mercator, Mercator and Lambert's conformal conic.
 
-The series is Krueger's, to the fourth order in the third flattening, as in C. F. F. Karney, "Transverse Mercator with
-an accuracy of a few nanometers", Journal of Geodesy 85 (2011), equations 7 to 12 and 35: exact to 1 mm within 3000 km
-of the central meridian. Parameters have the names of PROJ strings.
+The series of the transverse Mercator projection is Krueger's, to the fourth order in the third flattening, as in
+C. F. F. Karney, "Transverse Mercator with an accuracy of a few nanometers", Journal of Geodesy 85 (2011), equations 7
+to 12 and 35: exact to 1 mm within 3000 km of the central meridian. The other formulas are those of J. P. Snyder, "Map
+Projections: A Working Manual", USGS Professional Paper 1395 (1987), equations 7-7 and 14-15 to 15-11.
 """
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
-from math import asinh, atan2, atanh, cos, cosh, hypot, isfinite, pi, radians, sin, sinh, sqrt, tan
+from dataclasses import dataclass
+from math import asinh, atan2, atanh, cos, cosh, exp, hypot, log, pi, remainder, sin, sinh, sqrt, tan
+from typing import Protocol
 
-ELLIPSOIDS = {
-    "WGS84": (6378137.0, 298.257223563),
-    "GRS80": (6378137.0, 298.257222101),
-    "bessel": (6377397.155, 299.1528128),
-    "intl": (6378388.0, 297.0),
-    "clrk66": (6378206.4, 294.978698214),
-    "airy": (6377563.396, 299.3249646),
-    "krass": (6378245.0, 298.3),
-    "sphere": (6370997.0, 0.0),
-}
-"""Equatorial radius, m, and inverse flattening (0: a sphere) of PROJ's ellipsoids, as its documentation lists them."""
 
-UTM_SCALE = 0.9996
-UTM_EASTING = 500000.0
-UTM_SOUTHERN_NORTHING = 10000000.0
+@dataclass(frozen=True, slots=True)
+class Ellipsoid:
+    """The shape of the Earth: its equatorial radius, m, and its flattening."""
+
+    radius: float
+    flattening: float
+
+    @property
+    def eccentricity(self) -> float:
+        """The first eccentricity."""
+        return sqrt(self.flattening * (2.0 - self.flattening))
+
+    def isometric(self, latitude: float) -> float:
+        """Return the isometric latitude, rad, of a latitude, rad; infinite at the poles."""
+        e, s = self.eccentricity, sin(latitude)
+        return atanh(s) - e * atanh(e * s)
+
+    def parallel(self, latitude: float) -> float:
+        """Return the radius of a parallel of latitude for an equatorial radius of 1."""
+        return cos(latitude) / sqrt(1.0 - (self.eccentricity * sin(latitude)) ** 2)
+
+
+class Projection(Protocol):
+    """What maps a latitude and a longitude to a plane."""
+
+    def project(self, latitude: float, longitude: float) -> tuple[float, float]:
+        """Return (x, y) in m of a point by its latitude and longitude, rad; x points east, y north."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +47,7 @@ class TransverseMercator:
     """A transverse Mercator projection.
 
     Attributes:
-        radius: Equatorial radius, m.
-        flattening: Of the ellipsoid.
+        ellipsoid: The ellipsoid.
         latitude: Of the origin, rad.
         longitude: Of the central meridian, rad.
         scale: On the central meridian.
@@ -41,8 +55,7 @@ class TransverseMercator:
         northing: y of the origin, m.
     """
 
-    radius: float
-    flattening: float
+    ellipsoid: Ellipsoid
     latitude: float
     longitude: float
     scale: float
@@ -57,9 +70,10 @@ class TransverseMercator:
 
     def _on_meridian(self, latitude: float, away: float) -> tuple[float, float]:
         """Return (x, y) from the equator and the central meridian; `away` is the longitude from that, rad."""
-        n = self.flattening / (2.0 - self.flattening)
-        rectifying = self.radius / (1.0 + n) * (1.0 + n * n / 4.0 + n**4 / 64.0)
-        eccentricity = sqrt(self.flattening * (2.0 - self.flattening))
+        flattening = self.ellipsoid.flattening
+        n = flattening / (2.0 - flattening)
+        rectifying = self.ellipsoid.radius / (1.0 + n) * (1.0 + n * n / 4.0 + n**4 / 64.0)
+        eccentricity = self.ellipsoid.eccentricity
         tangent = tan(min(max(latitude, -0.5 * pi), 0.5 * pi))
         sigma = sinh(eccentricity * atanh(eccentricity * tangent / hypot(1.0, tangent)))
         conformal = tangent * hypot(1.0, sigma) - sigma * hypot(1.0, tangent)
@@ -82,49 +96,62 @@ def _series(n: float) -> tuple[float, float, float, float]:
     )
 
 
-def read_projection(text: str) -> TransverseMercator | None:
-    """Return the projection of a PROJ string; None unless it is a transverse Mercator or UTM projection."""
-    found = _read(text)
-    return found if found is not None and all(isfinite(number) for number in astuple(found)) else None
+@dataclass(frozen=True, slots=True)
+class Mercator:
+    """A Mercator projection; its attributes have the meanings of `TransverseMercator`, `scale` is on the equator."""
+
+    ellipsoid: Ellipsoid
+    longitude: float
+    scale: float
+    easting: float
+    northing: float
+
+    def project(self, latitude: float, longitude: float) -> tuple[float, float]:
+        """Return (x, y) in m of a point by its latitude and longitude, rad."""
+        radius = self.scale * self.ellipsoid.radius
+        east = radius * remainder(longitude - self.longitude, 2.0 * pi)
+        return self.easting + east, self.northing + radius * self.ellipsoid.isometric(latitude)
 
 
-def _read(text: str) -> TransverseMercator | None:
-    words = (word.lstrip("+").partition("=") for word in text.split() if word.startswith("+"))
-    given = {name: value for name, _, value in words}
-    shape = _ellipsoid(given)
-    if shape is None or given.get("units", "m") != "m":
-        return None
-    try:
-        if given.get("proj") == "utm":
-            zone = int(given.get("zone", ""))
-            northing = UTM_SOUTHERN_NORTHING if "south" in given else 0.0
-            meridian = radians(6.0 * zone - 183.0)
-            return TransverseMercator(*shape, 0.0, meridian, UTM_SCALE, UTM_EASTING, northing)
-        if given.get("proj") != "tmerc":
-            return None
-        latitude, longitude = (radians(float(given.get(name, "0"))) for name in ("lat_0", "lon_0"))
-        scale = float(given.get("k", given.get("k_0", "1")))
-        return TransverseMercator(
-            *shape, latitude, longitude, scale, float(given.get("x_0", "0")), float(given.get("y_0", "0"))
-        )
-    except ValueError:
-        return None
+@dataclass(frozen=True, slots=True)
+class LambertConic:
+    """Lambert's conformal conic projection.
 
+    Attributes:
+        ellipsoid: The ellipsoid.
+        latitude: Of the origin, rad.
+        longitude: Of the central meridian, rad.
+        parallels: The two standard parallels, rad; equal if there is one.
+        scale: On the standard parallels.
+        easting: x of the origin, m.
+        northing: y of the origin, m.
+    """
 
-def _ellipsoid(given: dict[str, str]) -> tuple[float, float] | None:
-    """Return (equatorial radius in m, flattening) from a PROJ string's words; None for an unknown ellipsoid."""
-    try:
-        if "R" in given:
-            return float(given["R"]), 0.0
-        if "a" in given:
-            radius = float(given["a"])
-            flattening = 1.0 - float(given.get("b", given["a"])) / radius
-            return (radius, flattening) if 0.0 <= flattening < 0.5 else None
-    except (ValueError, ZeroDivisionError):
-        return None
-    datums = {"WGS84": "WGS84", "NAD83": "GRS80", "potsdam": "bessel"}
-    name = given.get("ellps") or datums.get(given.get("datum", "WGS84"), "")
-    if name not in ELLIPSOIDS:
-        return None
-    radius, inverse = ELLIPSOIDS[name]
-    return radius, 1.0 / inverse if inverse else 0.0
+    ellipsoid: Ellipsoid
+    latitude: float
+    longitude: float
+    parallels: tuple[float, float]
+    scale: float
+    easting: float
+    northing: float
+
+    def project(self, latitude: float, longitude: float) -> tuple[float, float]:
+        """Return (x, y) in m of a point by its latitude and longitude, rad."""
+        cone = self._cone()
+        radius, origin = self._radius(latitude, cone), self._radius(self.latitude, cone)
+        turned = cone * remainder(longitude - self.longitude, 2.0 * pi)
+        return self.easting + radius * sin(turned), self.northing + origin - radius * cos(turned)
+
+    def _cone(self) -> float:
+        """Return the constant of the cone: by how much a meridian turns for a radian of longitude."""
+        first, second = self.parallels
+        if abs(first - second) < 1.0e-10:
+            return sin(first)
+        wide = log(self.ellipsoid.parallel(first) / self.ellipsoid.parallel(second))
+        return wide / (self.ellipsoid.isometric(second) - self.ellipsoid.isometric(first))
+
+    def _radius(self, latitude: float, cone: float) -> float:
+        """Return the radius of a parallel on the map, m."""
+        first = self.parallels[0]
+        there = self.ellipsoid.isometric(first) - self.ellipsoid.isometric(latitude)
+        return self.scale * self.ellipsoid.radius * self.ellipsoid.parallel(first) / cone * exp(cone * there)

@@ -10,7 +10,7 @@ import pytest
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.plan.binding import Binder
 from scenario_compiler.roads import load_network
-from scenario_compiler.roads.projection import read_projection
+from scenario_compiler.roads.georeference import read_georeference
 from scenario_compiler.vocabulary.positions import FreePosition, GeoPosition
 from tests.engine.make import lane, road
 
@@ -33,9 +33,11 @@ def bound(folder: Path, header: str) -> FreePosition | None:
 
 
 def test_a_place_is_projected(tmp_path: Path) -> None:
-    projection = read_projection(UTM)
-    assert projection is not None
-    x, y = projection.project(radians(PLACE.latitude), radians(PLACE.longitude))
+    georeference = read_georeference(UTM)
+    assert georeference is not None
+    there = georeference.project(radians(PLACE.latitude), radians(PLACE.longitude))
+    assert there is not None
+    x, y = there
     found = bound(tmp_path, f"<geoReference><![CDATA[{UTM}]]></geoReference>")
     assert found is not None
     assert (found.x, found.y, found.heading) == pytest.approx((x, y, 0.5))
@@ -52,8 +54,6 @@ def test_the_offset_of_the_map_counts(tmp_path: Path) -> None:
     assert there == pytest.approx((plain.x, plain.y))
 
 
-@pytest.mark.parametrize(
-    "header", ["", "<geoReference>+proj=merc</geoReference>", f"<geoReference>{pi}</geoReference>"]
-)
+@pytest.mark.parametrize("header", ["", "<geoReference>+proj=aea</geoReference>", f"<geoReference>{pi}</geoReference>"])
 def test_a_map_without_a_known_projection_is_reported(tmp_path: Path, header: str) -> None:
     assert bound(tmp_path, header) is None
