@@ -6,9 +6,10 @@ from typing import Any, get_args
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import did_you_mean
+from scenario_compiler.diagnostics import Severity, did_you_mean
 from scenario_compiler.expressions import Expression
 from scenario_compiler.markup import codes
+from scenario_compiler.markup.names import UNKNOWN_ENTITY
 from scenario_compiler.openscenario.motion import anywhere, read_position, write_position
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output, Version
@@ -177,19 +178,33 @@ class _Target:
 
 
 class _Other:
-    """The other party of a collision: an entity, or any entity of a type."""
+    """The other party of a collision: an entity, any member of a selection, or any entity of a type.
 
-    def read(self, node: Node) -> Fields:
+    The entities of the type `external` are those that the file does not describe.
+    """
+
+    def read(self, node: Node) -> Fields | None:
         inner = node.child("EntityRef", "ByType")
         if inner is None:
             return {}
         if inner.tag == "EntityRef":
-            return {"with_entity": inner.entity("entityRef")}
-        return {"with_type": inner.choice("type", ("vehicle", "pedestrian", "miscellaneous"))}
+            others = inner.entities("entityRef")
+            return {"with_entities": others} if others else None
+        kind = inner.choice("type", ("vehicle", "pedestrian", "miscellaneous", "external"))
+        if kind != "external":
+            return {"with_type": kind}
+        outside = tuple(one for one, its in node.reading.known.entities.items() if its == "external")
+        if not outside:
+            message = "no entity is an ExternalObjectReference, so this is never true"
+            inner.report(UNKNOWN_ENTITY, message, "type", severity=Severity.WARNING)
+            return None
+        return {"with_entities": outside}
 
     def write(self, word: CollisionCondition, element: etree._Element, output: Output) -> None:
-        if word.with_entity:
-            element.append(made("EntityRef", entityRef=word.with_entity))
+        if word.with_entities:
+            if len(word.with_entities) > 1:
+                output.tell_lost(word, "OpenSCENARIO allows one touched entity; only the first one is kept")
+            element.append(made("EntityRef", entityRef=word.with_entities[0]))
         elif word.with_type:
             element.append(made("ByType", type=word.with_type))
         else:

@@ -271,7 +271,7 @@ def add_world_condition(draft: Draft, dice: Dice, kind: int, before: int) -> Non
         CONDITION["element_state"]: FIRST_TRANSITION + dice.pick(0, 1, 2, 3),
     }
     others = {
-        CONDITION["collision"]: dice.pick(op.NONE, 1),
+        CONDITION["collision"]: dice.pick(0, 1),
         CONDITION["clearance"]: 0,
         CONDITION["element_state"]: before,
     }

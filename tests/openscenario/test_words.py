@@ -106,7 +106,7 @@ def _settled(word: Word) -> Word:
     if getattr(word, "dynamics", None) is not None:
         return word.model_copy(update={"over_time": 0.0})
     if isinstance(word, CollisionCondition):
-        return word.model_copy(update={"with_entity": "" if word.with_type else "other"})
+        return word.model_copy(update={"with_entities": () if word.with_type else ("other",)})
     if isinstance(word, TimeToCollisionCondition):
         to = "other" if word.position is None else ""
         return word.model_copy(update={"to": to})

@@ -170,7 +170,7 @@ def test_a_collision_that_only_the_world_finds_is_judged_as_one(plan: Plan) -> N
 
 def test_a_collision_that_the_world_finds_with_an_entity_names_it(plan: Plan) -> None:
     world = type("WithBlocker", (WorldWithPole,), {"touched": (plan.entities[1].id, "vehicle.audi.tt")})
-    touched = TriggerCondition(condition=CollisionCondition(entity="ego", with_entity=plan.entities[1].id))
+    touched = TriggerCondition(condition=CollisionCondition(entity="ego", with_entities=(plan.entities[1].id,)))
     trigger = Trigger(groups=(ConditionGroup(conditions=(touched,)),))
     stopping = plan.model_copy(update={"storyboard": plan.storyboard.model_copy(update={"stop": trigger})})
     recording = recorded(stopping, world)

@@ -4,7 +4,8 @@ The speed is computed again in each step from the remaining distances up to the 
 phases of constant acceleration satisfy distance, time and speed; whether the entity accelerates or decelerates first is
 decided once. Near the second phase the speed changes linearly to the end. The last stretch may be driven at the final
 speed; its distance and time are subtracted first. While the master stands, the entity stops and waits. Without a final
-speed, the speed changes linearly to whatever it is on arrival. After esmini 3.6.
+speed, the speed changes linearly to whatever it is on arrival. After esmini 3.6, except that a master may also arrive
+in reverse, for which esmini waits as if it stood.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ NEARLY = 0.001
 """Distance, m, and time, s, below which a linear change of speed is no longer computed (esmini 3.6)."""
 
 FOREVER = 1.0e10
-"""Time until a master that stands or goes backwards arrives, s (esmini 3.6)."""
+"""Time until a master that stands arrives, s (esmini 3.6)."""
 
 
 @compiled
@@ -219,7 +220,7 @@ def step_synchronize(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
     st.action_b[k] = masters
     way = max(way - p.const[base + slot.A_TOLERANCE], op.TOLERANCE)
     masters = max(masters - p.const[base + slot.A_MASTER_TOLERANCE], op.TOLERANCE)
-    speed = speed_ahead(st, master)
+    speed = abs(speed_ahead(st, master))
     time = FOREVER
     if speed > op.TOLERANCE:
         time = masters / speed

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.numbers import angle_between, length_of, safe_sqrt
-from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
+from scenario_compiler.engine.columns.program import ENTITY, POSITION, SET, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ConditionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.closing import approach_speed
@@ -27,6 +27,7 @@ from scenario_compiler.engine.motion.watching import (
     WATCH_OFF_ROAD,
     WATCH_STILL,
 )
+from scenario_compiler.engine.story.clearance import is_member
 from scenario_compiler.engine.story.entry import RULES, Condition, compared, other_is_gone, time_compared
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
@@ -257,14 +258,14 @@ def reach_position_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -
 
 @compiled
 def collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 if i touches the given entity, or any entity of the given kind; an entity does not touch itself."""
+    """Return 1 if i touches one of the given entities of the given kind; an entity does not touch itself."""
     del n
-    other = p.condition_other[c]
-    if other >= 0:
-        return in_contact(p, st, i, other) if other != i else 0
+    others = p.condition_other[c]
     kind = p.condition_mode[c]
     for j in range(p.entity_count[0]):
-        if j != i and (kind == 0 or p.entity_type[j] == kind) and in_contact(p, st, i, j) == 1:
+        if j == i or is_member(p, others, j) == 0:
+            continue
+        if (kind == op.KIND_ANY or p.entity_type[j] == kind) and in_contact(p, st, i, j) == 1:
             return 1
     return 0
 
@@ -403,9 +404,9 @@ def end_of_road_row(draft: ProgramDraft, word: EndOfRoadCondition) -> ConditionR
 
 
 def collision_row(draft: ProgramDraft, word: CollisionCondition) -> ConditionRow:
-    """Return the row of a condition on a collision."""
-    other = draft.entities[word.with_entity] if word.with_entity else op.NONE
-    return ConditionRow(entity=word.entity, other=other, mode=KINDS[word.with_type])
+    """Return the row of a condition on a collision; `other` is the set of the other entities."""
+    others = draft.members(draft.entities[one] for one in word.with_entities)
+    return ConditionRow(entity=word.entity, other=others, mode=KINDS[word.with_type])
 
 
 def angle_row(draft: ProgramDraft, word: AngleCondition) -> ConditionRow:
@@ -441,6 +442,6 @@ DISTANCE = Condition(("distance",), gap_row, distance_holds, refers=BETWEEN)
 POSITION_DISTANCE = Condition(("distance_to_position",), position_distance_row, position_distance_holds, refers=AT)
 RELATIVE_SPEED = Condition(("relative_speed",), relative_speed_row, relative_speed_holds, refers=BETWEEN)
 REACH_POSITION = Condition(("reached",), reach_position_row, reach_position_holds, refers=AT)
-COLLISION = Condition(("collision",), collision_row, collision_holds)
+COLLISION = Condition(("collision",), collision_row, collision_holds, refers={"other": index(SET)})
 ANGLE = Condition(("angle",), angle_row, angle_holds)
 RELATIVE_ANGLE = Condition(("relative_angle",), relative_angle_row, relative_angle_holds, refers=BETWEEN)

@@ -277,9 +277,10 @@ def _check_frame(plan: Plan, word: Any, sink: Diagnostics) -> None:
 
 
 def _check_other(word: TriggerCondition, condition: Compared, sink: Diagnostics) -> None:
-    named, attribute = (
-        (condition.with_entity, "with") if isinstance(condition, CollisionCondition) else (condition.to, "to")
-    )
+    if isinstance(condition, CollisionCondition):
+        named, attribute = condition.with_entities[0] if len(condition.with_entities) == 1 else "", "with"
+    else:
+        named, attribute = condition.to, "to"
     if named and named in (word.entities or (condition.entity,)):
         message = f"<{condition.tag()}> compares '{named}' with itself"
         sink.add(TO_ITSELF, message, condition.place_of(attribute), severity=Severity.WARNING)

@@ -146,8 +146,12 @@ class CollisionCondition(Word):
     word: Literal["collision"] = "collision"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    with_entity: str = attribute(
-        "Id of the other entity; any entity if left out.", name="with", default="", names="entity"
+    with_entities: tuple[str, ...] = attribute(
+        "Ids of the other entities, of which one is enough; any entity if left out.",
+        name="with",
+        default=(),
+        names="entity",
+        separated=True,
     )
     with_type: Literal["", "vehicle", "pedestrian", "miscellaneous"] = attribute(
         "Type of the other entity; any type if left out.", default=""

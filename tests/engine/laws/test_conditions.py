@@ -14,11 +14,13 @@ from tests.engine.laws.told import (
     after,
     by,
     condition,
+    document,
     lane_change,
     lane_offset,
     lane_position,
     of_entity,
     play,
+    play_text,
     speed,
 )
 
@@ -217,6 +219,56 @@ def test_a_collision_with_any_vehicle(tmp_path: Path) -> None:
     assert seen(tmp_path, told, A=Actor(s=50.2), **B_AHEAD) == pytest.approx(4.55)
     told = '<CollisionCondition><ByType type="pedestrian"/></CollisionCondition>'
     assert seen(tmp_path, told, A=Actor(s=50.2), **B_AHEAD) is None
+
+
+EXTERNAL = '<ScenarioObject name="B"><ExternalObjectReference name="hero"/></ScenarioObject>'
+
+
+def test_a_collision_with_an_external_object(tmp_path: Path) -> None:
+    """B is described elsewhere, so it is of the type external; C, which A touches first, is not.
+
+    The car that stands in for B has its rear 1.1 m behind its reference point: A touches it after 4.47 s.
+    """
+    told = of_entity("A", '<CollisionCondition><ByType type="external"/></CollisionCondition>')
+    actors = {"A": Actor(s=50.2), "C": Actor(s=80.0, speed=0.0), **B_AHEAD, "W": W}
+    text = document(actors, [Event("W", speed(DONE), told)], 8.0)
+    start = text.index('<ScenarioObject name="B">')
+    end = text.index("</ScenarioObject>", start) + len("</ScenarioObject>")
+    run = play_text(tmp_path, text[:start] + EXTERNAL + text[end:], 8.0)
+    assert run.acts("W", DONE) == pytest.approx(4.55)
+
+
+def test_a_collision_with_any_member_of_a_selection(tmp_path: Path) -> None:
+    """A touches C, the second member, after 2.48 s; its rear is at 79 m."""
+    told = of_entity("A", '<CollisionCondition><EntityRef entityRef="both"/></CollisionCondition>')
+    actors = {"A": Actor(s=50.2), "C": Actor(s=80.0, speed=0.0), **B_AHEAD, "W": W}
+    members = '<Members><EntityRef entityRef="B"/><EntityRef entityRef="C"/></Members>'
+    text = document(actors, [Event("W", speed(DONE), told)], 8.0)
+    text = text.replace("</Entities>", f'<EntitySelection name="both">{members}</EntitySelection></Entities>')
+    assert play_text(tmp_path, text, 8.0).acts("W", DONE) == pytest.approx(2.55)
+
+
+@pytest.mark.parametrize(("other", "moment"), [("B", 4.55), ("trailer", 3.55)])
+def test_free_space_is_that_to_the_entity_itself_not_to_its_trailer(tmp_path: Path, other: str, moment: float) -> None:
+    """B, whose rear is at 119 m, tows a trailer with its rear at 109 m; A's front is at 54.2 m and drives at 10 m/s.
+
+    20 m are left to B after 4.48 s, and to the trailer after 3.48 s.
+    """
+    more = 'coordinateSystem="entity" relativeDistanceType="longitudinal" freespace="true"'
+    told = f'<RelativeDistanceCondition entityRef="{other}" value="20" rule="lessThan" {more}/>'
+    actors = {"A": Actor(s=50.2), "B": Actor(s=120.0, speed=0.0), "trailer": Actor(s=110.0, speed=0.0), "W": W}
+    text = document(actors, [Event("W", speed(DONE), of_entity("A", told))], 8.0)
+    for name, part in (("B", '<TrailerHitch dx="-5"/>'), ("trailer", '<TrailerCoupler dx="5"/>')):
+        end = text.index("<Properties/></Vehicle>", text.index(f'<ScenarioObject name="{name}">'))
+        text = f"{text[:end]}<Properties/>{part}{text[end + len('<Properties/>') :]}"
+    connect = '<TrailerAction><ConnectTrailerAction trailerRef="trailer"/></TrailerAction>'
+    text = text.replace(
+        "</Private></Actions>",
+        f'</Private><Private entityRef="B"><PrivateAction>{connect}</PrivateAction></Private></Actions>',
+    )
+    run = play_text(tmp_path, text, 8.0)
+    assert run.at("trailer", 0.0).x == pytest.approx(110.0)
+    assert run.acts("W", DONE) == pytest.approx(moment)
 
 
 def test_an_entity_does_not_collide_with_itself(tmp_path: Path) -> None:

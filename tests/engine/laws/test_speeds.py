@@ -274,6 +274,27 @@ def test_it_stops_within_the_remaining_distance_while_the_master_stands(tmp_path
     assert run.at("A", 20.0).x < 160.0
 
 
+def test_a_master_may_arrive_in_reverse(tmp_path: Path) -> None:
+    """B reverses at 8 m/s and has 80 m to go at 1 s, so that A has 10 s for its 150 m.
+
+    Without a final speed A accelerates uniformly: 10 t + a t^2 / 2 = 150 gives a = 1.
+    """
+    actors = {"B": Actor(lane=-2, s=396.0, speed=-8.0), "A": Actor()}
+    run = play(tmp_path, actors, [Event("A", synchronize("", 150.0))], seconds=12.0)
+    for after in (2.0, 5.0, 9.0):
+        assert run.at("A", 1.0 + after).v == pytest.approx(10.0 + after, abs=0.1)
+        assert run.at("A", 1.0 + after).x == pytest.approx(60.0 + 10.0 * after + 0.5 * after**2, abs=0.3)
+    assert run.at("A", 11.0).x == pytest.approx(210.0, abs=0.5)
+    assert run.at("B", 11.0).x == pytest.approx(308.0)
+
+
+def test_a_master_that_moves_away_in_reverse_ends_the_action(tmp_path: Path) -> None:
+    """B reverses away from its position: A keeps its speed."""
+    actors = {"B": Actor(lane=-2, s=200.0, speed=-8.0), "A": Actor()}
+    run = play(tmp_path, actors, [Event("A", synchronize("", 150.0))], seconds=6.0)
+    assert run.at("A", 6.0).v == pytest.approx(run.at("A", 1.2).v)
+
+
 def test_it_brakes_hard_if_the_distance_to_stop_is_too_short(tmp_path: Path) -> None:
     actors = {"B": Actor(lane=-2, s=200, speed=0.0), "A": Actor(speed=12.0, s=48.0)}
     run = play(tmp_path, actors, [Event("A", synchronize(absolute(10.0), 100.0))], seconds=10.0)
