@@ -15,7 +15,7 @@ from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.finished import read_results
 from scenario_compiler.cli.options import WrongUse, keep_inputs
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.files import read_file, split_target
+from scenario_compiler.files import is_file, is_folder, read_file, split_target
 from scenario_compiler.languages import parse, read_scenario_document
 from scenario_compiler.plan.store import read_plan
 from scenario_compiler.recording.store import RecordingError, read_recording
@@ -24,6 +24,12 @@ from scenario_compiler.resources import find_map
 from scenario_compiler.roads import load_network
 from scenario_compiler.structure.schemas import find_schema
 from tests.command import call
+
+
+def test_impossible_file_names_are_missing_files() -> None:
+    assert not is_file(Path("a\0b"))
+    assert not is_folder(Path("a" * 5000))
+
 
 INCLUDING = '<scenarios version="1"><include file="{}"/></scenarios>'
 
