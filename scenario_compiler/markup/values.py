@@ -54,6 +54,8 @@ class UnreadError(Exception):
 
 def read_attribute(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> FieldValue:
     """Return the value of an attribute's text in SI units; report a fault and raise UnreadError if it has none."""
+    if rule.kind == "number":
+        report_quantity(text, rule.name, rule.spelling.quantity, reading, origin)
     try:
         expression = reading.environment.symbolic(text)
         if rule.kind == "number":
@@ -81,7 +83,6 @@ def _number(
 ) -> float | Expression:
     quantity = QUANTITIES.get(rule.spelling.quantity)
     factor = quantity.factor if quantity else 1.0
-    report_quantity(text, rule.name, rule.spelling.quantity, reading, origin)
     if expression is None:
         literal = _literal_number(text, rule, reading, origin)
         _check_limits(literal, rule, reading, origin)
