@@ -44,6 +44,7 @@ SCOPED = ("entity", "event", "traffic")
 
 _SPACES = re.compile(f"[{SPACE}]+")
 _NUMBER = re.compile(rf"(?:{NUMBER})\Z")
+_BRACED = re.compile(rf"\$?[{{(]\$?({IDENTIFIER})[)}}]?\Z")
 _GROUPED = re.compile(r"[+-]?[0-9]{1,3}(?:,[0-9]{3})+(?![0-9,])")
 _INTEGER = re.compile(rf"(?:{INTEGER})\Z")
 
@@ -203,6 +204,9 @@ def number_hint(text: str, quantity: str) -> str:
 
     A comma before three digits may separate thousands or be a decimal comma: the hint has both readings.
     """
+    braced = _BRACED.match(text.strip(SPACE))
+    if braced:
+        return f"write ${braced[1]} for the value of a parameter"
     if "$" in text:
         return "write the whole expression in ${...}, as in ${2 * $speed}"
     meant = [text.replace(",", "")] if _GROUPED.match(text.strip(SPACE)) else []

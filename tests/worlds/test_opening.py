@@ -14,6 +14,6 @@ CONFLICT = Path(__file__).parents[2] / "library" / "conflicts" / "obstacle_ahead
 
 def test_an_unknown_world_is_refused_with_the_name_that_was_probably_meant() -> None:
     plan = compile_scenario(CONFLICT, overrides=Overrides(perception="ideal"))
-    with pytest.raises(WorldError, match="there is no world 'kinematik' .*did you mean 'kinematic'") as refused:
+    with pytest.raises(WorldError, match=r"there is no world 'kinematik' .*did you mean 'kinematic'") as refused:
         open_world("kinematik", plan, load_network(plan.map.file))
     assert refused.value.code.id == "SC533"
