@@ -40,6 +40,7 @@ WITHOUT_CASE = {
     "SC407": "speaks of --perception: tests/test_events.py",
     "SC514": "speaks of --perception: tests/plan/test_findings.py",
     "SC506": "speaks of --perception: tests/plan/test_findings.py",
+    "SC533": "speaks of open_world of the Python API: tests/worlds/test_opening.py",
     "SC520": "speaks of worlds that are lost: tests/worlds/test_own_physics.py",
     "SC521": "speaks of controllers that fail: tests/runtime/test_failures.py",
     "SC528": "speaks of controllers of one's own, which have to be trusted: tests/test_trust.py",

@@ -426,3 +426,13 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> NDArray[np.uint8]:
 def test_every_kind_of_failure_changes_the_images(tmp_path: Path, clean: NDArray[np.uint8], kind: str) -> None:
     failure = f'<camera><failure kind="{kind}" yaw="{5 if kind == "misalignment" else 0}"/></camera>'
     assert not np.array_equal(last_image(compiled(tmp_path, "camera", camera=failure, duration=0.3)), clean)
+
+
+def test_a_lane_change_to_a_missing_lane_is_logged(tmp_path: Path) -> None:
+    car = (
+        '<dynamic id="car" speed="10"><start><ahead_of entity="ego" distance="90" lanes="1"/></start><when>'
+        '<time after="1"/><do><lane_change by="{}" over_time="1"/></do></when></dynamic>'
+    )
+    for by, lost in ((3, [(1.0, "car")]), (-1, [])):
+        recording, _ = played(compiled(tmp_path, markings=car.format(by)))
+        assert [(one.t, one.entity) for one in recording.events if one.kind == "no_lane"] == lost

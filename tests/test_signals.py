@@ -105,6 +105,19 @@ def test_traffic_waits_at_red_and_goes_at_green(tmp_path: Path) -> None:
     assert not from_ew.any()
 
 
+def test_a_driver_who_waits_at_red_goes_at_green(tmp_path: Path) -> None:
+    others = '<when><time after="1"/><do><request/></do></when>'
+    driven = CONFLICT.replace('preset="absent"', 'takeover_time="1"')
+    path = tmp_path / "driven.xml"
+    path.write_text(driven.format(first=RED, s=740.0, duration=40.0, others=others), encoding="utf-8")
+    found = compile_target(str(path), {}, Diagnostics(), overrides=Overrides(perception="ideal"))
+    assert found is not None
+    with open_world("kinematic", found.plan, found.network) as world:
+        recording = run(found.plan, world)
+    assert recording.v[recording.t < 20.0, 0].min() < 0.05
+    assert recording.stop_reason == "destination"
+
+
 def test_both_forms_of_the_engine_wait_equally(tmp_path: Path) -> None:
     found, compiled, _ = played(tmp_path, duration=8.0, others='<traffic vehicles="8" seed="4"/>')
     with open_world("kinematic", found.plan, found.network) as world:

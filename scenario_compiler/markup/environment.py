@@ -24,11 +24,11 @@ Binding: TypeAlias = Expression | Value
 class UnknownNameError(ExpressionError):
     """An expression uses a name that is not defined."""
 
-    def __init__(self, name: str, offset: int, known: Mapping[str, Binding]) -> None:
+    def __init__(self, name: str, offset: int, hint: str) -> None:
         """Set the name, its offset and a hint."""
         super().__init__(f"there is no parameter '{name}' here", offset)
         self.name = name
-        self.hint = did_you_mean(name, known) or "declare it with <parameter name=... type=... default=.../>"
+        self.hint = hint
 
 
 class GivenName(str):
@@ -65,6 +65,7 @@ class Environment:
         limits: Limits of numbers that depend on open parameters, each once, in the order of reading.
         quantities: Quantities of the parameters that the part declares itself.
         scopes: The names that are known where the value of a parameter was written, if that is outside of the part.
+        declares: Whether declarations of parameters are read, which cannot depend on other parameters.
     """
 
     bindings: Mapping[str, Binding] = field(default_factory=dict)
@@ -75,6 +76,7 @@ class Environment:
     limits: dict[tuple[str, str, AttributeSpelling], Expression] = field(default_factory=dict)
     quantities: Mapping[str, str] = field(default_factory=dict)
     scopes: Mapping[str, object] = field(default_factory=dict)
+    declares: bool = False
 
     def with_value(self, name: str, value: Value, scope: object) -> Environment:
         """Return the environment with the value of one more name, which hides another of the same name.
@@ -125,11 +127,16 @@ class Environment:
             if name in self.undetermined or (self.lenient and name not in self.bindings):
                 raise UndeterminedError(name)
             if name not in self.bindings:
-                raise UnknownNameError(name, start + _find(name, inner), self.bindings)
+                raise UnknownNameError(name, start + _find(name, inner), self._hint_about(name))
         meant = expression.substitute(self.bindings)
         if meant.names and not meant.bounded:
             raise ExpressionError("the expression becomes too long when its names are replaced by their values", start)
         return meant
+
+    def _hint_about(self, unknown: str) -> str:
+        if self.declares:
+            return "a declaration cannot depend on other parameters; write a value here, and calculate where it is used"
+        return did_you_mean(unknown, self.bindings) or "declare it with <parameter name=... type=... default=.../>"
 
     def keep_within(self, holder: str, expression: Expression, limits: AttributeSpelling) -> None:
         """Store the limits of a number that stays open, by the name of the attribute or parameter that has it."""

@@ -44,6 +44,7 @@ SCOPED = ("entity", "event", "traffic")
 
 _SPACES = re.compile(f"[{SPACE}]+")
 _NUMBER = re.compile(rf"(?:{NUMBER})\Z")
+_BRACED = re.compile(rf"\$?[{{(]\$?({IDENTIFIER})[)}}]?\Z")
 _GROUPED = re.compile(r"[+-]?[0-9]{1,3}(?:,[0-9]{3})+(?![0-9,])")
 _INTEGER = re.compile(rf"(?:{INTEGER})\Z")
 
@@ -54,6 +55,8 @@ class UnreadError(Exception):
 
 def read_attribute(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> FieldValue:
     """Return the value of an attribute's text in SI units; report a fault and raise UnreadError if it has none."""
+    if rule.kind == "number":
+        report_quantity(text, rule.name, rule.spelling.quantity, reading, origin)
     try:
         expression = reading.environment.symbolic(text)
         if rule.kind == "number":
@@ -81,7 +84,6 @@ def _number(
 ) -> float | Expression:
     quantity = QUANTITIES.get(rule.spelling.quantity)
     factor = quantity.factor if quantity else 1.0
-    report_quantity(text, rule.name, rule.spelling.quantity, reading, origin)
     if expression is None:
         literal = _literal_number(text, rule, reading, origin)
         _check_limits(literal, rule, reading, origin)
@@ -202,6 +204,9 @@ def number_hint(text: str, quantity: str) -> str:
 
     A comma before three digits may separate thousands or be a decimal comma: the hint has both readings.
     """
+    braced = _BRACED.match(text.strip(SPACE))
+    if braced:
+        return f"write ${braced[1]} for the value of a parameter"
     if "$" in text:
         return "write the whole expression in ${...}, as in ${2 * $speed}"
     meant = [text.replace(",", "")] if _GROUPED.match(text.strip(SPACE)) else []

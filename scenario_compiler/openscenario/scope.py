@@ -134,11 +134,10 @@ class Scope:
 
     def _find(self, name: str, offset: int) -> Bound:
         if name not in self.bound:
-            error = UnknownNameError(name, offset, {})
             part = self.inside(f"${name}")
             whole = f"'${part}' is replaced only if it is the whole value" if part else ""
-            error.hint = whole or did_you_mean(name, self.bound) or "declare it in <ParameterDeclarations>"
-            raise error
+            hint = whole or did_you_mean(name, self.bound) or "declare it in <ParameterDeclarations>"
+            raise UnknownNameError(name, offset, hint)
         return self.bound[name]
 
 

@@ -45,6 +45,9 @@ class Header(Record):
     )
     perception: Perception = field(description="Source of the lane confidence.")
     world: str = field(default="kinematic", description="Name of the world in which the run took place.")
+    choices: dict[str, str] = field(
+        default={}, description="Given options of the world on which the run depends, as `ego` and `camera` of CARLA."
+    )
     versions: dict[str, str] = field(
         default={},
         description="Versions of the software on which the result depends: this package, Python, libraries, the world; "

@@ -307,6 +307,7 @@ def command(run: Run) -> str:
     """Return the command that repeats the run, started in the run's folder."""
     header = run.recording.header
     world = "" if header.world == "kinematic" else f" --world {header.world}"
+    world += "".join(f" --{name} {shlex.quote(value)}" for name, value in header.choices.items())
     variant = f" --variant {header.variant}" if header.variant else ""
     inputs = "" if run.plan.takeover.driver.by_person is None else " --inputs ."
     controller = run.plan.controller

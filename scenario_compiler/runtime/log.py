@@ -102,6 +102,8 @@ class EventLog:
         if code == op.EVENT_COLLISION:
             touched = "" if value < 0.0 else entities[int(value)].id
             return EventRow.model_construct(t=t, kind=kind, entity=touched)
+        if code == op.EVENT_NO_LANE:
+            return EventRow.model_construct(t=t, kind=kind, entity=entities[int(value)].id)
         if code == op.EVENT_STANDSTILL:
             place, by_hand = divmod(int(value), 2)
             cause = BY_HAND if by_hand else ""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, SupportsIndex
 from scenario_compiler.controllers.foreign import ControllerError
 from scenario_compiler.controllers.named import create_controller
 from scenario_compiler.controllers.person import Person, RecordedPerson
+from scenario_compiler.diagnostics import suggestion
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, make_draws
@@ -46,6 +47,7 @@ from scenario_compiler.worlds import (
     WorldError,
     WorldOptions,
 )
+from scenario_compiler.worlds.model import UNKNOWN_WORLD
 
 if TYPE_CHECKING:
     from scenario_compiler.controllers.data import Control, SensorData
@@ -93,10 +95,11 @@ def open_world(name: str, plan: Plan, network: Network, **options: object) -> Wo
         **options: Options of the world, as its `Options` model declares them.
 
     Raises:
-        KeyError: There is no world of that name.
         pydantic.ValidationError: An option is wrong.
-        WorldError: The world cannot be opened.
+        WorldError: There is no world of that name, or the world cannot be opened.
     """
+    if name not in WORLDS:
+        raise WorldError(f"there is no world '{name}'{suggestion(name, WORLDS)}", UNKNOWN_WORLD)
     module, _, attribute = WORLDS[name].partition(":")
     found = getattr(importlib.import_module(module), attribute)
     options_of: type[WorldOptions] = found.Options
@@ -403,6 +406,7 @@ class Execution:
             entities=tuple(entity.id for entity in self.plan.entities),
             perception=self.plan.perception,
             world=self.world.name,
+            choices=dict(self.world.choices),
             versions={**versions(), **self.world.versions},
             processor=processor(),
         )

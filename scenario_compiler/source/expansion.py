@@ -329,7 +329,7 @@ class _Attempt:
                 names.UNKNOWN_WEATHER,
                 f"there is no weather '{text}'",
                 self.reading.origin(self.part.element, "weather"),
-                hint=did_you_mean(text, WEATHER_PRESETS) or f"presets by index: 0 to {len(WEATHER_PRESETS) - 1}",
+                hint=did_you_mean(text, WEATHER_PRESETS) or _PRESETS,
             )
         written = self.words.get("weather_numbers")
         if isinstance(written, Weather):
@@ -348,6 +348,9 @@ def with_weather(when: AnyWord, sink: Diagnostics) -> AnyWord:
     return replaced(when, lambda word: settled_weather(word, sink) if isinstance(word, Weather) else word)
 
 
+_PRESETS = f"the presets are {', '.join(WEATHER_PRESETS)}, or their index from 0 to {len(WEATHER_PRESETS) - 1}"
+
+
 def settled_weather(weather: AnyWeather, sink: Diagnostics) -> AnyWeather:
     """Return a weather with the numbers of its preset; report an unknown preset."""
     complete = complete_weather(weather)
@@ -356,7 +359,7 @@ def settled_weather(weather: AnyWeather, sink: Diagnostics) -> AnyWeather:
             names.UNKNOWN_WEATHER,
             f"there is no weather '{weather.preset}'",
             weather.place_of("preset"),
-            hint=did_you_mean(weather.preset, WEATHER_PRESETS) or f"presets by index: 0 to {len(WEATHER_PRESETS) - 1}",
+            hint=did_you_mean(weather.preset, WEATHER_PRESETS) or _PRESETS,
         )
     return complete or weather
 

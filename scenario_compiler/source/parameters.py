@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 from lxml import etree
@@ -44,9 +45,10 @@ def read_parameters(element: etree._Element, reading: ReadingContext) -> Declare
     """Return the parameters that an element declares; report a name that is declared twice."""
     known: dict[str, Parameter] = {}
     sink, before = reading.sink, reading.sink.reported
+    declaring = reading._replace(environment=replace(reading.environment, declares=True))
     for child in element.iterchildren(Parameter.tag()):
         faults = sink.reported
-        parameter = read_word(child, Parameter, reading)
+        parameter = read_word(child, Parameter, declaring)
         if parameter is None or sink.reported > faults:
             continue
         if parameter.name in known:

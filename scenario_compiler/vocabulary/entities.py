@@ -48,12 +48,14 @@ class Vehicle(Word):
         maximum=2,
     )
     hitch: float | None = attribute(
-        "Distance from the rear axle forward to the hitch for a trailer, m; usually negative.",
+        "Distance from the rear axle forward to the hitch for a trailer, m; usually negative. The rear "
+        "end of the box if left out.",
         default=None,
         quantity="length",
     )
     coupler: float | None = attribute(
-        "Distance from the rear axle forward to the point at which this trailer is coupled to the towing vehicle, m.",
+        "Distance from the rear axle forward to the point at which this trailer is coupled to the towing vehicle, m. "
+        "The front end of the box if left out.",
         default=None,
         quantity="length",
     )

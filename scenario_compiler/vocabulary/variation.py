@@ -237,7 +237,7 @@ class Grid(Axis):
 
     first: float = attribute("First value.")
     last: float = attribute("Last value.")
-    count: int = attribute("Number of values.", minimum=1)
+    count: int = attribute("Number of values; 1 gives the first one only.", minimum=1)
 
     def arguments(self) -> Sequence[str]:
         """Return first, last, count."""

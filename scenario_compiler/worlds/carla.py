@@ -124,6 +124,8 @@ class CarlaWorld:
         self.options = options if isinstance(options, CarlaOptions) else CarlaOptions()
         if not plan.entities:
             raise WorldError("the scenario has no entity, so that CARLA has nothing to show", CANNOT_OPEN)
+        given = {"ego": self.options.ego, "camera": self.options.camera}
+        self.choices = {name: value for name, value in given.items() if value not in (None, "physics")}
         self.moves_ego = self.options.ego == "physics" and plan.controller is not None
         self.findings: list[WorldFinding] = []
         self._built_in = KinematicWorld(plan, network)

@@ -34,6 +34,14 @@ WORLD_LOST = Code(
     "    scenario-compiler run conflict.xml --world carla --carla-port 2000",
 )
 
+UNKNOWN_WORLD = Code(
+    "SC533",
+    "unknown-world",
+    "A program asks for a world that does not exist. The worlds are `kinematic`, which is built in, and `carla`.\n\n"
+    '    open_world("kinematic", plan, network)\n\n'
+    "Correct the name. A world of your own is not opened by its name: give `run` an instance of its class.",
+)
+
 
 class WorldError(Exception):
     """A world cannot be opened, or cannot continue.
@@ -231,6 +239,11 @@ class World(Protocol):
     @property
     def versions(self) -> dict[str, str]:
         """Versions of the parts of the world: client, server, map."""
+        ...
+
+    @property
+    def choices(self) -> dict[str, str]:
+        """The given options on which the run depends, by the names that `run` has for them, such as `ego`."""
         ...
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:

@@ -147,6 +147,10 @@ def test_a_grid_ends_at_its_ends_to_the_bit(first: float, last: float, count: in
     assert (points[0], points[-1], len(points)) == (first, last, count)
 
 
+def test_a_grid_of_one_value_is_the_first() -> None:
+    assert parse_distribution("grid(2, 8, 1)").points == (2.0,)
+
+
 @pytest.mark.parametrize("method", ["random", "grid"])
 def test_listed_points_are_run_as_often_as_there_are_samples(method: Method) -> None:
     vary = ("n=grid(1, 10, 4)", "a=values(x, y)")

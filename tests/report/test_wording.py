@@ -65,6 +65,13 @@ def test_the_command_that_repeats_a_run(finished: Run) -> None:
     assert command(finished) == "scenario-compiler run plan.json --seed 1 -o again"
 
 
+def test_the_command_that_repeats_a_run_has_the_chosen_options_of_its_world(finished: Run) -> None:
+    chosen = {"ego": "kinematic", "camera": "built-in"}
+    header = finished.recording.header.model_copy(update={"world": "carla", "choices": chosen})
+    again = command(replace(finished, recording=replace(finished.recording, header=header)))
+    assert "run plan.json --world carla --ego kinematic --camera built-in --seed 1" in again
+
+
 def test_the_speed_at_the_start_is_the_recorded_one(finished: Run) -> None:
     plan = finished.plan
     still = plan.model_copy(update={"entities": (plan.entities[0].model_copy(update={"speed": 0.0}),)})

@@ -287,6 +287,14 @@ def test_a_text_of_another_form_is_reported_with_the_form(part: str, message: st
     assert [one.message[: len(message)] for one in sink] == [message]
 
 
+def test_a_default_that_refers_to_a_parameter_is_refused_with_the_reason() -> None:
+    sink = Diagnostics()
+    two = '<parameter name="gap" type="length" default="1"/><parameter name="far" type="length" default="$gap"/>'
+    expand(parsed(library_text(parameters=two), sink), None, {}, sink)
+    (found,) = sink
+    assert found.hint.startswith("a declaration cannot depend on other parameters")
+
+
 @pytest.mark.parametrize(
     ("item", "told"),
     [
@@ -295,6 +303,7 @@ def test_a_text_of_another_form_is_reported_with_the_form(part: str, message: st
             '<static id="a"><at><lane road="1" lane="-1" s="2 * $gap"/></at></static>',
             "write the whole expression in ${",
         ),
+        ('<static id="a"><at><lane road="1" lane="-1" s="{gap}"/></at></static>', "write $gap for"),
         ('<for each="k" in="1 $gap"/>', "a list is written out, or one parameter as a whole"),
         ('<for each="2k" in="1"/>', "a name of letters, digits and _, with no digit first"),
     ],
@@ -302,7 +311,7 @@ def test_a_text_of_another_form_is_reported_with_the_form(part: str, message: st
 def test_what_is_nearly_a_name_an_expression_or_a_list_is_put_right(item: str, told: str) -> None:
     sink = Diagnostics()
     gap = '<parameter name="gap" type="length" default="1"/>'
-    text = library_text(item.format('<lane road="1" lane="-1" s="9"/>'), parameters=gap)
+    text = library_text(item.replace("{}", '<lane road="1" lane="-1" s="9"/>'), parameters=gap)
     expand(parsed(text, sink), None, {}, sink)
     (found,) = sink
     assert told in f"{found.message} {found.hint}"

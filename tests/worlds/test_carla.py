@@ -94,6 +94,7 @@ def test_obstacle_ahead_has_the_same_result_in_carla(server: Served) -> None:
 def test_a_kinematic_ego_drives_as_it_does_in_the_built_in_world(server: Served) -> None:
     plan = ideal("obstacle_ahead", distance=90).model_copy(update={"duration": 8.0})
     ours, theirs = built_in(plan), recorded(plan, server, ego="kinematic")
+    assert theirs.header.choices == {"ego": "kinematic"}
     assert len(ours.t) == len(theirs.t)
     assert np.abs(theirs.x - ours.x).max() < 1e-6
     assert np.abs(theirs.y - ours.y).max() < 1e-6

@@ -122,6 +122,10 @@ EVENTS: dict[int, tuple[str, str]] = {
         "contact",
         "Two other entities touch, one of them for the first time: `entity`, and the one in `message`.",
     ),
+    op.EVENT_NO_LANE: (
+        "no_lane",
+        "A lane change of `entity` has no effect, because its road has no such lane there.",
+    ),
 }
 """Name and meaning of each event, by its code. Activation, request (transition demand), response (override),
 minimum-risk manoeuvre and collision are occurrences that a data storage system must record according to UN R157, 8.2.1;

@@ -330,6 +330,7 @@ EVENT_OVERRIDE = 24
 EVENT_OBSTRUCTION = 25
 EVENT_OUTSIDE_DOMAIN = 26
 EVENT_SHORT_START = 27
+EVENT_NO_LANE = 28
 LOG_SIZE = 128
 """Number of events that a run keeps; later ones are only counted."""
 

@@ -41,12 +41,18 @@ def waits_at_red(p: Program, st: State, i: int) -> int:
 
 
 @compiled
+def waits_in_queue(p: Program, st: State, i: int) -> int:
+    """Return 1 if the ego waits before a red signal, or follows a leader that moves or a queue behind one."""
+    return 1 if waits_at_red(p, st, i) == 1 or follows_any(p, st) == 1 else 0
+
+
+@compiled
 def stands_with_reason(p: Program, st: State, i: int) -> int:
     """Return 1 if the ego has a reason to stand that needs no request, or is not automated."""
     automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
-    if not automated or st.crashed[0] == 1 or stop_is_ordered(st) == 1 or waits_at_red(p, st, i) == 1:
+    if not automated or st.crashed[0] == 1 or stop_is_ordered(st) == 1:
         return 1
-    return follows_any(p, st)
+    return waits_in_queue(p, st, i)
 
 
 @compiled

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.log import fault
+from scenario_compiler.engine.columns.log import fault, log_event
 from scenario_compiler.engine.columns.numbers import is_number, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import SHAPES, ActionRow, ProgramDraft, dynamics_of
@@ -66,7 +66,7 @@ def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
     """Fix the target lane and let the entity follow it, offset by the present gap, with its heading along the lane.
 
     For the ego, the target becomes the lane of its path, and the automation steers there over the time or distance that
-    is given; if none is, as soon as it can. If the target does not exist, the change is 0.
+    is given; if none is, as soon as it can. If the target does not exist, the change is 0, which is logged.
     """
     i = p.action_entity[k]
     road = st.road[i]
@@ -75,12 +75,15 @@ def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
     st.action_span[k] = 0.0
     st.lateral[i] = k
     if road < 0:
+        log_event(st, op.EVENT_NO_LANE, 1.0 * i)
         return
     offset = p.const[p.action_const[k] + slot.A_TARGET]
     if is_number(offset) == 0:
         fault(st, op.FAULT_NOT_FINITE, i)
         return
     target = lane_aimed_at(n, p, st, k)
+    if target == 0:
+        log_event(st, op.EVENT_NO_LANE, 1.0 * i)
     if p.entity_motion[i] != op.MOTION_SCRIPTED:
         if i == p.ego[0] and target != 0:
             set_path(n, st, road, target, st.s[i])

@@ -1,4 +1,4 @@
-"""Checks that the ego can drive at its start."""
+"""Checks that the ego is a vehicle, and can drive at its start."""
 
 from __future__ import annotations
 
@@ -17,10 +17,22 @@ NOT_DRIVABLE = Code(
     '    <start><lane road="3" lane="-3" s="20"/></start>     lane -3 is a sidewalk; -1 is for driving',
     Severity.WARNING,
 )
+EGO_NOT_A_VEHICLE = Code(
+    "SC534",
+    "ego-not-a-vehicle",
+    "The model of the automated vehicle is a pedestrian or an object, which has neither wheels nor pedals.\n\n"
+    '    <ego model="walker.pedestrian.0001">     model="vehicle.audi.tt"\n\n'
+    "Choose a vehicle: a car, van, truck, bus, motorbike or bicycle. `list` and docs/names.md have the models.",
+)
+WITHOUT_WHEELS = frozenset({"pedestrian", "cone", "barrier", "sign", "prop"})
+"""Categories of models that are not vehicles."""
 
 
 def check_start(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn if the ego starts on a lane that is not drivable."""
+    """Report an ego that is not a vehicle, and one that starts on a lane that is not drivable."""
+    if plan.controller is not None and plan.ego.vehicle.category in WITHOUT_WHEELS:
+        model, place = plan.ego.vehicle, place_of(plan, f"entities/{plan.ego.id}")
+        sink.add(EGO_NOT_A_VEHICLE, f"the automated vehicle is '{model.name}', a {model.category}", place)
     start = None if plan.controller is None else plan.ego.start
     if not isinstance(start, LanePositionWord) or not isinstance(start.s, float):
         return

@@ -131,7 +131,7 @@ class VisibilityAction(Word):
 
 
 class ConnectTrailerAction(Word):
-    """Connect a trailer, which the entity tows from now on."""
+    """Connect a trailer, which the entity tows from now on. A trailer at another place is put behind it at once."""
 
     word: Literal["connect_trailer"] = "connect_trailer"
 
