@@ -137,7 +137,7 @@ class Session(threading.Thread):
         now: Time of the run, s.
         state: State of the takeover.
         held: Why the run stands still, `paused` or `probe`; empty while it goes on.
-        marks: Deviations from the procedure: `person_left`, `requested`, `aborted`, `paused`.
+        marks: Deviations from the procedure: `person_left`, `person_silent`, `requested`, `aborted`, `paused`.
     """
 
     def __init__(
@@ -181,6 +181,7 @@ class Session(threading.Thread):
         self._lost, self._shown = 0, 0
         self._late: list[float] = []
         self._slipped = 0.0
+        self._silent = False
         self._stopping = threading.Event()
         self._happened: deque[tuple[EventKind, str, str]] = deque()
         self._ending = threading.Lock()
@@ -319,6 +320,7 @@ class Session(threading.Thread):
             begin += self._hold()
             self._take_down(execution)
             execution.advance()
+            self._listen()
             steps += 1
             events = self._pass_on(execution, events)
             self.now, self.state = execution.state.clock[0], TAKEOVER_STATES[execution.state.takeover_state[0]]
@@ -335,6 +337,16 @@ class Session(threading.Thread):
                     self._publish(execution, sight, late)
                 else:
                     self._lost += 1
+
+    def _listen(self) -> None:
+        """Record, with the next step, when the page falls silent and when it is heard again."""
+        silent = self.wheel is not None and self.wheel.silent
+        if silent == self._silent:
+            return
+        self._silent = silent
+        if silent:
+            self.marks.add("person_silent")
+        self._happened.append(("person_silent" if silent else "person_heard", "", ""))
 
     def _take_down(self, execution: Execution) -> None:
         """Add the events of the page to the recording."""

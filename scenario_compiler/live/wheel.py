@@ -21,6 +21,21 @@ KEPT_EVERY = 0.5
 
 DRIVEN_BY_HAND = ("manual", "hand_back")
 
+SILENT_AFTER = 0.5
+"""Time of the run without a message from which pedals and steering wheel count as released, s.
+
+A page says every 0.02 s where they are. Of a page that says nothing it is not known whether its person still presses
+them, so nothing more is recorded as that person's input, and the vehicle does not go on accelerating: a dead man's
+control. 0.5 s is our own choice: pauses of a browser and of a radio network are shorter.
+"""
+
+LEFT_AFTER = 2.0
+"""Time of the run without a message from which a vehicle that is driven manually stops, as if the page were closed, s.
+
+Nobody steers it meanwhile. Our own choice; a page in a hidden tab, which browsers let speak once a second, does not
+reach it.
+"""
+
 
 class Told(BaseModel):
     """The page's message on the person's inputs, of at most a few hundred bytes."""
@@ -96,6 +111,8 @@ class Wheel:
     Attributes:
         applied: Number of the page's last message that the run has used.
         requested: Whether the automation has been asked for a request while it drove without one.
+        silent: Whether the page says too little, so that its pedals and steering wheel count as released: from
+            `SILENT_AFTER` on without a message, until two follow each other sooner.
     """
 
     def __init__(self, plan: Plan, kept: Path | None = None) -> None:
@@ -105,13 +122,15 @@ class Wheel:
             plan: The plan, which defines when a pedal or the wheel counts as an input that takes over.
             kept: File for the inputs; None to keep them only in the recording.
         """
-        self.applied, self.requested = 0, False
+        self.applied, self.requested, self.silent = 0, False, False
         values, inputs = parameter_values(plan.parameters), plan.takeover.inputs
         angle = number_value(inputs.steering, values) / number_value(inputs.steering_ratio, values)
         self._steer_from = angle / max(math.radians(plan.entities[0].vehicle.max_steer), 0.01)
         self._brake_from = number_value(inputs.brake, values)
         self._lock = threading.Lock()
         self._told = Told(seq=0)
+        self._fresh = False
+        self._heard_at: float | None = None
         self._asked: Wish = ""
         self._control_every, self._asks_for = plan.control_every, 0
         self._away = False
@@ -127,7 +146,7 @@ class Wheel:
         would take the wheel from a person who drives on, as soon as its reason to refuse ends.
         """
         with self._lock:
-            self._told = told
+            self._told, self._fresh = told, True
             if told.take_over:
                 self._asked = "take_over"
             elif told.hand_back:
@@ -143,6 +162,7 @@ class Wheel:
         with self._lock:
             self._away = self._left = True
             self._told, self._asked = Told(seq=self._told.seq), ""
+            self._heard_at, self._fresh = None, False
 
     def come_back(self) -> None:
         """Record that a page has returned; its message numbers start again."""
@@ -153,8 +173,9 @@ class Wheel:
         """Return the person's inputs for the step that begins at t, s."""
         with self._lock:
             by_hand = state in DRIVEN_BY_HAND
-            self._left = self._left and by_hand
-            told, away = self._told, self._away or self._left
+            unheard = self._listen(t)
+            self._left = (self._left or unheard > LEFT_AFTER) and by_hand
+            told, away = Told(seq=self._told.seq) if self.silent else self._told, self._away or self._left
             if by_hand == (self._asked == "take_over") or (self._asked == "hand_back" and self._asks_for == 0):
                 self._asked = ""
             self._asks_for -= 1
@@ -176,6 +197,16 @@ class Wheel:
         """Store the remaining inputs on the disk."""
         if self._file is not None:
             self._file.close()
+
+    def _listen(self, t: float) -> float:
+        """Note whether the page has spoken since the last step, and return for how long it has been silent, s."""
+        since = 0.0 if self._heard_at is None else t - self._heard_at
+        if self._fresh:
+            self._fresh, self._heard_at = False, t
+            self.silent = self.silent and since > SILENT_AFTER
+            return 0.0
+        self.silent = self.silent or since > SILENT_AFTER
+        return since
 
     def _is_input(self, told: Told) -> bool:
         return told.brake >= self._brake_from or abs(told.steer) >= self._steer_from

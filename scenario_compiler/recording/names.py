@@ -61,6 +61,9 @@ EVENT_TEXTS: dict[EventKind, str] = {
     "`none`.",
     "person_left": "The page of the person at the wheel was closed. The vehicle stops if that person was driving.",
     "person_back": "The page of the person at the wheel is open again.",
+    "person_silent": "The page of the person at the wheel has sent nothing for 0.5 s: pedals and steering wheel count "
+    "as released. If that person was driving, the vehicle stops after 2 s without a message.",
+    "person_heard": "The page of the person at the wheel sends the person's inputs again.",
     "broken_off": "The run cannot go on: `cause` is a diagnostic code, `message` gives the reason.",
     "stop": "The run ends; `message` is the stop reason.",
 }

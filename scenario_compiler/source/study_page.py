@@ -6,6 +6,8 @@ Pictures are embedded in the page, so that a study's server does not serve files
 from __future__ import annotations
 
 import base64
+import re
+from html import escape
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -26,12 +28,14 @@ TYPES = {
 }
 """Media types of pictures by their file suffixes."""
 
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+
 LARGEST = 8 * 1024 * 1024
 """Greatest size of a picture, bytes."""
 
 
 def read_page(name: str, folder: Path, place: Place, sink: Diagnostics) -> str | None:
-    """Return a page as HTML, with any HTML in the file as plain text; None if it cannot be read.
+    """Return a page as HTML, with any HTML in the file as plain text, but no comments; None if it cannot be read.
 
     Args:
         name: The Markdown file, as the study names it.
@@ -51,14 +55,26 @@ def read_page(name: str, folder: Path, place: Place, sink: Diagnostics) -> str |
     if not text.strip():
         sink.add(UNREADABLE_PART, f"'{name}' is empty", place)
         return None
-    markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
+    markdown = MarkdownIt("commonmark").enable("table")
     tokens = markdown.parse(text)
     for block in tokens:
+        _show_html(block)
         for token in block.children or ():
+            _show_html(token)
             if token.type == "image":
                 line = 0 if block.map is None else block.map[0] + 1
                 _take_in(token, path.parent, FilePlace(str(path), line), sink)
     return str(markdown.renderer.render(tokens, markdown.options, {}))
+
+
+def _show_html(token: Token) -> None:
+    """Let HTML be shown as the text that it is; a comment is for the authors of the page."""
+    if token.type not in ("html_block", "html_inline"):
+        return
+    shown = escape(COMMENT.sub("", token.content))
+    if token.type == "html_block":
+        shown = f"<p>{shown.strip()}</p>\n" if shown.strip() else ""
+    token.content = shown
 
 
 def _take_in(image: Token, folder: Path, place: Place, sink: Diagnostics) -> None:

@@ -64,7 +64,8 @@ TRIAL_COLUMNS = (
     Column("setting", "text", "", "Level of the factor setting.", "without this factor; in practice and foil trials"),
     Column("attempt", "integer", "", "Number of starts of the run: above 1 if the program ended during it."),
     Column("marks", "text", "", "Deviations from the plan: aborted (by the experimenter), person_left (the page was "
-           "closed), requested (by the experimenter), paused (by the experimenter, during the run), broken_off.",
+           "closed), person_silent (the page sent nothing for 0.5 s), requested (by the experimenter), paused (by the "
+           "experimenter, during the run), broken_off.",
            "if there is none"),
     Column("driven_by", "text", "", "person, or model in a pilot."),
     Column("seed", "integer", "", "Seed of the run."),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -51,6 +52,12 @@ def waiting(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     file.write_text(SOON, encoding="utf-8")
     with served("drive", file, *COARSELY) as server:
         yield server
+
+
+HIDDEN = """(hidden) => {
+  Object.defineProperty(document, "hidden", { value: hidden, configurable: true });
+  document.dispatchEvent(new Event("visibilitychange"));
+}"""
 
 
 @contextmanager
@@ -377,6 +384,59 @@ def test_a_key_that_is_let_go_beside_a_modifier_or_in_another_window_is_not_held
         page.evaluate("dispatchEvent(new Event('blur'))")
         assert page.evaluate(held) == []
         page.keyboard.up("ArrowUp")
+
+
+def test_pedals_of_a_page_that_is_hidden_are_released(open_road: Path, tmp_path: Path, browser: Browser) -> None:
+    """Browsers give a hidden page the last values of a gamepad, and the release of a key to another page."""
+    out = tmp_path / "out"
+    with served("drive", open_road, *COARSELY, "-o", out) as server, page_with_gamepad(browser, server) as page:
+        begun(page)
+        page.evaluate("pad.buttons[6].value = 0.5")
+        page.keyboard.down("ArrowDown")
+        page.wait_for_function("page.latest.byHand && page.wheel.brake === 1")
+        page.evaluate(HIDDEN, True)
+        assert page.evaluate("page.wheel.read().brake") == 0
+        page.keyboard.up("ArrowDown")
+        page.evaluate(HIDDEN, False)
+        assert page.evaluate("page.wheel.read().brake") == pytest.approx((0.5 - 0.04) / 0.96, abs=1e-4)
+        ended(page)
+
+
+def test_a_page_without_pictures_says_so(open_road: Path, browser: Browser) -> None:
+    with (
+        served("drive", open_road, *COARSELY) as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        begun(page)
+        server.process.send_signal(signal.SIGSTOP)
+        expect(page.locator("#behind")).to_have_text("No picture for 2 s: the connection is interrupted.")
+        server.process.send_signal(signal.SIGCONT)
+        expect(page.locator("#behind")).to_be_hidden()
+        ended(page)
+
+
+def test_confidence_and_countdown_have_names(waiting: Served, browser: Browser) -> None:
+    with opened_page(browser, waiting.address, bypass_csp=True) as page:
+        begun(page)
+        page.wait_for_function("page.latest?.state === 'request'")
+        expect(page.locator("#left")).to_contain_text("until the car stops by itself")
+        expect(page.get_by_text("Lane confidence")).to_be_visible()
+        sides = page.get_by_role("group", name="Lane confidence").get_by_role("meter")
+        assert [one.evaluate("one => one.labels[0].textContent.trim()") for one in sides.all()] == ["left", "right"]
+        ended(page)
+
+
+def test_a_page_that_watches_has_no_buttons_to_drive(waiting: Served, browser: Browser) -> None:
+    with opened_page(browser, waiting.address, bypass_csp=True) as page:
+        page.wait_for_function("globalThis.page?.role === 'driver'")
+        phone = browser.new_context(has_touch=True, is_mobile=True, bypass_csp=True)
+        other = phone.new_page()
+        other.goto(waiting.address)
+        other.wait_for_function("globalThis.page?.role === 'viewer'")
+        expect(other.locator("#touch")).to_be_hidden()
+        page.goto("about:blank")
+        expect(other.get_by_role("button", name="Brake")).to_be_visible()
+        phone.close()
 
 
 def test_a_stick_steers_less_at_speed_and_a_wheel_takes_over_at_a_small_angle(

@@ -134,7 +134,8 @@ with connect(address, origin=Origin(origin), max_size=None) as page:
 
 
 @pytest.mark.slow
-def test_a_page_that_falls_silent_counts_as_gone(tmp_path: Path) -> None:
+def test_a_page_that_falls_silent_lets_go_and_counts_as_gone(tmp_path: Path) -> None:
+    """The vehicle stops at once, and the wheel is free for another page when the silence has lasted."""
     out = tmp_path / "out"
     with served("drive", written(tmp_path), *COARSELY, "-o", out) as server:
         here = f"127.0.0.1:{server.host.rpartition(':')[2]}"
@@ -144,9 +145,13 @@ def test_a_page_that_falls_silent_counts_as_gone(tmp_path: Path) -> None:
             assert page.stdout is not None
             assert page.stdout.readline() == "by hand\n"
             os.kill(page.pid, signal.SIGSTOP)
+            with server.connected() as other:
+                while other.recv(timeout=60) != '{"role":"driver"}':
+                    other.send('{"kind": "ping", "t": 0}')
             waited_for(lambda: seconds_since_leaving(out / "drive-001" / "inputs.jsonl") > 1.0)
         finally:
             page.kill()
             page.communicate()
     recording = read_recording(out / "drive-001" / "recording.parquet")
-    assert kinds(recording).index("person_left") < kinds(recording).index("minimum_risk")
+    events = kinds(recording)
+    assert events.index("person_silent") < events.index("minimum_risk")

@@ -104,6 +104,32 @@ def test_speech_that_begins_late_is_not_counted_for_the_next_run(told: Path, tmp
     assert given(out, 2) == [("speech", "file"), ("speech", "none")]
 
 
+def test_speech_begins_when_the_tone_of_the_same_moment_has_ended(soon: Path, browser: Browser) -> None:
+    message = '<message modality="speech tone" content="what"/>'
+    soon.write_text(
+        soon.read_text(encoding="utf-8").replace('<message modality="text icon" content="what why"/>', message)
+    )
+    with (
+        served("drive", soon, *COARSELY) as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(
+            """() => {
+              globalThis.sounded = [];
+              const start = AudioBufferSourceNode.prototype.start;
+              AudioBufferSourceNode.prototype.start = function (at) {
+                sounded.push([at, at + this.buffer.duration]);
+                return start.call(this, at);
+              };
+            }"""
+        )
+        begun(page)
+        page.wait_for_function("page.latest?.state === 'request' && sounded.length >= 2")
+        tone, speech = page.evaluate("sounded.slice(-2)")
+        ended(page)
+    assert speech[0] > tone[1]
+
+
 def test_a_page_that_watches_sees_each_run_alone_and_drives_when_nobody_does(open_road: Path, browser: Browser) -> None:
     with served("drive", open_road, *COARSELY) as server:
         with opened_page(browser, server.address, bypass_csp=True) as page:

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from scenario_compiler.controllers.person import PersonInput
 from scenario_compiler.live.wheel import KEPT_EVERY, InputFile, Told, Wheel
 from tests.live.serving import waited_for
 from tests.report import made
@@ -94,6 +95,32 @@ def test_a_person_who_comes_back_at_once_has_left_nevertheless() -> None:
     wheel.tell(Told(seq=2, take_over=True))
     assert wheel.act(0.06, "minimum_risk").wish == "take_over"
     assert wheel.act(0.08, "manual").wish == ""
+
+
+def test_inputs_of_a_page_that_is_silent_count_as_released_and_then_the_vehicle_stops() -> None:
+    """A page may say nothing before the person's first input, and for as long as the run stands still."""
+    wheel = Wheel(PLAN)
+    assert not [k for k in range(200) if (wheel.act(0.02 * k, "manual").wish, wheel.silent) != ("", False)]
+    wheel.tell(Told(seq=1, throttle=0.7, steer=0.2))
+    inputs = [wheel.act(4.0 + 0.1 * k, "manual") for k in range(23)]
+    assert [(one.throttle, one.steer) for one in inputs] == [(0.7, 0.2)] * 6 + [(0.0, 0.0)] * 17
+    assert [one.wish for one in inputs] == [""] * 21 + ["leave"] * 2
+    wheel.tell(Told(seq=2, brake=1.0))
+    released = wheel.act(6.3, "minimum_risk")
+    assert (released.brake, released.wish, wheel.silent) == (0.0, "", True)  # a single message may be an old one
+    wheel.tell(Told(seq=3, brake=1.0))
+    assert wheel.act(6.4, "minimum_risk") == PersonInput(brake=1.0, wish="take_over")
+    assert not wheel.silent
+
+
+def test_a_page_that_speaks_once_a_second_is_silent_but_not_gone() -> None:
+    """Browsers let a page in a hidden tab speak that often."""
+    wheel = Wheel(PLAN)
+    for second in range(5):
+        wheel.tell(Told(seq=second + 1, throttle=0.7))
+        inputs = [wheel.act(second + 0.1 * k, "manual") for k in range(10)]
+        assert [one.throttle for one in inputs] == [0.7 if second == 0 and k < 6 else 0.0 for k in range(10)]
+        assert {one.wish for one in inputs} == {""}
 
 
 def test_inputs_are_written_as_they_happen(tmp_path: Path) -> None:

@@ -76,6 +76,16 @@ def test_pages_that_participants_would_not_see_as_intended_are_reported(tmp_path
     assert page(tmp_path, " \n") == (None, [("study.xml", 3, "'page.md' is empty")])
 
 
+def test_comments_of_a_page_are_not_shown_and_other_html_is_text(tmp_path: Path) -> None:
+    text = "<!-- consent.md\n-->\n# Hi <!-- a --> you\n\n<b>No</b>\n\n<div>5 > 3</div>\n\n    <!-- code -->\n"
+    found, wrong = page(tmp_path, text)
+    assert wrong == []
+    assert found == (
+        "<h1>Hi  you</h1>\n<p>&lt;b&gt;No&lt;/b&gt;</p>\n<p>&lt;div&gt;5 &gt; 3&lt;/div&gt;</p>\n"
+        "<pre><code>&lt;!-- code --&gt;\n</code></pre>\n"
+    )
+
+
 def test_conditions_are_all_combinations_of_the_factors() -> None:
     study = read(FILES / "every_word.xml").study
     assert study is not None

@@ -52,9 +52,12 @@ def rules(tmp_path: Path) -> Rules:
 
 
 def watching(attendance: Attendance) -> Callable[[Picture], bool]:
-    """Return a page that answers its probe at once."""
+    """Return a page that says with each picture that nothing is pressed, and answers its probe at once."""
 
     def show(picture: Picture) -> bool:
+        session = attendance.session
+        if session is not None and session.wheel is not None and "t" in picture.about:
+            session.wheel.tell(Told(seq=1))
         if picture.about.get("held") == "probe":
             attendance.heard("answers", {"answers": {"speed": "36", "driver": "automation"}, "seconds": 1.5})
         return True

@@ -87,6 +87,8 @@ def row_of(desk: Page, participant: int) -> Locator:
 
 
 def ordered(desk: Page, participant: int, what: str) -> None:
+    """Press a button of the experimenter, and confirm where the page asks."""
+    desk.once("dialog", lambda asked: asked.accept())
     desk.get_by_role("button", name=f"{what}, participant {participant}").click()
 
 

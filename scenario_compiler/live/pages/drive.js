@@ -7,6 +7,7 @@ import { MapView } from "pages/map.js";
 
 const TELL_EVERY = 20; // milliseconds
 const REPORT_EVERY = 1000;
+const NO_PICTURE_AFTER = 1000; // milliseconds; a run that is behind still sends a picture every 200
 const FOLLOWS_AFTER = 2000; // milliseconds, so that the page that drove is at the next step first, and drives again there
 const base = document.body.dataset.base;
 const one = (selector) => document.querySelector(selector);
@@ -25,6 +26,11 @@ async function described() {
 /** Return a text of the page in its language, with its placeholders filled. */
 function words(key, ...values) {
   return values.reduce((text, value) => text.replace("{}", value), about.words[key]);
+}
+
+/** Write a text that may be read aloud, once for each of its values. */
+function write(selector, text) {
+  if (one(selector).textContent !== text) one(selector).textContent = text;
 }
 
 function sentence(text) {
@@ -94,7 +100,6 @@ class Page {
     this.mute = [];
     one("#summary").textContent = about.watched ? words("watched") : about.summary;
     one("#keys").hidden = one("#go").hidden = one("#calibrate").hidden = about.watched;
-    one("#touch").hidden = about.watched || !matchMedia("(pointer: coarse)").matches;
     this.wheel.listen(document.querySelectorAll("#touch button"));
     const calibration = new Calibration(one("#profile"), about.words);
     one("#calibrate").addEventListener("click", () => calibration.open());
@@ -106,6 +111,7 @@ class Page {
       this.allowStart();
     });
     for (const kind of ["pointerdown", "keydown"]) addEventListener(kind, allow);
+    document.addEventListener("visibilitychange", () => this.tell()); // what is let go: the next time is up to a second away
     this.connect();
   }
 
@@ -128,7 +134,10 @@ class Page {
     });
     this.socket.addEventListener("open", () => {
       this.say({ kind: "reports" }); // from now on, each picture that has been shown
-      this.telling = setInterval(() => this.tell(), TELL_EVERY);
+      this.telling = setInterval(() => {
+        this.tell();
+        this.miss();
+      }, TELL_EVERY);
       this.reporting = setInterval(() => this.report(), REPORT_EVERY);
     });
   }
@@ -172,6 +181,7 @@ class Page {
     if (role === "viewer" && !this.about.watched) ended.textContent = words("other_page");
     else if (ended.textContent === words("other_page")) ended.textContent = "";
     one("#go").hidden = role === "viewer";
+    one("#touch").hidden = role === "viewer" || !matchMedia("(pointer: coarse)").matches;
     this.role = role;
     this.allowStart();
     if (role === "driver") this.search?.ask();
@@ -208,6 +218,14 @@ class Page {
     this.say({ kind: "input", seq: this.seq, ...told });
   }
 
+  /** Say that pictures do not come any more: the road that is shown stands still, and inputs may not arrive. */
+  miss() {
+    const seconds = Math.floor((performance.now() - this.cameAt) / 1000);
+    if (!this.running || 1000 * seconds < NO_PICTURE_AFTER) return;
+    one("#behind").hidden = false;
+    write("#behind", words("no_picture", seconds));
+  }
+
   /** Take a message, and say when it has been dealt with: a page that is slow is sent fewer pictures. */
   async take(data) {
     try {
@@ -229,6 +247,7 @@ class Page {
     const stretch = this.stretch;
     if (this.heldFor) this.wheel.forget(); // what was pressed meanwhile
     this.running = true;
+    this.cameAt = performance.now();
     one("#start").hidden = true;
     const size = view.getUint32(4 + length);
     const files = [new Uint8Array(data, 8 + length, size), new Uint8Array(data, 8 + length + size)];
@@ -300,7 +319,7 @@ class Page {
     one("#conf-left").value = about.confidence[0];
     one("#conf-right").value = about.confidence[1];
     one("#behind").hidden = !about.late;
-    one("#behind").textContent = words("behind", Math.round(about.late));
+    write("#behind", words("behind", Math.round(about.late)));
     this.tellDriver(about);
     this.search?.allow(!about.byHand);
     this.run.add(about);
@@ -316,11 +335,13 @@ class Page {
     if (left !== null) one("#left span").textContent = left.toFixed(1);
     if (JSON.stringify(told) === JSON.stringify(this.told)) return;
     const before = new Set(this.told.map((message) => JSON.stringify(message)));
+    const fresh = told.filter((one) => !before.has(JSON.stringify(one)));
     if (!told.some(([modality]) => modality === "speech")) hush();
     this.told = told;
     this.mute = this.mute.filter((text) => told.some(([, one]) => one === text));
     this.showTold(state);
-    for (const message of told.filter((one) => !before.has(JSON.stringify(one)))) this.give(message, state);
+    const heard = (message) => message[0] === "speech"; // after the tone of the same moment
+    for (const message of [...fresh.filter((one) => !heard(one)), ...fresh.filter(heard)]) this.give(message, state);
   }
 
   /** Show the visible messages, and those that could not be spoken. */
@@ -436,7 +457,7 @@ function icon(urgent) {
   drawn.setAttribute("viewBox", "0 0 24 24");
   drawn.setAttribute("aria-hidden", "true");
   drawn.innerHTML = urgent
-    ? '<circle cx="12" cy="12" r="9" fill="none" stroke="#fff" stroke-width="2.5"/><path d="M3 12h6m6 0h6M12 15v6" stroke="#fff" stroke-width="2.5"/><circle cx="12" cy="12" r="3" fill="#fff"/>'
+    ? '<circle cx="12" cy="12" r="9" fill="none" stroke="currentColor" stroke-width="2.5"/><path d="M3 12h6m6 0h6M12 15v6" stroke="currentColor" stroke-width="2.5"/><circle cx="12" cy="12" r="3" fill="currentColor"/>'
     : '<path d="M12 2 23 21H1Z" fill="#ffd166"/><path d="M12 9v6m0 2v2" stroke="#10151b" stroke-width="2.4"/>';
   return drawn;
 }

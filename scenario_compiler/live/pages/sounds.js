@@ -5,6 +5,8 @@ const SPOKEN_WITHIN = 1500; // milliseconds after which a browser that has not b
 
 let context = null;
 let playing = [];
+let toneUntil = 0; // by the clock of the sounds, seconds
+let beginning; // the browser's speech that waits for the end of a tone
 const files = new Map();
 
 /** Fetch and decode files, so that they are ready when they are needed. */
@@ -24,11 +26,11 @@ export function allow() {
   context.resume();
 }
 
-/** Play files one after the other; false if one of them is missing or sounds are not allowed. */
-function play(names) {
+/** Play files one after the other from a time on; null if one of them is missing or sounds are not allowed. */
+function play(names, from = 0) {
   const buffers = names.map((name) => files.get(name));
   if (!names.length || context?.state !== "running" || !buffers.every(Boolean)) return null;
-  let at = context.currentTime;
+  let at = Math.max(context.currentTime, from);
   return buffers.map((buffer) => {
     const source = context.createBufferSource();
     source.buffer = buffer;
@@ -41,13 +43,18 @@ function play(names) {
 
 /** Sound a tone. */
 export function tone(names, given) {
-  given(play(names) ? "file" : "none");
+  const sounded = play(names);
+  if (sounded) toneUntil = context.currentTime + sounded[0].buffer.duration + APART;
+  given(sounded ? "file" : "none");
 }
 
-/** Speak a text instead of the present one: from files, otherwise by the browser; `given` may be called later. */
+/**
+ * Speak a text instead of the present one: from files, otherwise by the browser; `given` may be called later. Speech begins
+ * when a tone has ended, which would cover its first word.
+ */
 export function speak(text, language, names, given) {
   hush();
-  playing = play(names) ?? [];
+  playing = play(names, toneUntil) ?? [];
   if (playing.length) return given("file");
   const synthesis = globalThis.speechSynthesis;
   if (!synthesis) return given("text");
@@ -57,16 +64,18 @@ export function speak(text, language, names, given) {
     if (open) given(by);
     open = false;
   };
-  const waiting = setTimeout(() => settle("text"), SPOKEN_WITHIN);
+  const wait = 1000 * Math.max(0, toneUntil - (context?.currentTime ?? 0));
+  const waiting = setTimeout(() => settle("text"), wait + SPOKEN_WITHIN);
   const words = new SpeechSynthesisUtterance(text);
   words.lang = language;
   words.addEventListener("start", () => settle("browser"));
   words.addEventListener("error", () => settle("text"));
-  synthesis.speak(words);
+  beginning = setTimeout(() => synthesis.speak(words), wait);
 }
 
 /** Stop speaking. */
 export function hush() {
+  clearTimeout(beginning);
   playing.forEach((source) => source.stop());
   playing = [];
   globalThis.speechSynthesis?.cancel();

@@ -38,6 +38,7 @@ export class Wheel {
     addEventListener("keydown", (event) => this.#key(event, true));
     addEventListener("keyup", (event) => this.#key(event, false));
     addEventListener("blur", () => this.held.clear());
+    document.addEventListener("visibilitychange", () => this.release());
   }
 
   /** Let buttons of the page work like keys: data-hold while they are held, data-press once. */
@@ -74,7 +75,7 @@ export class Wheel {
     return told;
   }
 
-  /** Reset all inputs, as at the start of a run. */
+  /** Reset all inputs, as at the start of a run and in a page that is hidden or shown again. */
   release() {
     this.held.clear();
     this.steer = this.throttle = this.brake = 0;
@@ -118,7 +119,7 @@ export class Wheel {
   }
 
   #pad() {
-    const found = devices();
+    const found = document.hidden ? [] : devices(); // the browser keeps the last values for a page that nobody sees
     if (!found.length) return { steer: 0, throttle: 0, brake: 0, take: false, back: false };
     const value = (name) => share(assigned(found, name));
     const stick = isStick(assigned(found, "steer")?.device);

@@ -16,7 +16,9 @@ function cell(row, text = "") {
 function button(action, label, participant) {
   const found = Object.assign(document.createElement("button"), { type: "button", textContent: label });
   found.setAttribute("aria-label", `${label}, participant ${participant}`);
-  found.addEventListener("click", () => order({ participant, action }));
+  found.addEventListener("click", () => {
+    if (action !== "abort" || confirm(`End the run of participant ${participant}? It is not driven again.`)) order({ participant, action });
+  });
   return found;
 }
 
