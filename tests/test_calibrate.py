@@ -16,8 +16,9 @@ import pytest
 
 from scenario_compiler.cli import main
 from scenario_compiler.perception.calibration.collect import CONDITIONS, Looks
+from scenario_compiler.perception.calibration.cross_fit import parts_of
 from scenario_compiler.perception.calibration.figures import Asked, Figures, fitted, judged, worth
-from scenario_compiler.perception.calibration.gather import Gathered
+from scenario_compiler.perception.calibration.gather import Gathered, gather_maps
 from scenario_compiler.perception.calibration.maps import IMAGES, MapRoads
 from scenario_compiler.perception.calibration.truth import Truth
 from scenario_compiler.perception.confidence import FEATURES, Confidence, Tree, confidence_text
@@ -101,6 +102,21 @@ def test_a_fit_uses_the_clips_that_are_for_fits_alone() -> None:
     assert confidence_text(fits[0], FEATURES) == confidence_text(fits[1], FEATURES)
 
 
+def test_a_copy_of_a_map_is_in_its_part_and_a_map_that_is_left_out_alone() -> None:
+    names = ["a", "b", "c", "d", "e", "f", "repainted_a", "repainted_e"]
+    parts = [sorted(part) for part in parts_of(names, ["a", "c"])]
+    assert parts == [["a", "repainted_a"], ["c"], ["b"], ["d"], ["e", "repainted_e"], ["f"]]
+    assert parts_of(["a"], ["a"]) == [{"a"}]
+
+
+def test_clips_are_seen_with_the_confidence_for_their_map() -> None:
+    constant = Confidence.of([1.0, 1.0, 1.0], [Tree([-1], [], [[0.0, 0.0, 0.0]])])
+    maps = [find_map("highway_loop"), find_map("motorway")]
+    seen = gather_maps("classical", maps, 1, 1, {"motorway": constant})
+    assert set(seen["motorway"].p[:, 1]) == {1.0 / (1.0 + math.exp(-1.0))}
+    assert len(set(seen["highway_loop"].p[:, 1])) > 6
+
+
 def test_a_map_without_a_lane_to_drive_on_has_no_clips() -> None:
     assert list(MapRoads(load_network(find_map("open_ground"))).clips(1, range(4))) == []
 
@@ -168,7 +184,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("detector", "digest"),
     [
-        ("classical", "7ccc1725990510ca88cd28233b7363c397e984f28d6517e6af40aa6127f1a225"),
+        ("classical", "1d5e3068e88cdf8e571fb233e6873e21295b8d15303f6abc83f4eb67df61d39d"),
         ("learned", "5c429b0ad3a8424df1285a6f29fc91e955fc934eebb369a1f803bf3c550914e5"),
     ],
 )

@@ -19,6 +19,8 @@ from pathlib import Path
 import numpy as np
 from lxml import etree
 
+from scenario_compiler.perception.calibration.cross_fit import COPY
+
 DASHES = ((3.0, 9.0), (6.0, 12.0), (3.0, 6.0), (4.0, 8.0), (1.0, 1.0), (2.0, 4.0), (1.5, 1.5), (9.0, 3.0))
 WIDTHS = (0.1, 0.12, 0.125, 0.15, 0.2, 0.25, 0.3)
 
@@ -269,7 +271,7 @@ def main() -> None:
     for number in range(options.files):
         made_up(options.out / f"made_up_{number:02d}.xodr", options.first + number)
     for seed, file in enumerate(sorted(options.repaint.glob("*.xodr")) if options.repaint else [], REPAINTED):
-        repainted(file, options.out / f"repainted_{file.stem}.xodr", seed)
+        repainted(file, options.out / f"{COPY}{file.stem}.xodr", seed)
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ def add(commands: Commands) -> None:
         action="append",
         default=[],
         metavar="NAME",
-        help="evaluate this map, on eight times as many clips, with a confidence fitted on all other maps (needs "
+        help="evaluate this map, on six times as many clips, with a confidence fitted on all other maps (needs "
         "the extra 'fit'); the tables then have such maps only",
     )
     parser.add_argument(
@@ -73,8 +73,9 @@ def add(commands: Commands) -> None:
 
 def calibrate_command(options: argparse.Namespace) -> int:
     """Measure the calibration, and write the page."""
+    from scenario_compiler.perception.calibration.cross_fit import seen_across, with_left_out
     from scenario_compiler.perception.calibration.figures import figures_of, fitted
-    from scenario_compiler.perception.calibration.gather import gather
+    from scenario_compiler.perception.calibration.gather import Gathered, gather_maps, gather_pictures
     from scenario_compiler.perception.confidence import confidence_text
     from scenario_compiler.report.perception_page import PAGES, Measured, write_perception_page
 
@@ -87,20 +88,23 @@ def calibrate_command(options: argparse.Namespace) -> int:
     _check_left_out(options.leave_out, [one.stem for one in maps])
     began = time.monotonic()
     progress = _shown if sys.stderr.isatty() else None
+    named, workers, left_out = options.detector, options.workers, options.leave_out
     try:
-        gathered = gather(
-            options.detector, maps, options.clips, options.pictures, options.workers, options.leave_out, progress
-        )
+        seen = gather_maps(named, maps, options.clips, workers, progress=progress)
     except CompileError as error:
         put_raw(formatted(error.diagnostics, "text"), sys.stderr)
         return AT_FAULT
-    missing = sorted(set(options.leave_out) - set(gathered.maps))
-    if missing or not gathered.maps:
+    missing = sorted(set(left_out) - set(seen))
+    if missing or not seen:
         complain(f"there is no driving lane in {', '.join(missing) or 'any map'}")
         return AT_FAULT
-    detector = create_detector(options.detector)
+    gathered = Gathered(seen, *gather_pictures(named, options.pictures, workers, progress), options.clips)
+    if options.fit or left_out:
+        gathered = seen_across(named, maps, gathered, workers, left_out, progress)
     confidence = fitted(gathered) if options.fit else None
-    figures = figures_of(gathered, options.leave_out, confidence)
+    if left_out:
+        gathered = with_left_out(named, maps, gathered, workers, left_out, progress)
+    figures = figures_of(gathered, left_out, confidence)
     minutes = (time.monotonic() - began) / 60.0
     given = [
         *(["--fit"] if options.fit else []),
@@ -112,6 +116,7 @@ def calibrate_command(options: argparse.Namespace) -> int:
     measured = Measured(options.detector, command, minutes, options.workers, names, options.clips, options.pictures)
     write_perception_page(figures, measured, options.output)
     if confidence is not None:
+        detector = create_detector(named)
         text = confidence_text(confidence, detector.features)
         (options.output / detector.confidence_file).write_text(text, encoding="utf-8")
     driving = figures.driving[-1].outputs[-1]
@@ -136,12 +141,14 @@ def _road_files(given: list[Path]) -> list[Path]:
 
 def _check_left_out(names: list[str], maps: list[str]) -> None:
     """Refuse, before anything is measured, to leave out maps that were not given, or all of them."""
+    from scenario_compiler.perception.calibration.cross_fit import COPY
+
     for name in names:
         if name not in maps:
             hint = did_you_mean(name, maps)
             raise WrongUse(f"--leave-out {name}: there is no such map{f'; {hint}' if hint else ''}")
     for name in names:
-        if all(one == name for one in maps):
+        if all(one.removeprefix(COPY) == name for one in maps):
             raise WrongUse(f"--leave-out {name}: there is no other map to which the confidence could be fitted")
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from scenario_compiler.perception.camera import Camera
+    from scenario_compiler.perception.confidence import Confidence
     from scenario_compiler.perception.lane_detector import CalibratedDetector
 
 DetectorName = Literal["classical", "learned"]
@@ -19,8 +20,11 @@ DETECTORS: dict[DetectorName, str] = {
 """Class of each detector, by name."""
 
 
-def create_detector(name: DetectorName, camera: Camera | None = None) -> CalibratedDetector:
-    """Return a detector for a camera, the default camera if None."""
+def create_detector(
+    name: DetectorName, camera: Camera | None = None, confidence: Confidence | None = None
+) -> CalibratedDetector:
+    """Return a detector for a camera, by default for the default camera and with the packaged confidence."""
     module, _, attribute = DETECTORS[name].partition(":")
-    detector: CalibratedDetector = getattr(importlib.import_module(module), attribute)(camera)
+    made = getattr(importlib.import_module(module), attribute)
+    detector: CalibratedDetector = made(camera, confidence=confidence)
     return detector

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -90,9 +90,9 @@ class Figures:
     left_out: tuple[str, ...]
 
 
-def fitted(gathered: Gathered, without: str = "") -> Confidence:
-    """Return the confidence fitted to all observations except those on one map."""
-    parts = [looks for name, looks in gathered.maps.items() if name != without]
+def fitted(gathered: Gathered, without: Collection[str] = ()) -> Confidence:
+    """Return the confidence fitted to all observations except those on some maps."""
+    parts = [looks for name, looks in gathered.maps.items() if name not in without]
     of_maps = Looks.joined(parts)
     chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED) & (of_maps.clip < gathered.clips))
     return fitted_to(chosen, gathered.drawn, FIRST_WEIGHT)
@@ -116,13 +116,11 @@ def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confiden
 
     Args:
         gathered: The observations.
-        left_out: Maps to which a fit to all others is applied, and which the tables contain; empty for all maps.
+        left_out: Maps that the tables contain, seen with a confidence that was fitted to others; empty for all maps.
         confidence: The confidence for everything else; None for the detector's own.
     """
     chosen = {name: looks for name, looks in gathered.maps.items() if not left_out or name in left_out}
-    if left_out:
-        chosen = {name: judged(looks, fitted(gathered, name)) for name, looks in chosen.items()}
-    elif confidence is not None:
+    if confidence is not None and not left_out:
         chosen = {name: judged(looks, confidence) for name, looks in chosen.items()}
     together = Looks.joined(list(chosen.values()))
     chosen["all"] = together

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 import cv2
@@ -15,6 +16,7 @@ from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import Looks, look_at_bank, look_at_drawn, look_at_map
 from scenario_compiler.perception.calibration.maps import MapRoads
+from scenario_compiler.perception.confidence import Confidence
 from scenario_compiler.perception.detectors import DetectorName, create_detector
 from scenario_compiler.perception.lane_detector import CalibratedDetector
 from scenario_compiler.roads import load_network
@@ -23,10 +25,6 @@ PART = 24
 """Number of clips of a job, which share the wear of the paint."""
 
 SEED, BANK_SEED, DRAWN_SEED = 11, 5, 23
-
-MORE = 6
-"""Factor by which a map that is left out of a fit has more clips: the tables are of such maps alone, and a bin of a few
-hundred sides would have the largest error by chance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,64 +52,83 @@ class _Job(NamedTuple):
     last: int
 
 
-def gather(
+Progress = Callable[[int, int], None]
+"""Called with the number of finished jobs and that of all jobs."""
+
+
+def gather_maps(
     detector: DetectorName,
     maps: Sequence[Path],
     clips: int,
-    pictures: int,
     processes: int,
-    left_out: Sequence[str] = (),
-    progress: Callable[[int, int], None] | None = None,
-) -> Gathered:
-    """Run a detector.
+    seen_with: Mapping[str, Confidence] = MappingProxyType({}),
+    progress: Progress | None = None,
+) -> dict[str, Looks]:
+    """Return the observations of clips, by the map's name.
 
     Args:
-        detector: Its name.
+        detector: Name of the detector.
         maps: Road files; one without a driving lane gives nothing.
-        clips: Number of clips of each map; those that are left out of a fit have `MORE` times as many.
-        pictures: Number of pictures of each situation of the bank; there are fifteen times as many random situations.
+        clips: Number of clips of each map.
         processes: Number of worker processes.
-        left_out: Names of the maps that are left out of a fit.
-        progress: Called with the number of finished jobs and that of all jobs.
+        seen_with: The confidence with which the clips of a map are seen, by its name; it decides what is remembered.
+            Other maps are seen with the packaged confidence.
+        progress: Where progress is reported.
 
     Raises:
         CompileError: A road file cannot be read.
     """
-    counts = {path: clips * (MORE if path.stem in left_out else 1) for path in maps}
-    jobs = [
-        _Job(detector, "map", str(path), k, min(k + PART, count))
-        for path, count in counts.items()
-        for k in range(0, count, PART)
-    ]
-    jobs += [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
+    jobs = [_Job(detector, "map", str(path), k, min(k + PART, clips)) for path in maps for k in range(0, clips, PART)]
+    by_map: dict[str, list[Looks]] = {}
+    for job, looks in zip(jobs, _done(jobs, processes, seen_with, progress), strict=True):
+        if len(looks.error):
+            by_map.setdefault(Path(job.which).stem, []).append(looks)
+    return {name: Looks.joined(parts) for name, parts in by_map.items()}
+
+
+def gather_pictures(
+    detector: DetectorName, pictures: int, processes: int, progress: Progress | None = None
+) -> tuple[tuple[Looks, ...], Looks]:
+    """Return the observations of each situation of the bank, and of random situations, all seen without memory.
+
+    Args:
+        detector: Name of the detector.
+        pictures: Number of pictures of each situation of the bank; there are fifteen times as many random situations.
+        processes: Number of worker processes.
+        progress: Where progress is reported.
+    """
+    jobs = [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
     jobs += [_Job(detector, "drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]
+    done = _done(jobs, processes, {}, progress)
+    return tuple(done[: len(BANK)]), Looks.joined(done[len(BANK) :])
+
+
+def _done(
+    jobs: Sequence[_Job], processes: int, seen_with: Mapping[str, Confidence], progress: Progress | None
+) -> list[Looks]:
     done: list[Looks] = []
     with left_to_this_process():
-        workers = multiprocessing.get_context("spawn").Pool(processes, _begin)
+        workers = multiprocessing.get_context("spawn").Pool(processes, _begin, (dict(seen_with),))
     with workers as pool:
         for number, looks in enumerate(pool.imap(_do, jobs), 1):
             done.append(looks)
             if progress is not None:
                 progress(number, len(jobs))
-    by_map: dict[str, list[Looks]] = {}
-    for job, looks in zip(jobs, done, strict=True):
-        if job.kind == "map" and len(looks.error):
-            by_map.setdefault(Path(job.which).stem, []).append(looks)
-    return Gathered(
-        {name: Looks.joined(parts) for name, parts in by_map.items()},
-        tuple(looks for job, looks in zip(jobs, done, strict=True) if job.kind == "bank"),
-        Looks.joined([looks for job, looks in zip(jobs, done, strict=True) if job.kind == "drawn"]),
-        clips,
-    )
+    return done
 
 
-def _begin() -> None:
+_seen_with: dict[str, Confidence] = {}
+"""The confidence with which this worker process sees the clips of a map, by the map's name."""
+
+
+def _begin(seen_with: dict[str, Confidence]) -> None:
     cv2.setNumThreads(1)
+    _seen_with.update(seen_with)
 
 
 @lru_cache(maxsize=1)
-def _detector(name: DetectorName) -> CalibratedDetector:
-    return create_detector(name)
+def _detector(name: DetectorName, on_map: str = "") -> CalibratedDetector:
+    return create_detector(name, confidence=_seen_with.get(on_map))
 
 
 @lru_cache(maxsize=1)
@@ -124,4 +141,6 @@ def _do(job: _Job) -> Looks:
         return look_at_bank(_detector(job.detector), int(job.which), BANK_SEED, job.last)
     if job.kind == "drawn":
         return look_at_drawn(_detector(job.detector), DRAWN_SEED, range(job.first, job.last))
-    return look_at_map(_roads(job.which), _detector(job.detector), SEED, range(job.first, job.last))
+    return look_at_map(
+        _roads(job.which), _detector(job.detector, Path(job.which).stem), SEED, range(job.first, job.last)
+    )
