@@ -406,7 +406,7 @@ class Execution:
             entities=tuple(entity.id for entity in self.plan.entities),
             perception=self.plan.perception,
             world=self.world.name,
-            choices=dict(self.world.choices),
+            choices=dict(getattr(self.world, "choices", {})),
             versions={**versions(), **self.world.versions},
             processor=processor(),
         )

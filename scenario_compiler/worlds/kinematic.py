@@ -34,7 +34,6 @@ class KinematicWorld:
     Options: ClassVar[type[WorldOptions]] = WorldOptions
     moves_ego = False
     findings = ()
-    choices: ClassVar[dict[str, str]] = {}
 
     def __init__(self, plan: Plan, network: Network, options: WorldOptions | None = None) -> None:
         """Prepare a world for a plan on its map; the camera's scene is made when it is first needed."""

@@ -222,7 +222,8 @@ class World(Protocol):
     """A world in which a plan is executed; a context manager that closes the world.
 
     A method that raises a `WorldError` ends the run, whose recording up to that step is kept; other exceptions pass
-    through `run`.
+    through `run`. A world on whose given options a run depends also has `choices`, the values of these options by the
+    names that `run` has for them, such as `ego`.
     """
 
     name: ClassVar[str]
@@ -239,11 +240,6 @@ class World(Protocol):
     @property
     def versions(self) -> dict[str, str]:
         """Versions of the parts of the world: client, server, map."""
-        ...
-
-    @property
-    def choices(self) -> dict[str, str]:
-        """The given options on which the run depends, by the names that `run` has for them, such as `ego`."""
         ...
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:
