@@ -106,6 +106,7 @@ def test_a_copy_of_a_map_is_in_its_part_and_a_map_that_is_left_out_alone() -> No
     names = ["a", "b", "c", "d", "e", "f", "repainted_a", "repainted_e"]
     parts = [sorted(part) for part in parts_of(names, ["a", "c"])]
     assert parts == [["a", "repainted_a"], ["c"], ["b"], ["d"], ["e", "repainted_e"], ["f"]]
+    assert parts_of(names, ["repainted_a", "c"]) == parts_of(names, ["a", "c"])
     assert parts_of(["a"], ["a"]) == [{"a"}]
 
 

@@ -141,14 +141,14 @@ def _road_files(given: list[Path]) -> list[Path]:
 
 def _check_left_out(names: list[str], maps: list[str]) -> None:
     """Refuse, before anything is measured, to leave out maps that were not given, or all of them."""
-    from scenario_compiler.perception.calibration.cross_fit import COPY
+    from scenario_compiler.perception.calibration.cross_fit import copies_of
 
     for name in names:
         if name not in maps:
             hint = did_you_mean(name, maps)
             raise WrongUse(f"--leave-out {name}: there is no such map{f'; {hint}' if hint else ''}")
     for name in names:
-        if all(one.removeprefix(COPY) == name for one in maps):
+        if len(copies_of(name, maps)) == len(maps):
             raise WrongUse(f"--leave-out {name}: there is no other map to which the confidence could be fitted")
 
 

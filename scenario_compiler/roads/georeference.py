@@ -105,7 +105,12 @@ class Georeference:
         return (x, y) if isfinite(x) and isfinite(y) else None
 
 
-WGS84 = Ellipsoid(6378137.0, 1.0 / 298.257223563)
+def _named(name: str) -> Ellipsoid:
+    radius, inverse = ELLIPSOIDS[name]
+    return Ellipsoid(radius, 1.0 / inverse if inverse else 0.0)
+
+
+WGS84 = _named("WGS84")
 
 
 def _geocentric(ellipsoid: Ellipsoid, latitude: float, longitude: float) -> tuple[float, float, float]:
@@ -217,10 +222,7 @@ def _ellipsoid(given: Mapping[str, str]) -> Ellipsoid | None:
             return _sized(radius, 1.0 / float(given["rf"]))
         return _sized(radius, float(given.get("f", "0")))
     name = given.get("ellps") or DATUMS.get(given.get("datum", "WGS84"), ("", ""))[0]
-    if name not in ELLIPSOIDS:
-        return None
-    radius, inverse = ELLIPSOIDS[name]
-    return Ellipsoid(radius, 1.0 / inverse if inverse else 0.0)
+    return _named(name) if name in ELLIPSOIDS else None
 
 
 def _sized(radius: float, flattening: float) -> Ellipsoid | None:

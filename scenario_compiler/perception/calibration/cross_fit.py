@@ -10,7 +10,7 @@ machine learning, arXiv 1608.00060).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,13 +30,16 @@ MORE = 6
 hundred sides would have the largest error by chance."""
 
 
-def parts_of(names: Sequence[str], left_out: Sequence[str]) -> list[frozenset[str]]:
-    """Return the parts of the maps with these names, in the order of their first maps; copies are with their maps."""
-    roads = sorted({name.removeprefix(COPY) for name in names})
-    others = [road for road in roads if road not in left_out]
-    parts = [[road] for road in roads if road in left_out] + [others[k::PARTS] for k in range(PARTS)]
-    members = (frozenset(name for name in names if name.removeprefix(COPY) in part) for part in parts)
-    return [part for part in members if part]
+def copies_of(name: str, names: Collection[str]) -> frozenset[str]:
+    """Return those of the names that are of one map: it and its repainted copies, whichever of them is given."""
+    return frozenset(one for one in names if one.removeprefix(COPY) == name.removeprefix(COPY))
+
+
+def parts_of(names: Collection[str], left_out: Collection[str]) -> list[frozenset[str]]:
+    """Return the parts of the maps with these names, first those that are left out; copies are with their maps."""
+    alone = {copies_of(name, names) for name in left_out}
+    others = sorted({copies_of(name, names) for name in names} - alone, key=min)
+    return [*sorted(alone, key=min), *(frozenset().union(*others[k::PARTS]) for k in range(min(PARTS, len(others))))]
 
 
 def seen_across(
@@ -58,7 +61,7 @@ def seen_across(
         progress: Where progress is reported.
     """
     seen_with: dict[str, Confidence] = {}
-    for part in parts_of(list(gathered.maps), left_out):
+    for part in parts_of(gathered.maps, left_out):
         if len(part) < len(gathered.maps):
             seen_with |= dict.fromkeys(part, fitted(gathered, part))
     return replace(gathered, maps=gather_maps(detector, maps, gathered.clips, processes, seen_with, progress))
@@ -76,8 +79,7 @@ def with_left_out(
 
     The arguments are those of `seen_across`.
     """
-    copies = {name: {one for one in gathered.maps if one.removeprefix(COPY) == name} for name in left_out}
-    seen_with = {name: fitted(gathered, copies[name]) for name in left_out}
+    seen_with = {name: fitted(gathered, copies_of(name, gathered.maps)) for name in left_out}
     chosen = [path for path in maps if path.stem in left_out]
     seen = gather_maps(detector, chosen, MORE * gathered.clips, processes, seen_with, progress)
     return replace(gathered, maps={**gathered.maps, **seen})
