@@ -1,10 +1,11 @@
 """Roads for the training of a lane detector besides those of real maps: maps with repainted marks, and made-up roads.
 
-    python tools/training_roads.py OUT [--files 10] [--first 9000] [--repaint MAPS]
+    python tools/training_roads.py OUT [--files 10] [--streets 12] [--first 9000] [--repaint MAPS]
 
-writes files of made-up roads, `made_up_00.xodr` and so on, to the folder OUT, and for each road file of the folder MAPS
-a copy with other lines, such as `repainted_town_grid.xodr`. The confidence of the classical detector is fitted to both
-too (docs/perception.md). `tools/train_lane_network.py` makes the files that it needs itself.
+writes files of made-up roads, `made_up_00.xodr` and so on, files of streets with bends as sharp as where one turns at a
+junction, `streets_00.xodr` and so on, to the folder OUT, and for each road file of the folder MAPS a copy with other
+lines, such as `repainted_town_grid.xodr`. The confidence of the classical detector is fitted to them too
+(docs/perception.md). `tools/train_lane_network.py` makes the files that it needs itself.
 
 The marks of a map follow its author's habits: some maps have no double line, some no line at the edge. Here all kinds
 of lines of OpenDRIVE are used, white and yellow, with common widths, dashes and gaps.
@@ -15,6 +16,7 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from lxml import etree
@@ -48,8 +50,36 @@ BESIDE = {
 REPAINTED = 5000
 """Seed of the lines in the copy of a folder's first road file."""
 
+STREETS = 1000
+"""What is added to the seed of the first made-up file for that of the first file of streets."""
+
 ROADS, LENGTH = 4, 500.0
 """Number of roads in a made-up file, and the least length of each, m."""
+
+
+class Kind(NamedTuple):
+    """A kind of made-up roads.
+
+    Attributes:
+        right: Numbers of driving lanes on the right, of which one is drawn.
+        left: The same on the left; a number that occurs twice is drawn twice as often.
+        radius: Least and greatest radius of a bend of the reference line, m, drawn on a logarithmic scale.
+        angle: Least and greatest angle of a bend, rad.
+        straight: Least and greatest length of the straight before it, m.
+    """
+
+    right: tuple[int, ...]
+    left: tuple[int, ...]
+    radius: tuple[float, float]
+    angle: tuple[float, float]
+    straight: tuple[float, float]
+
+
+COUNTRY = Kind((1, 2, 3), (0, 1, 1, 2, 3), (16.0, 400.0), (0.25, 1.7), (5.0, 80.0))
+TOWN = Kind((1,), (0, 1), (10.0, 40.0), (0.4, 1.5), (4.0, 40.0))
+"""Winding roads, and streets with usual lanes and sharp bends, which are rare in road files: a lane that bends so
+sharply there is often a wide one.
+"""
 
 
 def repainted(source: Path, target: Path, seed: int) -> None:
@@ -75,13 +105,13 @@ def repainted(source: Path, target: Path, seed: int) -> None:
     tree.write(str(target), encoding="utf-8", xml_declaration=True)
 
 
-def made_up(target: Path, seed: int) -> None:
-    """Write a road file with `ROADS` winding and hilly roads of one to seven lanes."""
+def made_up(target: Path, seed: int, kind: Kind = COUNTRY) -> None:
+    """Write a road file with `ROADS` hilly roads of a kind."""
     draw = np.random.default_rng(seed)
     drive = etree.Element("OpenDRIVE")
     etree.SubElement(drive, "header", revMajor="1", revMinor="6", name=target.stem)
     for number in range(ROADS):
-        drive.append(_road(draw, number))
+        drive.append(_road(draw, number, kind))
     target.write_bytes(etree.tostring(drive, xml_declaration=True, encoding="utf-8"))
 
 
@@ -154,14 +184,14 @@ def _replace(mark: etree._Element, line: etree._Element) -> None:
         mark.append(etree.fromstring(etree.tostring(child)))
 
 
-def _road(draw: np.random.Generator, number: int) -> etree._Element:
-    plan, length = _plan(draw, (0.0, 4000.0 * number))
+def _road(draw: np.random.Generator, number: int, kind: Kind) -> etree._Element:
+    plan, length = _plan(draw, (0.0, 4000.0 * number), kind)
     road = etree.Element("road", name=f"road {number}", length=f"{length:.6f}", id=str(number), junction="-1")
     road.append(plan)
     road.append(_elevation(draw, length))
     section = etree.SubElement(etree.SubElement(road, "lanes"), "laneSection", s="0")
     styles = _Styles(draw)
-    right, left = int(draw.integers(1, 4)), int(draw.choice([0, 1, 1, 2, 3]))
+    right, left = int(draw.choice(kind.right)), int(draw.choice(kind.left))
     widths = float(draw.uniform(2.7, 4.0))
     between = ["bidirectional"] if left and draw.random() < 0.2 else []
     sides = {
@@ -175,21 +205,22 @@ def _road(draw: np.random.Generator, number: int) -> etree._Element:
         for side, kinds in sides.items()
         for number, kind in zip(numbers[side], kinds, strict=False)
     }
-    for side in ("left", "center", "right"):
-        group = etree.SubElement(section, side)
-        for k in sorted(set(numbers[side]) & set(made), reverse=True):
+    for side in sides:
+        found = sorted(set(numbers[side]) & set(made), reverse=True)
+        group = etree.SubElement(section, side) if found else section
+        for k in found:
             lane = made[k]
             group.append(lane)
-            kind = str(lane.get("type"))
+            use = str(lane.get("type"))
             if k:
-                low, high = (widths - 0.2, widths + 0.2) if kind in DRIVEN else BESIDE[kind]
+                low, high = (widths - 0.2, widths + 0.2) if use in DRIVEN else BESIDE[use]
                 width = f"{draw.uniform(low, high):.3f}"
                 etree.SubElement(lane, "width", sOffset="0", a=width, b="0", c="0", d="0")
             where = _where(made, k)
             mark = etree.SubElement(lane, "roadMark", sOffset="0", type="none", color="standard")
             if where is not None:
                 _replace(mark, styles.line(where, k))
-            if kind in ("sidewalk", "curb"):
+            if use in ("sidewalk", "curb"):
                 etree.SubElement(lane, "height", sOffset="0", inner="0.12", outer="0.12")
     return road
 
@@ -208,7 +239,7 @@ def _beside(draw: np.random.Generator) -> list[str]:
     return list(choices[int(draw.integers(len(choices)))])
 
 
-def _plan(draw: np.random.Generator, start: tuple[float, float]) -> tuple[etree._Element, float]:
+def _plan(draw: np.random.Generator, start: tuple[float, float], kind: Kind) -> tuple[etree._Element, float]:
     """Return a planView of straights and bends from a start (x, y), and its length, m.
 
     The bends have clothoids, and the road never turns back.
@@ -217,12 +248,12 @@ def _plan(draw: np.random.Generator, start: tuple[float, float]) -> tuple[etree.
     (x, y), heading, s = start, 0.0, 0.0
     while s < LENGTH:
         side = float(draw.choice([-1.0, 1.0])) if abs(heading) < 0.3 else -math.copysign(1.0, heading)
-        angle = side * float(draw.uniform(0.25, 1.7))
-        radius = math.exp(float(draw.uniform(math.log(16.0), math.log(400.0))))
+        angle = side * float(draw.uniform(*kind.angle))
+        radius = math.exp(float(draw.uniform(*np.log(kind.radius))))
         turn = math.copysign(1.0 / radius, angle)
         spiral = min(float(draw.uniform(0.2, 1.0)) * radius, 0.8 * abs(angle) * radius, 60.0)
         arc = abs(angle) * radius - spiral
-        straight = float(draw.uniform(5.0, 80.0))
+        straight = float(draw.uniform(*kind.straight))
         for length, first, last in ((straight, 0.0, 0.0), (spiral, 0.0, turn), (arc, turn, turn), (spiral, turn, 0.0)):
             piece = etree.SubElement(
                 plan, "geometry", s=f"{s:.6f}", x=f"{x:.6f}", y=f"{y:.6f}", hdg=f"{heading:.9f}", length=f"{length:.6f}"
@@ -263,13 +294,16 @@ def main() -> None:
     """Write the files of made-up roads and the repainted copies."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path)
-    parser.add_argument("--files", type=int, default=10, help="number of files")
+    parser.add_argument("--files", type=int, default=10, help="number of files of winding roads")
+    parser.add_argument("--streets", type=int, default=12, help="number of files of streets")
     parser.add_argument("--first", type=int, default=9000, help="seed of the first file")
     parser.add_argument("--repaint", type=Path, metavar="MAPS", help="folder with road files to repaint")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     for number in range(options.files):
         made_up(options.out / f"made_up_{number:02d}.xodr", options.first + number)
+    for number in range(options.streets):
+        made_up(options.out / f"streets_{number:02d}.xodr", options.first + STREETS + number, TOWN)
     for seed, file in enumerate(sorted(options.repaint.glob("*.xodr")) if options.repaint else [], REPAINTED):
         repainted(file, options.out / f"{COPY}{file.stem}.xodr", seed)
 

@@ -31,10 +31,11 @@ def kinds_of(file: Path) -> set[int]:
     return set(tables.mark_type)
 
 
-def test_made_up_roads_are_valid_and_can_be_driven(roads: ModuleType, tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", ["COUNTRY", "TOWN"])
+def test_made_up_roads_are_valid_and_can_be_driven(kind: str, roads: ModuleType, tmp_path: Path) -> None:
     for seed in range(2):
         file = tmp_path / f"made{seed}.xodr"
-        roads.made_up(file, seed)
+        roads.made_up(file, seed, getattr(roads, kind))
         assert [one for found in validate_files([file]) for one in found] == []
         clips = MapRoads(load_network(file), texture=100 + seed).clips(1, range(8))
         seen = [next(views).truth for _, _, views in clips]
@@ -58,6 +59,16 @@ def test_the_same_seed_makes_the_same_file_and_another_does_not(roads: ModuleTyp
     assert first.lane_type == second.lane_type
     assert list(first.mark_width) == list(second.mark_width)
     assert list(first.mark_width) != list(third.mark_width)
+
+
+def test_streets_bend_more_sharply_than_country_roads(roads: ModuleType, tmp_path: Path) -> None:
+    bends = {}
+    for kind in ("COUNTRY", "TOWN"):
+        roads.made_up(tmp_path / f"{kind}.xodr", 3, getattr(roads, kind))
+        clips = MapRoads(load_network(tmp_path / f"{kind}.xodr")).clips(1, range(40))
+        bends[kind] = float(np.median([conditions.curvature for _, conditions, _ in clips]))
+    assert bends["TOWN"] > 1 / 40
+    assert bends["TOWN"] > 3.0 * bends["COUNTRY"]
 
 
 def test_a_repainted_map_keeps_its_lanes(roads: ModuleType, tmp_path: Path) -> None:

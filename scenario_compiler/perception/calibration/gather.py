@@ -19,6 +19,7 @@ from scenario_compiler.perception.calibration.maps import MapRoads
 from scenario_compiler.perception.confidence import Confidence
 from scenario_compiler.perception.detectors import DetectorName, create_detector
 from scenario_compiler.perception.lane_detector import CalibratedDetector
+from scenario_compiler.randomness import hash_bits
 from scenario_compiler.roads import load_network
 
 PART = 24
@@ -141,6 +142,14 @@ def _do(job: _Job) -> Looks:
         return look_at_bank(_detector(job.detector), int(job.which), BANK_SEED, job.last)
     if job.kind == "drawn":
         return look_at_drawn(_detector(job.detector), DRAWN_SEED, range(job.first, job.last))
-    return look_at_map(
-        _roads(job.which), _detector(job.detector, Path(job.which).stem), SEED, range(job.first, job.last)
-    )
+    name = Path(job.which).stem
+    return look_at_map(_roads(job.which), _detector(job.detector, name), seed_of(name), range(job.first, job.last))
+
+
+def seed_of(name: str) -> int:
+    """Return the seed of a map's clips, by the map's name.
+
+    Each map has its own: if the clips of all maps had the same weather, noise and traffic, there would be only as many
+    kinds of those as clips of one map, and a fit would learn them by heart.
+    """
+    return hash_bits(SEED, 0, name)
