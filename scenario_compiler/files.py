@@ -54,6 +54,19 @@ def is_folder(path: Path) -> bool:
         return False
 
 
+def suffix_of(path: str | Path) -> str:
+    """Return a path's suffix in small letters: files of other systems may end in .XOSC."""
+    return Path(path).suffix.lower()
+
+
+def files_in(folder: Path, *suffixes: str, deep: bool = False) -> list[Path]:
+    """Return the paths in a folder that have one of the suffixes, which are in small letters, sorted.
+
+    Anything with such a name is included: reading it reports the fault. With `deep`, subfolders are searched too.
+    """
+    return sorted(path for path in (folder.rglob("*") if deep else folder.glob("*")) if suffix_of(path) in suffixes)
+
+
 def split_target(target: str | Path) -> tuple[str, str | None]:
     """Split FILE#name into the file and the scenario's name, each of which may contain a '#' itself.
 

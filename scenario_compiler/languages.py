@@ -12,6 +12,7 @@ from typing import NamedTuple, TypeAlias
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, Severity, did_you_mean
 from scenario_compiler.document import Document, read_document
+from scenario_compiler.files import suffix_of
 from scenario_compiler.markup import codes, names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.openscenario.contents import OpenScenario, parameter_kinds
@@ -47,7 +48,7 @@ OPENSCENARIO = ("OpenSCENARIO", "OpenScenario")
 
 def read_scenario_document(path: str | Path, sink: Diagnostics) -> Document | None:
     """Read a scenario file; in OpenSCENARIO files, comments with two hyphens are corrected, with a warning."""
-    if Path(path).suffix == ".xosc":
+    if suffix_of(path) == ".xosc":
         from scenario_compiler.openscenario.files import read_forgiving
 
         return read_forgiving(path, sink)

@@ -9,6 +9,7 @@ from typing import Literal
 
 from scenario_compiler.compiler import read_source
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.files import files_in
 from scenario_compiler.markup.environment import Environment
 from scenario_compiler.markup.reading import read_word
 from scenario_compiler.openscenario.contents import OpenScenario
@@ -58,7 +59,7 @@ def list_library(folder: Path, sink: Diagnostics) -> Iterator[Listed]:
 
     Files that cannot be read are reported and skipped; catalogs are skipped without a diagnostic.
     """
-    paths = sorted(path for ending in SUFFIXES for path in folder.rglob(f"*{ending}")) if folder.is_dir() else [folder]
+    paths = files_in(folder, *SUFFIXES, deep=True) if folder.is_dir() else [folder]
     for path in paths:
         read = read_source(path, sink)
         source = None if read is None else read[1]

@@ -12,6 +12,7 @@ from pathlib import Path, PureWindowsPath
 from typing import NamedTuple
 
 from scenario_compiler.diagnostics import did_you_mean
+from scenario_compiler.files import suffix_of
 
 _PACKAGE = Path(__file__).parent
 _CHECKOUT = _PACKAGE.parent
@@ -217,13 +218,13 @@ def known_maps(folders: Sequence[Path] = ()) -> list[str]:
     names: set[str] = set()
     for folder in MapSearch(None, tuple(folders)).places():
         if folder.is_dir():
-            names.update(path.stem for path in folder.glob("*.xodr"))
-            names.update(path.stem for path in folder.glob("*/*.xodr"))
+            files = [*folder.glob("*"), *folder.glob("*/*")]
+            names.update(path.stem for path in files if suffix_of(path) == ".xodr")
     return sorted(names)
 
 
 def _candidates(name: str, search: MapSearch) -> list[Path]:
-    file = Path(name if name.endswith(".xodr") else f"{name}.xodr")
+    file = Path(name if suffix_of(name) == ".xodr" else f"{name}.xodr")
     if file.is_absolute():
         return [file]
     found: list[Path] = []

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from scenario_compiler.compiler import Overrides, compile_expanded, read_source
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace
 from scenario_compiler.document import Document, read_document
-from scenario_compiler.files import MAX_BYTES
+from scenario_compiler.files import MAX_BYTES, suffix_of
 from scenario_compiler.garbage_collection import collect_seldom, keep_loaded
 from scenario_compiler.interruption import ended_with_this, left_to_this_process
 from scenario_compiler.languages import check_source, drop_allowed
@@ -49,7 +49,7 @@ def files_below(path: Path) -> list[Path]:
         return [path]
     closed: list[OSError] = []
     walked = os.walk(path, onerror=closed.append)
-    files = [Path(folder, name) for folder, _, names in walked for name in names if name.endswith(SUFFIXES)]
+    files = [Path(folder, name) for folder, _, names in walked for name in names if name.lower().endswith(SUFFIXES)]
     return sorted([*files, *(Path(fault.filename) for fault in closed)])
 
 
@@ -75,16 +75,17 @@ def validate_file(
     checked against this schema; otherwise against the tables of this program. Only the structure of an OpenSCENARIO
     file gives errors: faults of its meaning are warnings, and so is a fault of this program while it looks for them.
     """
-    if path.suffix == ".xodr":
+    suffix = suffix_of(path)
+    if suffix == ".xodr":
         document = read_document(path, sink, MAX_BYTES)
         if document is not None and (xsd is None or _by_schema(document, xsd, sink) is None):
             from scenario_compiler.roads.structure import check_structure
 
             check_structure(document, sink)
         return
-    if path.suffix == ".json":
+    if suffix == ".json":
         read_plan(path, sink)
-    elif path.suffix == ".xosc":
+    elif suffix == ".xosc":
         from scenario_compiler.openscenario.validation import add_meaning, validate_openscenario
 
         meaning = Diagnostics()

@@ -59,9 +59,10 @@ def test_run_keeps_a_folder_that_is_not_empty(conflict: Path, tmp_path: Path) ->
     assert call("run", conflict, "--perception", "ideal", "-o", folder, "--force") == 0
 
 
-def test_a_plan_runs_as_its_scenario_does(conflict: Path, tmp_path: Path) -> None:
-    assert call("compile", conflict, "--perception", "ideal", "--set", "speed=30", "-o", tmp_path / "plan.json") == 0
-    assert call("run", tmp_path / "plan.json", "--trajectory", tmp_path / "plan.csv") == 0
+@pytest.mark.parametrize("name", ["plan.json", "PLAN.JSON"])
+def test_a_plan_runs_as_its_scenario_does(conflict: Path, tmp_path: Path, name: str) -> None:
+    assert call("compile", conflict, "--perception", "ideal", "--set", "speed=30", "-o", tmp_path / name) == 0
+    assert call("run", tmp_path / name, "--trajectory", tmp_path / "plan.csv") == 0
     direct = ("run", conflict, "--perception", "ideal", "--set", "speed=30", "--trajectory", tmp_path / "direct.csv")
     assert call(*direct) == 0
     assert (tmp_path / "plan.csv").read_bytes() == (tmp_path / "direct.csv").read_bytes()

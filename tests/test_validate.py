@@ -97,6 +97,15 @@ def test_unreadable_files_of_a_folder_are_reported(tmp_path: Path) -> None:
     assert found == [(name, ["SC101"]) for name in names]
 
 
+@pytest.mark.parametrize(("name", "code"), [("cut.XML", "SC102"), ("cut.Xosc", "SC102"), ("ROAD.XODR", "SC102")])
+def test_the_case_of_a_suffix_does_not_count(tmp_path: Path, name: str, code: str) -> None:
+    (tmp_path / name).write_text("<OpenDRIVE", encoding="utf-8")
+    (tmp_path / "notes.TXT").write_text("", encoding="utf-8")
+    files = files_below(tmp_path)
+    assert [file.name for file in files] == [name]
+    assert [one.code.id for some in validate_files(files) for one in some] == [code]
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="nothing is hidden from the administrator")
 def test_a_folder_that_cannot_be_read_is_reported(tmp_path: Path) -> None:
     hidden = tmp_path / "hidden"

@@ -30,6 +30,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.terminal import put, put_table, tell
 from scenario_compiler.diagnostics import Diagnostics, suggestion
+from scenario_compiler.files import files_in, suffix_of
 from scenario_compiler.garbage_collection import keep_loaded
 from scenario_compiler.outputs import write_whole
 
@@ -193,7 +194,7 @@ def new_command(options: argparse.Namespace) -> int:
     chosen = templates.get(options.template)
     if chosen is None:
         raise WrongUse(f"there is no template '{options.template}'{suggestion(options.template, templates)}")
-    keep_inputs((one for folder in template_folders() for one in folder.rglob("*.xml")), file)
+    keep_inputs((one for folder in template_folders() for one in files_in(folder, ".xml", deep=True)), file)
     write_whole(file, new_conflict(options.name, chosen.name, chosen.summary, chosen.parameters))
     put(file, text_stream(options))
     return AT_FAULT if show(sink, options) else FINE
@@ -201,7 +202,7 @@ def new_command(options: argparse.Namespace) -> int:
 
 def preview_command(options: argparse.Namespace) -> int:
     """Draw the plan: its part of the map, the entities, the route, and the conditions of its events."""
-    if options.output.suffix not in (".png", ".svg"):
+    if suffix_of(options.output) not in (".png", ".svg"):
         raise WrongUse(f"{options.output}: a plan is drawn as .png or .svg")
     sink = new_sink(options)
     compilation = compiled(options, sink)

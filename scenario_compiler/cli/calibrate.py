@@ -21,6 +21,7 @@ from scenario_compiler.cli.options import (
 from scenario_compiler.cli.terminal import complain, put, put_raw
 from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import CompileError, did_you_mean
+from scenario_compiler.files import files_in
 from scenario_compiler.perception.detectors import DETECTORS, create_detector
 from scenario_compiler.resources import maps_folder
 
@@ -130,7 +131,7 @@ def _road_files(given: list[Path]) -> list[Path]:
     for one in given or [maps_folder()]:
         if not one.exists():
             raise WrongUse(f"there is no file or folder '{one}'")
-        files = [one] if one.is_file() else sorted(one.rglob("*.xodr"))
+        files = [one] if one.is_file() else files_in(one, ".xodr", deep=True)
         if not files:
             raise WrongUse(f"there is no road file (.xodr) in '{one}'")
         found += files

@@ -24,6 +24,7 @@ from scenario_compiler.cli.options import (
 from scenario_compiler.cli.terminal import put, put_raw
 from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.files import suffix_of
 from scenario_compiler.legible import legible_json
 
 if TYPE_CHECKING:
@@ -180,7 +181,7 @@ def read_run(path: Path) -> tuple[Recording, Outcome | None]:
     from scenario_compiler.recording.trajectory import TrajectoryError, read_trajectory
 
     try:
-        if path.suffix == ".csv":
+        if suffix_of(path) == ".csv":
             return read_trajectory(path), None
         judged = path / "outcome.json"
         recording = read_recording(path / "recording.parquet" if path.is_dir() else path)

@@ -19,7 +19,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostics, suggestion
-from scenario_compiler.files import MAX_BYTES
+from scenario_compiler.files import MAX_BYTES, suffix_of
 from scenario_compiler.outputs import write_whole
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def map_plot_command(options: argparse.Namespace) -> int:
     from scenario_compiler.report.map_plot import plot_map
     from scenario_compiler.roads.spawn_points import read_spawn_points
 
-    if options.output.suffix not in (".png", ".svg"):
+    if suffix_of(options.output) not in (".png", ".svg"):
         raise WrongUse(f"{options.output}: a map is drawn as .png or .svg")
     sink = Diagnostics()
     loaded = _loaded_map(options, sink)
@@ -149,7 +149,7 @@ def map_export_command(options: argparse.Namespace) -> int:
         from scenario_compiler.roads.export_mesh import FORMATS as MESH_FORMATS
         from scenario_compiler.roads.export_mesh import export_mesh
 
-        if options.output.suffix not in MESH_FORMATS:
+        if suffix_of(options.output) not in MESH_FORMATS:
             raise WrongUse(f"{options.output}: a mesh is written as {', '.join(MESH_FORMATS)}")
         export_mesh(network, options.output)
         return FINE

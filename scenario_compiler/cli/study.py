@@ -27,6 +27,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.terminal import flush_streams, put, shown_progress
 from scenario_compiler.cli.worlds import add_world, world_options
+from scenario_compiler.files import suffix_of
 from scenario_compiler.garbage_collection import keep_loaded, stay_small
 from scenario_compiler.trust import Trust
 
@@ -212,7 +213,7 @@ def _serve(compilation: StudyCompilation, options: argparse.Namespace, of_world:
 def _export(options: argparse.Namespace) -> int:
     from scenario_compiler.study.tables import write_tidy
 
-    if options.output is None or options.output.suffix != ".csv":
+    if options.output is None or suffix_of(options.output) != ".csv":
         raise WrongUse("name the table with -o; it ends in .csv")
     count = write_tidy(options.path, options.output)
     put(f"{count} run{'s' * (count != 1)}: {options.output}", text_stream(options))

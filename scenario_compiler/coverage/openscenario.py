@@ -157,7 +157,7 @@ WITHOUT_EFFECT: dict[str, str] = {
     "RelativeDistanceCondition": "routingAlgorithm",
     "AssignControllerAction": "activateAnimation activateLighting",
     "OverrideThrottleAction": "maxRate",
-    "Brake": "maxRate",
+    "Brake": "<BrakeForce> maxRate",
     "OverrideClutchAction": "maxRate",
     "OverrideSteeringWheelAction": "maxRate maxTorque",
     "LightStateAction": "transitionTime",
@@ -167,7 +167,7 @@ WITHOUT_EFFECT: dict[str, str] = {
     "Sun": "illuminance intensity",
     "Wind": "direction",
 }
-"""Attributes without effect, of elements that have one."""
+"""Attributes without effect, of elements that have one, and names of an element under which it has none."""
 
 FORMS = (*ACTIONS.forms, *BY_ENTITY.forms, *BY_VALUE.forms, *POSITIONS.forms)
 """The elements that are words."""

@@ -14,6 +14,7 @@ from scenario_compiler.diagnostics import Diagnostics, FilePlace, Severity, all_
 from scenario_compiler.editor.analysis import LOOPS, Analysis
 from scenario_compiler.editor.draft import Tag
 from scenario_compiler.expressions import format_value
+from scenario_compiler.files import files_in
 from scenario_compiler.perception.detectors import DETECTORS
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
@@ -170,7 +171,7 @@ def _weathers(spot: Spot) -> Iterator[Known]:
 
 def _maps(spot: Spot) -> Iterator[Known]:
     folder = Path(spot.analysis.path).parent
-    beside = sorted(path.name for path in folder.glob("*.xodr")) if folder.is_dir() else []
+    beside = [path.name for path in files_in(folder, ".xodr")] if folder.is_dir() else []
     for name in [*beside, *known_maps(spot.maps)]:
         try:
             yield Known(name, str(find_map(name, beside=folder, folders=spot.maps)))

@@ -12,7 +12,7 @@ from scenario_compiler.diagnostics import CompileError, Diagnostics
 from scenario_compiler.editor.analysis import Analysis, Symbol, read_analysis
 from scenario_compiler.editor.findings import Finding, carried_over, findings, while_written
 from scenario_compiler.editor.words import ROOTS, is_scenario_file
-from scenario_compiler.files import unsaved
+from scenario_compiler.files import suffix_of, unsaved
 from scenario_compiler.resources import library_folder, template_folders
 from scenario_compiler.source.catalogs import catalogs_in
 from scenario_compiler.source.templates import templates_in
@@ -71,7 +71,7 @@ class Workspace:
     def words(self, path: str) -> Analysis | None:
         """Return the text of an open file that is written word by word: one of our own languages, or an empty one."""
         analysis = self.analysis(path)
-        if analysis is None or Path(path).suffix not in (".xml", ""):
+        if analysis is None or suffix_of(path) not in (".xml", ""):
             return None
         root = analysis.draft.root
         return analysis if root is None or root.name in ROOTS or not analysis.draft.text.strip() else None
@@ -82,7 +82,7 @@ class Workspace:
         analysis = self.texts.get(own)
         if analysis is None:
             return []
-        if Path(path).suffix not in (".xosc", ".xodr") and not is_scenario_file(analysis.draft):
+        if suffix_of(path) not in (".xosc", ".xodr") and not is_scenario_file(analysis.draft):
             return []
         text = analysis.draft.text
         old, before = self.found.get(own, ("", []))
@@ -124,7 +124,7 @@ class Workspace:
             for folder, inner, names in os.walk(top):
                 inner[:] = sorted(one for one in inner if not one.startswith(".") and one not in PASSED_OVER)
                 for name in sorted(names):
-                    if name.endswith(".xml") and (left := left - 1) >= 0:
+                    if suffix_of(name) == ".xml" and (left := left - 1) >= 0:
                         yield Path(folder, name)
 
     def _held(self) -> dict[str, bytes]:

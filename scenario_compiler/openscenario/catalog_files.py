@@ -9,7 +9,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document
-from scenario_compiler.files import is_file
+from scenario_compiler.files import files_in, is_file
 from scenario_compiler.openscenario.files import VERSIONS, read_forgiving, read_version
 from scenario_compiler.structure.walk import local_name
 
@@ -46,7 +46,7 @@ class CatalogFolders:
         """Return all catalogs, in the order of the folders and of the files' names."""
         if self.read is None:
             folders = dict.fromkeys(self.folders)
-            files = [path for one in folders for path in ([one] if is_file(one) else sorted(one.glob("*.xosc")))]
+            files = [path for one in folders for path in ([one] if is_file(one) else files_in(one, ".xosc"))]
             found = [_catalog_file(path, sink) for path in files]
             self.read = [one for one in found if one is not None]
         return self.read

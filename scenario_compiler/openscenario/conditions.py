@@ -215,10 +215,12 @@ class _Other:
 
 
 class _Others:
-    """The other entities of a clearance, or the members of selections."""
+    """The other entities of a clearance, or the members of selections; any entity if none is given."""
 
-    def read(self, node: Node) -> Fields:
-        return {"of": tuple(entity for one in node.children("EntityRef") for entity in one.entities("entityRef"))}
+    def read(self, node: Node) -> Fields | None:
+        given = node.children("EntityRef")
+        others = tuple(entity for one in given for entity in one.entities("entityRef"))
+        return None if given and not others else {"of": others}
 
     def write(self, word: RelativeClearanceCondition, element: etree._Element, output: Output) -> None:
         del output

@@ -268,8 +268,13 @@ class Node:
         return members[0] if members else name
 
     def entities(self, attribute: str) -> tuple[str, ...]:
-        """Return the entities of a name, which may be a selection's; report an unknown one."""
-        return self._members(self.text(attribute), attribute, required=True)
+        """Return the entities of a name, which may be a selection's; report an unknown one and an empty selection."""
+        name = self.text(attribute)
+        members = self._members(name, attribute, required=True)
+        if name in self.reading.known.selections and not members:
+            message = f"the selection '{name}' has no members"
+            self.report(UNKNOWN_ENTITY, message, attribute, severity=Severity.WARNING)
+        return members
 
     def _members(self, name: str, attribute: str, *, required: bool) -> tuple[str, ...]:
         known = self.reading.known

@@ -44,7 +44,8 @@ TILT = Code(
     "SC780",
     "tilt-from-road",
     "A position gives pitch or roll. In this world the road determines the pitch and roll of a vehicle, so the "
-    "numbers have no effect.\n\n"
+    "numbers have no effect. ASAM OpenSCENARIO requires this for all positions on roads and lanes (Orientation); it "
+    "allows them for positions in the world and relative to an entity only.\n\n"
     '    <Orientation type="relative" h="0" p="0.1"/>\n\n'
     "Leave them out, or change the road's elevation.",
     Severity.WARNING,
@@ -64,11 +65,7 @@ ON_CURVES = ("RoutePosition", "TrajectoryPosition")
 
 
 class Orientation:
-    """The child `Orientation`: the fields `turn` and, if the word has it, `heading`."""
-
-    def __init__(self, *, heading_only: bool = False) -> None:
-        """Set whether the word has no `turn`."""
-        self.heading_only = heading_only
+    """The child `Orientation`: the fields `turn` and `heading`."""
 
     def read(self, node: Node) -> Fields:
         """Return the fields; a missing element means relative and 0.
@@ -82,15 +79,13 @@ class Orientation:
         kind = inner.choice("type", ("absolute", "relative"), usual)
         heading = inner.number("h", 0.0)
         check_tilt(inner)
-        if self.heading_only or kind == "absolute":
-            return {"heading": heading}
-        return {"turn": heading}
+        return {"heading" if kind == "absolute" else "turn": heading}
 
     def write(self, word: Any, element: etree._Element, output: Output) -> None:
         """Add the element if the word's heading differs from that of the position."""
         if word.heading is not None:
             element.append(made("Orientation", type="absolute", h=output.text(word.heading, word)))
-        elif not self.heading_only and word.turn != 0.0:
+        elif word.turn != 0.0:
             element.append(made("Orientation", type="relative", h=output.text(word.turn, word)))
 
 
@@ -209,7 +204,7 @@ POINTS = Forms(
             number("offset", default=0.0),
             _FACING,
         ),
-        regular("GeoPosition", GeoPosition, _Geographic(), Orientation(heading_only=True), since=(1, 1)),
+        regular("GeoPosition", GeoPosition, _Geographic(), _FACING, since=(1, 1)),
     )
 )
 """The points that OpenSCENARIO can express."""

@@ -279,8 +279,19 @@ class Binder:
         away_x, away_y, _, turned = header.offset
         dx, dy = x - away_x, y - away_y
         c, w = math.cos(turned), math.sin(turned)
-        placed = FreePosition.model_construct(x=dx * c + dy * w, y=dy * c - dx * w, heading=position.heading)
-        return placed.written_at(position.origin)
+        x, y = dx * c + dy * w, dy * c - dx * w
+        heading = position.heading
+        if heading is None:
+            heading = self._heading_of_s(x, y) + self.value(position.turn, position)
+        return FreePosition.model_construct(x=x, y=y, heading=heading).written_at(position.origin)
+
+    def _heading_of_s(self, x: float, y: float) -> float:
+        """Return the direction of s of the road at a point, rad; 0 off the roads. Drivable lanes come first."""
+        found = self.network.locate(x, y)
+        if not found:
+            return 0.0
+        road, _, s, _ = min(found, key=lambda one: not drivable_at(self.network, one.road, one.lane, one.s))
+        return self.network.road_pose(road, s, 0.0).heading
 
     def _spawn_points(self) -> Mapping[str, Position]:
         """Return the scenario's spawn points, or the map's if the scenario has none."""

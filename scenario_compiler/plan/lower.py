@@ -32,6 +32,7 @@ from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
     BoundPosition,
     ControlPoint,
+    FreePosition,
     GeoPosition,
     LanePositionWord,
     NumberedSpawnPoint,
@@ -284,6 +285,11 @@ POSITIONS = (
 def bind_corner(draft: PlanDraft, corner: Vertex | ControlPoint) -> Vertex | ControlPoint:
     """Bind a corner of a trajectory; a heading that is not written is not taken from the road or the world's axes."""
     position = corner.position
+    if isinstance(position, GeoPosition) and position.turn == 0.0 and position.heading is None:
+        place = bind_fixed(draft, position)
+        if not isinstance(place, FreePosition):
+            return corner
+        return corner.model_copy(update={"position": place.model_copy(update={"heading": None})})
     aligned = isinstance(position, WorldPosition) and position.yaw == 0.0
     along = isinstance(position, RoadPosition) and position.turn == 0.0 and position.heading is None
     bound = bind_fixed(draft, position) if aligned or along else None

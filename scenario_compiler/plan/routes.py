@@ -28,13 +28,14 @@ JUNCTION_COST = 1.0e6
 """Cost of passing a junction on a route with the fewest intersections, m."""
 
 
-def cost_of_road(n: RoadTables, strategy: str, road: int) -> float:
-    """Return the cost of passing a road on a route: its travel time for the fastest one, otherwise its length.
+def cost_of_stretch(n: RoadTables, strategy: str, stretch: Stretch) -> float:
+    """Return the cost of passing a stretch on a route: its travel time for the fastest one, otherwise its length.
 
     A random route is the shortest one.
     """
     if strategy == "fastest":
-        return travel_time(n, road)
+        return travel_time(n, stretch)
+    road, _ = stretch
     if strategy == "leastIntersections" and n.road_junction[road] >= 0:
         return JUNCTION_COST
     return n.road_length[road]
@@ -57,7 +58,7 @@ def path_and_missed(network: Network, values: Values, route: RouteWord) -> tuple
         if not path:
             path = [goal]
             continue
-        cost = partial(cost_of_road, n, waypoint.strategy)
+        cost = partial(cost_of_stretch, n, waypoint.strategy)
         tries = [(path[-1], goal), (path[-1], (goal[0], -goal[1]))]
         if len(path) == 1:
             turned = (path[0][0], -path[0][1])
@@ -73,7 +74,7 @@ def path_and_missed(network: Network, values: Values, route: RouteWord) -> tuple
 def leads_to(network: Network, start: Stretch, goal: Stretch) -> bool:
     """Return whether a way leads from a road, driven in either direction, to another one."""
     n = network.tables
-    ways = (onward(n, (goal[0], sense), lambda road: n.road_length[road]) for sense in (1, -1))
+    ways = (onward(n, (goal[0], sense), lambda stretch: n.road_length[stretch[0]]) for sense in (1, -1))
     return start[0] == goal[0] or any((start[0], sense) in way for way in ways for sense in (1, -1))
 
 

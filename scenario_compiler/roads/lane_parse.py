@@ -21,13 +21,13 @@ from scenario_compiler.roads.marks import (
     STANDARD_WIDTH,
 )
 from scenario_compiler.roads.reading import LENGTH_LIMIT, UNSORTED, Cubic, Reader, append_cubics, cubics_in
-from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
+from scenario_compiler.roads.tables import AT_END, AT_START, LANE_LIMIT, RoadTables
 
 BAD_LANE = Code(
     "SC310",
     "bad-lane",
-    "A lane cannot be used and is left out: its id is not an integer, is used twice in its section, or has the "
-    "wrong sign for its side (left lanes are positive, right lanes negative).\n\n"
+    "A lane cannot be used and is left out: its id is not an integer, is used twice in its section, is beyond a "
+    "million, or has the wrong sign for its side (left lanes are positive, right lanes negative).\n\n"
     '    <right><lane id="1" type="driving">...</lane></right>     -1: right lanes have negative ids\n\n'
     "Correct the id; lanes count from 1 (left) and from -1 (right) outward, and the centre lane is 0.",
     Severity.WARNING,
@@ -219,7 +219,7 @@ class LaneReader:
             return []
         for element in parent.findall("lane"):
             lane = self._reader.integer(element, "id")
-            if lane is None or lane * sign <= 0 or lane in found:
+            if lane is None or not 0 < lane * sign < LANE_LIMIT or lane in found:
                 self._reader.report(BAD_LANE, f"the lane '{element.get('id')}' is left out", element, "id")
             else:
                 found[lane] = lane, element, origin

@@ -32,6 +32,9 @@ POLYNOMIAL = 3
 AT_START = 0
 AT_END = 1
 
+LANE_LIMIT = 1 << 20
+"""Magnitude that no lane's id reaches."""
+
 NO_SPEED = -1.0
 """Value of a speed column if the file states no limit; `inf` is an explicit "no limit"."""
 
@@ -179,7 +182,7 @@ class RoadTables(BothForms):
     """Number of its left lanes."""
     section_lane: list[int] = row_starts(SECTION, LANE)
     """Row starts of its lanes, from left to right, including the centre lane."""
-    lane_id: list[int] = column(LANE)
+    lane_id: list[int] = column(LANE, 0, whole(1 - LANE_LIMIT, LANE_LIMIT))
     lane_type: list[int] = column(LANE, 0, codes(len(LANE_TYPES)))
     """Code of the type (`lane_types`)."""
     lane_section: list[int] = column(LANE, 0, index(SECTION))

@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
-from scenario_compiler.roads.lane_types import ROAD_TYPES
-from scenario_compiler.roads.lanes import lane_direction
+from scenario_compiler.roads.lane_types import ROAD_TYPES, is_drivable
+from scenario_compiler.roads.lanes import lane_direction, section_at
 from scenario_compiler.roads.tables import AT_END, AT_START, NO_SPEED, RoadTables
 
 Stretch = tuple[int, int]
 """Index of a road, and the direction in which it is driven."""
 
-Cost = Callable[[int], float]
-"""Cost of passing a road."""
+Cost = Callable[[Stretch], float]
+"""Cost of passing a stretch."""
 
 
 TOWN_SPEED = 13.9
@@ -37,17 +38,36 @@ outside towns, 30 km/h in zones and on cycle streets, walking speed (StVO sectio
 """
 
 
-def travel_time(n: RoadTables, road: int) -> float:
-    """Return the time in which a road is passed at its speed limits, s; limits of single lanes do not count."""
-    records = range(n.road_type[road], n.road_type[road + 1])
-    time = (n.type_s[records[0]] if records else n.road_length[road]) / TOWN_SPEED
-    for k in records:
-        end = n.type_s[k + 1] if k + 1 in records else n.road_length[road]
-        speed = n.type_speed[k]
-        if speed == NO_SPEED:
-            speed = USUAL_SPEEDS.get(ROAD_TYPES[n.type_code[k]], TOWN_SPEED)
-        time += max(end - n.type_s[k], 0.0) / max(min(speed, USUAL_SPEEDS["motorway"]), USUAL_SPEEDS["pedestrian"])
-    return time
+def travel_time(n: RoadTables, stretch: Stretch) -> float:
+    """Return the time in which a road is driven at its speed limits, s: those of its fastest lane in this direction."""
+    road, _ = stretch
+    sections = range(n.road_section[road], n.road_section[road + 1])
+    rows = range(n.section_lane[sections.start], n.section_lane[sections.stop])
+    changes = {
+        *(n.type_s[k] for k in range(n.road_type[road], n.road_type[road + 1])),
+        *(n.section_s[section] for section in sections),
+        *(n.speed_s[k] for k in range(n.lane_speed[rows.start], n.lane_speed[rows.stop])),
+    }
+    length = n.road_length[road]
+    cuts = sorted({0.0, length, *(s for s in changes if 0.0 < s < length)})
+    return sum((end - s) / _usual_limit(n, stretch, s) for s, end in pairwise(cuts))
+
+
+def _usual_limit(n: RoadTables, stretch: Stretch, s: float) -> float:
+    """Return the greatest speed limit of the drivable lanes of a direction, m/s; without any, the road's."""
+    road, sense = stretch
+    general = TOWN_SPEED
+    for k in range(n.road_type[road], n.road_type[road + 1]):
+        if n.type_s[k] <= s:
+            usual = USUAL_SPEEDS.get(ROAD_TYPES[n.type_code[k]], TOWN_SPEED)
+            general = usual if n.type_speed[k] == NO_SPEED else n.type_speed[k]
+    limits = []
+    section = section_at(n, road, s)
+    for row in range(n.section_lane[section], n.section_lane[section + 1]) if section >= 0 else ():
+        if is_drivable(n.lane_type[row]) == 1 and n.lane_sense[row] == sense:
+            stated = [n.speed_max[k] for k in range(n.lane_speed[row], n.lane_speed[row + 1]) if n.speed_s[k] <= s]
+            limits.append(stated[-1] if stated and stated[-1] != NO_SPEED else general)
+    return min(max(max(limits, default=general), USUAL_SPEEDS["pedestrian"]), USUAL_SPEEDS["motorway"])
 
 
 def followers(n: RoadTables, stretch: Stretch) -> list[Stretch]:
@@ -110,7 +130,7 @@ def onward(n: RoadTables, goal: Stretch, cost: Cost) -> dict[Stretch, Stretch]:
             following[stretch] = after
         for one in before.get(stretch, ()):
             count += 1
-            heapq.heappush(heap, (spent + cost(one[0]), count, one, stretch))
+            heapq.heappush(heap, (spent + cost(one), count, one, stretch))
     return following
 
 

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple, TypeVar
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics
 from scenario_compiler.document import read_document
+from scenario_compiler.files import files_in
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import place_children, read_attributes, read_word
@@ -111,7 +112,7 @@ def catalogs_in(folder: Path) -> tuple[Catalogs, tuple[Diagnostic, ...]]:
     """Return the catalogs of a folder's XML files, and their faults; read once per process."""
     sink = Diagnostics()
     catalogs = Catalogs()
-    for path in sorted(folder.glob("*.xml")):
+    for path in files_in(folder, ".xml"):
         document = read_document(path, sink)
         if document is not None:
             catalogs = catalogs.extended(read_catalog(ReadingContext(document, sink, Environment())))

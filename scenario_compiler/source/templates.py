@@ -14,6 +14,7 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Origin, read_document
 from scenario_compiler.expressions import RESERVED, Value
+from scenario_compiler.files import files_in
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, GivenName, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
@@ -563,7 +564,7 @@ def templates_in(folder: Path) -> Shelf:
     sink = Diagnostics()
     templates: dict[str, Part] = {}
     catalogs = Catalogs()
-    for path in sorted(folder.rglob("*.xml")):
+    for path in files_in(folder, ".xml", deep=True):
         document = read_document(path, sink)
         root = "" if document is None else document.root.tag
         if document is not None and root == LibraryElement.tag():

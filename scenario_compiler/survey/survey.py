@@ -9,6 +9,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.files import files_in
 from scenario_compiler.languages import parse, read_scenario_document
 from scenario_compiler.listing import SUFFIXES, list_library, list_templates
 from scenario_compiler.recording.resolution import WITHOUT_REQUEST
@@ -131,7 +132,7 @@ def used_templates(folder: Path) -> dict[str, tuple[str, ...]]:
     uses: dict[str, set[str]] = {}
     inner: dict[str, set[str]] = {}
     names = {one.name for one in list_templates(quiet)}
-    paths = sorted(path for ending in SUFFIXES for path in folder.rglob(f"*{ending}")) if folder.is_dir() else [folder]
+    paths = files_in(folder, *SUFFIXES, deep=True) if folder.is_dir() else [folder]
     for path in paths:
         document = read_scenario_document(path, quiet)
         source = None if document is None else parse(document, quiet)

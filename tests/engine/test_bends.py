@@ -143,6 +143,96 @@ def test_a_single_corner_slows_the_car_only_if_it_cannot_be_cut(turned: float, s
     assert slowest == pytest.approx(math.sqrt(LATERAL * 8.0 / turned) if slows else 25.0, rel=0.1)
 
 
+JOINED = """<road id="{id}" length="{length}" junction="-1"><link>{link}</link>
+<planView><geometry s="0" x="{x}" y="{y}" hdg="{hdg}" length="{length}"><line/></geometry></planView>
+<lanes><laneSection s="0"><left>{left}</left><center><lane id="0" type="none" level="false"/></center>
+<right>{right}</right></laneSection></lanes></road>"""
+
+
+def joined(turned: float, *, against: bool = False, between: float = 0.0) -> Network:
+    """Return two straight roads that meet with an angle.
+
+    Args:
+        turned: Heading of the second road, rad.
+        against: Whether the second road is drawn towards the joint, so that the car leaves it at its start.
+        between: Length of a third road between them, with their mean heading, m.
+    """
+    at = (BEFORE + between * math.cos(0.5 * turned), between * math.sin(0.5 * turned))
+    far = (at[0] + 600.0 * math.cos(turned), at[1] + 600.0 * math.sin(turned))
+    second, contact = ("2", "end" if against else "start")
+    end = '<successor elementType="road" elementId="{}" contactPoint="{}"/>'
+    begin = end.replace("successor", "predecessor")
+    onward = lane(-1, "solid", link=f'<successor id="{1 if against and not between else -1}"/>')
+    middle = lane(-1, "solid", link=f'<predecessor id="-1"/><successor id="{1 if against else -1}"/>')
+    first = JOINED.format(
+        id=1,
+        length=BEFORE,
+        x=0.0,
+        y=0.0,
+        hdg=0.0,
+        left="",
+        right=onward,
+        link=end.format("3", "start") if between else end.format(second, contact),
+    )
+    third = JOINED.format(
+        id=3,
+        length=between,
+        x=BEFORE,
+        y=0.0,
+        hdg=0.5 * turned,
+        left="",
+        right=middle,
+        link=begin.format("1", "end") + end.format(second, contact),
+    )
+    last = JOINED.format(
+        id=2,
+        length=600.0,
+        x=far[0] if against else at[0],
+        y=far[1] if against else at[1],
+        hdg=turned + math.pi if against else turned,
+        left=lane(1, "solid", link='<successor id="-1"/>') if against else "",
+        right="" if against else lane(-1, "solid", link='<predecessor id="-1"/>'),
+        link=(end if against else begin).format("3" if between else "1", "end"),
+    )
+    return network_of(first, *([third] if between else []), last)
+
+
+@pytest.mark.parametrize(("turned", "slows"), [(0.005, False), (0.05, False), (0.3, True), (-0.3, True)])
+@pytest.mark.parametrize("against", [False, True])
+@pytest.mark.parametrize("between", [0.0, 1.5])
+def test_a_corner_at_the_joint_of_two_roads_slows_the_car_like_one_within_a_road(
+    turned: float, slows: bool, against: bool, between: float
+) -> None:
+    run = draft_on(joined(turned, against=against, between=between), 25.0, BEFORE - 200.0).start()
+    while run.st.path_road[0] == 0:
+        run.go(run.st.clock[0] + 0.05)
+    assert run.st.path_s[0] == pytest.approx(600.0 if against and not between else 0.0, abs=2.0)
+    assert run.st.v[0] == pytest.approx(math.sqrt(LATERAL * 8.0 / abs(turned)) if slows else 25.0, rel=0.12)
+    assert run.time_of(op.EVENT_REQUEST) == -1.0
+
+
+def test_a_ring_of_one_road_has_the_same_corner_at_its_joint_as_within_it() -> None:
+    sides = "".join(
+        f'<geometry s="{100 * k}" x="{x}" y="{y}" hdg="{0.5 * math.pi * k!r}" length="100"><line/></geometry>'
+        for k, (x, y) in enumerate([(0, 0), (100, 0), (100, 100), (0, 100)])
+    )
+    link = '<{} elementType="road" elementId="1" contactPoint="{}"/>'
+    lanes = lane(-1, "solid", link='<predecessor id="-1"/><successor id="-1"/>')
+    text = road(1, 400.0, lanes, link=link.format("predecessor", "end") + link.format("successor", "start"))
+    ring = network_of(text[: text.index("<geometry")] + sides + text[text.index("</planView>") :])
+    slowest = [min(v for _, v, _, _ in rows_until(draft_on(ring, 10.0, s).start(), s + 29.0)) for s in (71.0, 270.5)]
+    run = draft_on(ring, 10.0, 370.5).start()
+    across_joint = [run.go(0.05 * k).st.v[0] for k in range(200)]
+    assert slowest == pytest.approx([min(across_joint)] * 2, rel=0.02)
+
+
+def test_a_corner_at_a_joint_is_the_same_in_both_forms() -> None:
+    draft = draft_on(joined(0.3), 25.0, BEFORE - 200.0)
+    program = draft.done()
+    both = run_both(draft.network.tables, program, [list(program.const)], [make_draws(1)], 400)
+    assert both.interpreted == both.compiled
+
+
 @pytest.mark.parametrize(("radius", "speed"), [(60.0, 25.0), (200.0, 33.0), (400.0, 40.0)])
 def test_before_a_bend_the_car_brakes_comfortably_however_fast_it_is(radius: float, speed: float) -> None:
     rows = rows_until(draft_on(curve(radius), speed).start(), BEFORE + ALONG)

@@ -10,8 +10,11 @@ from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.engine.columns.opcodes import FAR, ROUTE_REACH
 from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.motion.path import path_ahead, set_path
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.simulation import Outlook, Simulation
+from scenario_compiler.roads import Network
+from tests.engine.make import Draft
 from tests.roads.make import lane, network, road, section
 
 FILE = """<scenarios version="1"><scenario name="fork" map="made.xodr" duration="1"><ego speed="5">
@@ -42,18 +45,23 @@ def connection(number: str, to: str) -> str:
     )
 
 
-def handed(folder: Path, s: float, destination: str = "") -> Outlook:
-    """Return what is handed at the start on road 1, whose junction goes straight on (2) and to the left (3)."""
+def fork(folder: Path, lanes: str = LANES) -> Network:
+    """Return the map with road 1, whose junction goes straight on (2) and to the left (3)."""
     junction = '<{} elementType="junction" elementId="J"/>'
-    network(
+    return network(
         folder,
-        road("1", 100.0, at(0, 0, 0, 100), LANES, junction.format("successor")),
+        road("1", 100.0, at(0, 0, 0, 100), lanes, junction.format("successor")),
         connecting("12", at(100, 0, 0, 20), 20.0, "2"),
         connecting("13", at(100, 0, 0, 15.708, '<arc curvature="0.1"/>'), 15.708, "3"),
         road("2", 10.0, at(120, 0, 0, 10), LANES, junction.format("predecessor")),
         road("3", 50.0, at(110, 10, 1.5707963, 50), LANES, junction.format("predecessor")),
         f'<junction id="J">{connection("0", "13")}{connection("1", "12")}</junction>',
     )
+
+
+def handed(folder: Path, s: float, destination: str = "") -> Outlook:
+    """Return what is handed at the start on road 1."""
+    fork(folder)
     path = folder / "fork.xml"
     path.write_text(FILE.format(s=s, destination=destination), encoding="utf-8")
     return outlook_at_the_start(path)
@@ -92,3 +100,21 @@ def test_far_from_it_no_junction_is_in_reach(tmp_path: Path) -> None:
     ahead = handed(tmp_path, 10.0, TO_THE_LEFT)
     assert ahead.junction == FAR
     assert ahead.way[-1] == pytest.approx((float(ROUTE_REACH), -0.5))
+
+
+def test_the_route_is_taken_from_every_place_of_a_road_with_several_lane_sections(tmp_path: Path) -> None:
+    """The distance to the road's end, added up over the sections, was too long by a rounding error for some places.
+
+    From these the path went straight on.
+    """
+    lanes = "".join(section("", lane(-1, LINK + WIDTH), s) for s in (0.0, 33.3, 71.7))
+    draft = Draft(fork(tmp_path, lanes))
+    draft.ego(s=0.1)
+    draft.program.route_road, draft.program.route_count[0] = [0, 2, 4], 3
+    run = draft.start()
+    taken = []
+    for k in range(300):
+        set_path(run.n, run.st, 0, -1, 0.1 + 0.3 * k)
+        road, *_ = path_ahead(run.n, run.p, run.st, 105.0 - run.st.path_s[0])
+        taken.append(road)
+    assert taken == [2] * 300

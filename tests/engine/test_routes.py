@@ -14,11 +14,11 @@ from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import Program, build_program
 from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.plan.routes import cost_of_road
+from scenario_compiler.plan.routes import cost_of_stretch
 from scenario_compiler.roads import Network, load_network
 from scenario_compiler.roads.ways import path_between, travel_time
 from tests.engine.both import run_both
-from tests.roads.make import network, road
+from tests.roads.make import lane, network, road, section
 
 HERE = Path(__file__).parent
 
@@ -76,8 +76,20 @@ def test_the_travel_time_of_a_road_is_that_at_its_limits(tmp_path: Path) -> None
     """Of 400 m, 100 m have no type, 100 m are in a zone of 30 km/h, and 200 m have a limit of 20 m/s."""
     types = '<type s="100" type="lowSpeed"/><type s="200" type="town"><speed max="20" unit="m/s"/></type>'
     made = network(tmp_path, road("1", 400.0).replace("<planView>", f"{types}<planView>"), road("2", 139.0))
-    assert travel_time(made.tables, 0) == pytest.approx(100.0 / 13.9 + 100.0 / 8.3 + 200.0 / 20.0)
-    assert travel_time(made.tables, 1) == pytest.approx(10.0)
+    assert travel_time(made.tables, (0, 1)) == pytest.approx(100.0 / 13.9 + 100.0 / 8.3 + 200.0 / 20.0)
+    assert travel_time(made.tables, (1, 1)) == pytest.approx(10.0)
+
+
+def test_the_travel_time_of_a_road_is_that_of_its_fastest_lane_in_the_direction(tmp_path: Path) -> None:
+    """To the right, 100 m have limits of 10 and 20 m/s, and 100 m those of 10 m/s and of the road, 25 m/s."""
+    width, limit = '<width sOffset="0" a="3" b="0" c="0" d="0"/>', '<speed sOffset="{}" max="{}"/>'
+    slow, fast = width + limit.format(0, 10), width + limit.format(0, 20) + limit.format(100, "undefined")
+    right = lane(-1, fast) + lane(-2, slow) + lane(-3, width + limit.format(0, 30), "sidewalk")
+    text = road("1", 200.0, lanes=section(lane(1, slow), right))
+    kind = '<type s="0" type="rural"><speed max="25" unit="m/s"/></type>'
+    made = network(tmp_path, text.replace("<planView>", f"{kind}<planView>"))
+    assert travel_time(made.tables, (0, 1)) == pytest.approx(100.0 / 20.0 + 100.0 / 25.0)
+    assert travel_time(made.tables, (0, -1)) == pytest.approx(200.0 / 10.0)
 
 
 @pytest.mark.parametrize(
@@ -94,6 +106,6 @@ def test_the_fastest_way_leads_over_the_motorway(corpus: Path, strategy: str, ro
     assert map_of is not None
     n = map_of.tables
     start, goal = ((map_of.road_index(name), 1) for name in ("1", "6"))
-    path = path_between(n, start, goal, partial(cost_of_road, n, strategy))
+    path = path_between(n, start, goal, partial(cost_of_stretch, n, strategy))
     assert path is not None
     assert [map_of.road_ids[one] for one, _ in path] == roads

@@ -18,6 +18,7 @@ from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.engine.traffic.driving import thinks_now
 from tests.engine.both import run_both
+from tests.engine.make import lane, road
 
 TOWN = """<scenarios version="1"><scenario name="town" map="town_grid" duration="120">
   <ego speed="0" desired_speed="1"><start><road road="1" s="20" t="-30"/></start></ego>
@@ -144,6 +145,19 @@ def test_traffic_without_room_is_a_fault(tmp_path: Path) -> None:
     p, st = started(done, 1)
     assert st.flag[0] == op.FAULT_NO_ROOM
     assert p.entity_motion[st.flag_at[0]] == op.MOTION_TRAFFIC
+
+
+def test_lanes_may_have_any_id(tmp_path: Path) -> None:
+    made = tmp_path / "made.xodr"
+    text = road(1, 1000.0, lane(-1), lane(-1500))
+    made.write_text(f'<OpenDRIVE><header revMajor="1" revMinor="7"/>{text}</OpenDRIVE>', encoding="utf-8")
+    scenario = '<scenario name="a" map="made.xodr"><ego speed="9"><start><lane road="1" lane="-1" s="9"/></start></ego>'
+    run = compiled_text(tmp_path, f'<scenarios version="1">{scenario}<traffic vehicles="20"/></scenario></scenarios>')
+    program = build_program(run.plan, run.network)
+    state = new_state(program)
+    state.draw[:] = make_draws(1)
+    reset(run.network.tables, program, state)
+    assert set(state.lane) == {-1, -1500}
 
 
 def test_density_counts_per_kilometre_of_lane(tmp_path: Path) -> None:

@@ -43,6 +43,12 @@ def test_a_catalog_is_also_found_by_its_files_name(tmp_path: Path) -> None:
     assert expanded(text, tmp_path / "made.xosc")[0].vehicles[0].length == 4.5
 
 
+def test_a_catalogs_suffix_may_have_capitals(tmp_path: Path) -> None:
+    _write(tmp_path, "Cars.XOSC", CAR)
+    text = scenario_text(entities=entity(inside=_reference("car", "Cars")), catalogs=VEHICLES.format("."))
+    assert expanded(text, tmp_path / "made.xosc")[1] == []
+
+
 @pytest.mark.parametrize(("catalog", "entry"), [("Thing", "car"), ("Things", "kar"), ("", "")])
 def test_missing_entries_are_reported(tmp_path: Path, catalog: str, entry: str) -> None:
     _write(tmp_path, "a.xosc", CAR)

@@ -15,7 +15,7 @@ from scenario_compiler.vocabulary.actions import (
 from scenario_compiler.vocabulary.conditions import RelativeClearanceCondition
 from scenario_compiler.vocabulary.entities import Vehicle
 from scenario_compiler.vocabulary.scenario import Scenario
-from tests.openscenario.made import BOX, CAR, EGO, condition, entity, event, expanded, scenario_text, story
+from tests.openscenario.made import BOX, CAR, EGO, condition, entity, event, expanded, scenario_text, speed, story
 
 
 def _vehicle(inside: str) -> tuple[Vehicle, list[str]]:
@@ -147,6 +147,37 @@ def test_a_selection_without_members_is_not_an_entity() -> None:
 <EntityCondition><RelativeDistanceCondition entityRef="walkers" relativeDistanceType="longitudinal" freespace="true"
 rule="lessThan" value="1"/></EntityCondition></ByEntityCondition>"""
     assert expanded(scenario_text(story(event(start=condition(near))), entities=EGO + selection))[1] == ["SC222"]
+
+
+NOBODY = '<EntitySelection name="nobody"><Members><ByType objectType="pedestrian"/></Members></EntitySelection>'
+TRIGGERED = """<ByEntityCondition>
+<TriggeringEntities triggeringEntitiesRule="any"><EntityRef entityRef="{}"/></TriggeringEntities>
+<EntityCondition>{}</EntityCondition></ByEntityCondition>"""
+CLEAR = '<RelativeClearanceCondition oppositeLanes="false" freeSpace="false">{}</RelativeClearanceCondition>'
+
+
+@pytest.mark.parametrize(
+    "near",
+    [
+        TRIGGERED.format("nobody", '<StandStillCondition duration="0"/>'),
+        TRIGGERED.format("Ego", '<CollisionCondition><EntityRef entityRef="nobody"/></CollisionCondition>'),
+        TRIGGERED.format("Ego", CLEAR.format('<EntityRef entityRef="nobody"/>')),
+    ],
+)
+def test_a_condition_on_an_empty_selection_is_reported_and_never_true(near: str) -> None:
+    """Without any <EntityRef>, a clearance would be that of all entities."""
+    scenario, codes = expanded(scenario_text(story(event(start=condition(near))), entities=EGO + entity("b") + NOBODY))
+    assert codes == ["SC222"]
+    found = scenario.storyboard.stories[0].acts[0].groups[0].maneuvers[0].events[0]
+    assert found.start is not None
+    assert found.start.groups == ()
+
+
+def test_an_empty_selection_is_reported_in_the_init_and_among_actors() -> None:
+    actors = '<Actors selectTriggeringEntities="false"><EntityRef entityRef="nobody"/></Actors>'
+    init = f'<Private entityRef="nobody">{speed()}</Private>'
+    text = scenario_text(story(event(), actors=actors), init=init, entities=EGO + NOBODY)
+    assert expanded(text)[1] == ["SC222", "SC222", "SC760"]
 
 
 def test_a_selection_is_not_a_single_entity() -> None:

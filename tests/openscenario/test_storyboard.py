@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
 
+from scenario_compiler.vocabulary.actions import OverrideControllerAction, WeatherAction
 from scenario_compiler.vocabulary.conditions import ElementStateCondition, SimulationTimeCondition
 from scenario_compiler.vocabulary.scenario import Scenario
 from scenario_compiler.vocabulary.storyboard import Event, TriggerCondition
@@ -184,3 +186,40 @@ def test_an_empty_lane_or_entity_in_the_init_is_reported() -> None:
     teleport = '<TeleportAction><Position><LanePosition roadId="1" laneId="" s="1"/></Position></TeleportAction>'
     init = f'<Private entityRef=""><PrivateAction>{teleport}</PrivateAction></Private>'
     assert sorted(expanded(scenario_text(init=init))[1]) == ["SC107", "SC222"]
+
+
+@pytest.mark.parametrize(
+    ("brake", "codes", "held"),
+    [
+        ('active="true"><BrakePercent value="0.5"/>', [], [0.5]),
+        ('active="true"><BrakeForce value="4000"/>', ["SC750"], []),
+        ('active="false"><BrakeForce value="4000"/>', [], [0.0]),
+    ],
+)
+def test_a_brake_is_held_by_a_share_not_by_a_force(brake: str, codes: list[str], held: list[float]) -> None:
+    """The force is in N (Brake, ASAM OpenSCENARIO); it was read as a share, so that 1 N was full braking."""
+    action = (
+        "<PrivateAction><ControllerAction><OverrideControllerValueAction>"
+        f"<Brake {brake}</Brake></OverrideControllerValueAction></ControllerAction></PrivateAction>"
+    )
+    scenario, found = expanded(scenario_text(story(event(action=action))))
+    assert found == codes
+    actions = _events(scenario)[0].actions
+    assert [one.action.value for one in actions if isinstance(one.action, OverrideControllerAction)] == held
+
+
+@pytest.mark.parametrize(
+    ("azimuth", "elevation", "wanted"),
+    [(0.0, 0.5, (270.0, 0.5)), (0.0, math.pi - 0.5, (90.0, 0.5)), (3.0, -2.0, (261.887, 2.0 - math.pi))],
+)
+def test_a_sun_beyond_the_zenith_is_on_the_other_side(
+    azimuth: float, elevation: float, wanted: tuple[float, float]
+) -> None:
+    """Elevations reach from -pi to pi (Sun, ASAM OpenSCENARIO); beyond pi/2, altitudes were above 90 degrees."""
+    sun = f'<Sun azimuth="{azimuth}" elevation="{elevation}" illuminance="1"/>'
+    action = f'<EnvironmentAction><Environment name="e"><Weather>{sun}</Weather></Environment></EnvironmentAction>'
+    scenario, _ = expanded(scenario_text(init=f"<GlobalAction>{action}</GlobalAction>"))
+    weather = scenario.storyboard.init[0].action
+    assert isinstance(weather, WeatherAction)
+    angles = (weather.sun_azimuth_angle, math.radians(weather.sun_altitude_angle))
+    assert angles == pytest.approx(wanted, abs=1e-3)

@@ -18,15 +18,16 @@ UTM = "+proj=utm +zone=32 +datum=WGS84"
 PLACE = GeoPosition(latitude=49.0069, longitude=8.4037, heading=0.5)
 
 
-def bound(folder: Path, header: str) -> FreePosition | None:
-    """Return the place bound to a map with something in its header."""
+def bound(folder: Path, header: str, place: GeoPosition = PLACE, hdg: float = 0.0) -> FreePosition | None:
+    """Return the place bound to a map with something in its header, and a road from its origin with a heading, rad."""
     text = f'<header revMajor="1" revMinor="6" name="" version="1" date="2026">{header}</header>'
     path = folder / "map.xodr"
-    path.write_text(f"<OpenDRIVE>{text}{road(1, 100.0, lane(-1))}</OpenDRIVE>", encoding="utf-8")
+    turned = road(1, 100.0, lane(-1)).replace('hdg="0"', f'hdg="{hdg}"')
+    path.write_text(f"<OpenDRIVE>{text}{turned}</OpenDRIVE>", encoding="utf-8")
     network = load_network(path, cache=False)
     assert network is not None
     sink = Diagnostics()
-    found = Binder(network, {}, sink).bind(PLACE, 0.0)
+    found = Binder(network, {}, sink).bind(place, 0.0)
     assert [one.code.id for one in sink] == ([] if found else ["SC385"])
     assert found is None or isinstance(found, FreePosition)
     return found
@@ -52,6 +53,25 @@ def test_the_offset_of_the_map_counts(tmp_path: Path) -> None:
     x, y = float(found.x), float(found.y)  # type: ignore[arg-type]
     there = (400000 + x * cos(0.25) - y * sin(0.25), 5000000 + x * sin(0.25) + y * cos(0.25))
     assert there == pytest.approx((plain.x, plain.y))
+
+
+@pytest.mark.parametrize(("at", "along"), [(10.0, 1.2), (-10.0, 0.0)])
+@pytest.mark.parametrize(("turn", "heading"), [(0.0, None), (0.3, None), (0.3, 0.5)])
+def test_a_turn_is_against_the_road_there(
+    tmp_path: Path, at: float, along: float, turn: float, heading: float | None
+) -> None:
+    """Before the road's start there is no road, and the turn is against the x axis."""
+    georeference = read_georeference(UTM)
+    assert georeference is not None
+    there = georeference.project(radians(PLACE.latitude), radians(PLACE.longitude))
+    assert there is not None
+    x, y = at * cos(1.2) + 1.75 * sin(1.2), at * sin(1.2) - 1.75 * cos(1.2)
+    offset = f'<offset x="{there[0] - x}" y="{there[1] - y}" z="0" hdg="0"/>'
+    place = GeoPosition(latitude=PLACE.latitude, longitude=PLACE.longitude, turn=turn, heading=heading)
+    found = bound(tmp_path, f"<geoReference><![CDATA[{UTM}]]></geoReference>{offset}", place, 1.2)
+    assert found is not None
+    assert (found.x, found.y) == pytest.approx((x, y))
+    assert found.heading == pytest.approx(along + turn if heading is None else heading)
 
 
 @pytest.mark.parametrize("header", ["", "<geoReference>+proj=aea</geoReference>", f"<geoReference>{pi}</geoReference>"])

@@ -124,7 +124,9 @@ def test_marks_and_their_quality(tmp_path: Path) -> None:
 
 def test_unusable_lanes_are_reported_and_left_out(tmp_path: Path) -> None:
     sink = Diagnostics()
-    lanes = section(lane(1) + lane(1) + lane(-3), '<lane id="x" type="lorry"/>' + lane(-1, kind="lorry"))
+    lanes = section(
+        lane(1) + lane(1) + lane(-3) + lane(1 << 20), '<lane id="x" type="lorry"/>' + lane(-1, kind="lorry")
+    )
     made = network(tmp_path, road(lanes=lanes), sink=sink)
     assert [at.lane for at in made.lanes_at("1", 1.0)] == [1, -1]
     assert sorted({d.code.id for d in sink}) == ["SC305", "SC310", "SC312"]

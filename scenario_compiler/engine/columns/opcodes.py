@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from scenario_compiler.roads.tables import LANE_LIMIT
 from scenario_compiler.vocabulary import horizon
 
 NONE = -1
@@ -68,7 +69,7 @@ PRIORITY_PARALLEL = 0
 PRIORITY_OVERRIDE = 1
 PRIORITY_SKIP = 2
 
-ALL_MARKS = 1 << 20
+ALL_MARKS = LANE_LIMIT
 """Lane of a stretch of marks that means every mark of the road."""
 
 # Conditions.

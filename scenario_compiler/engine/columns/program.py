@@ -22,6 +22,7 @@ from scenario_compiler.forms.declaration import (
     row_starts,
     whole,
 )
+from scenario_compiler.roads.tables import LANE_LIMIT
 
 ENTITY = Of("entity", lambda p: p.entity_count[0])
 POSITION = Of("position", lambda p: p.position_count[0])
@@ -203,7 +204,7 @@ class Program(Columns):
     position_last: list[int] = column(POSITION, 0, Allowed(Of("span", lambda p: p.span_count[0] + 1)))
     """The stretch after the last one."""
     span_road: list[int] = column(SPAN, 0, index(ROAD))
-    span_lane: list[int] = column(SPAN, 0, whole(-1000, 1000))
+    span_lane: list[int] = column(SPAN, 0, whole(1 - LANE_LIMIT, LANE_LIMIT))
     span_const: list[int] = column(SPAN, 0, SLOT)
 
     # Marks that are worn or repainted.

@@ -6,22 +6,25 @@ centre. On a slippery road both accelerations are smaller (`comfort`).
 
 A bend may be drawn as straight lines with corners. Its curvature is the change of heading over 8 m. A single corner may
 be cut by e: an arc with the radius R that turns by the small angle w passes the corner at R w^2 / 8, so that its
-curvature is w^2 / (8 e).
+curvature is w^2 / (8 e). The joint of two roads may be such a corner.
 """
 
 from __future__ import annotations
+
+from math import atan, pi
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.motion.path import path_ahead
+from scenario_compiler.engine.motion.path import path_ahead, preferred_road
 from scenario_compiler.engine.motion.surroundings import TYRES_HOLD, comfort
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import corners_near
-from scenario_compiler.roads.lanes import curvature_ahead, curvature_in_lane, lane_curvature
+from scenario_compiler.roads.geometry import CORNER, corners_near, road_heading, wrap_angle
+from scenario_compiler.roads.lanes import curvature_ahead, curvature_in_lane, lane_curvature, lane_row, row_centre
 from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import HOP_LIMIT, row_next, way_in, way_out
 
 NEAREST = 4.0
 STEP = 3.2
@@ -53,10 +56,56 @@ SETTLING = 0.5
 
 
 @compiled
-def corner_curvature(n: RoadTables, road: int, row: int, s: float) -> float:
-    """Return the curvature of a lane's centre that belongs to the corners of the road near s, 1/m, at least 0."""
-    turned = corners_near(n, road, s, NEAREST)
-    if turned == 0.0 or row < 0:
+def heading_in_row(n: RoadTables, row: int, s: float) -> float:
+    """Return the heading of a lane's centre in the direction of travel, rad, not wrapped."""
+    road = n.section_road[n.lane_section[row]]
+    _, slope = row_centre(n, road, row, s)
+    along = road_heading(n, road, s) + atan(slope)
+    return along if n.lane_sense[row] == 1 else along + pi
+
+
+@compiled
+def turned_at_joints(n: RoadTables, p: Program, st: State, road: int, lane: int, s: float, within: float) -> float:
+    """Return by how much the path turns at the joints of roads within a distance of a place, rad, positive to the left.
+
+    Only joints that are corners count, those with more than CORNER.
+    """
+    row = lane_row(n, road, lane, s)
+    if row < 0:
+        return 0.0
+    sense = n.lane_sense[row]
+    gone = 0.0
+    turned = 0.0
+    at = s
+    for _ in range(HOP_LIMIT):
+        end, room = way_out(n, row, at, sense)
+        gone += room
+        if gone >= within:
+            return turned
+        section = n.lane_section[row]
+        left = n.section_road[section]
+        before = heading_in_row(n, row, at + sense * room)
+        row, contact = row_next(n, row, end, 1, preferred_road(p, st, left))
+        if row < 0:
+            return turned
+        within_road = 1 if n.lane_section[row] == section + sense else 0
+        sense, at = way_in(n, row, contact)
+        if n.section_road[n.lane_section[row]] != left or within_road == 0:
+            corner = wrap_angle(heading_in_row(n, row, at) - before)
+            turned += corner if abs(corner) > CORNER else 0.0
+    return turned
+
+
+@compiled
+def corner_curvature(n: RoadTables, road: int, row: int, s: float, joints: float) -> float:
+    """Return the curvature of a lane's centre that belongs to the corners of the road near s, 1/m, at least 0.
+
+    `joints` is the angle of the corners at joints near s, positive to the left in the direction of travel, rad.
+    """
+    if row < 0:
+        return 0.0
+    turned = corners_near(n, road, s, NEAREST) + n.lane_sense[row] * joints
+    if turned == 0.0:
         return 0.0
     k = min(abs(turned) / (2.0 * NEAREST), turned * turned / (8.0 * CUT))
     return abs(curvature_in_lane(n, road, row, s, k if turned > 0.0 else -k))
@@ -84,12 +133,14 @@ def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float,
     place = 0
     clear = 0.0
     constant = 0
+    passed = turned_at_joints(n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], NEAREST)
     while NEAREST + STEP * place <= reach and 2.0 * braking * STEP * place < least:
         beyond = STEP * place
         road, lane, row, s, over = path_ahead(n, p, st, NEAREST + beyond)
         if over > 0.0:
             return
-        bend = max(abs(lane_curvature(n, road, lane, row, s)), corner_curvature(n, road, row, s))
+        joints = passed + turned_at_joints(n, p, st, road, lane, s, NEAREST)
+        bend = max(abs(lane_curvature(n, road, lane, row, s)), corner_curvature(n, road, row, s, joints))
         if bend > STRAIGHT:
             square = lateral / bend
             if square < fastest * fastest and square + 2.0 * braking * beyond < least:
@@ -100,7 +151,9 @@ def look_for_bends(n: RoadTables, p: Program, st: State, i: int, lateral: float,
         if constant == 0:
             rest = min(rest, COARSER * beyond)
         clear = beyond + rest
-        place = place + 1 + int(clip(rest / STEP, 0.0, 1.0e6))
+        places = 1 + int(clip(rest / STEP, 0.0, 1.0e6))
+        passed = turned_at_joints(n, p, st, road, lane, s, STEP * places)
+        place = place + places
     st.slow_known[0] = st.odometer[i] + clear
     if least >= op.FAR and constant == 1 and NEAREST + clear > reach:
         faster = p.const[base + slot.E_MAX_ACCELERATION] / max(braking, 0.1)

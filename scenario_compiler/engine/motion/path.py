@@ -133,11 +133,12 @@ def advance_routed(
         if lane_direction(n, road, lane) < 0:
             room = s
         step = min(left, room)
-        road, lane, s, rest = advance(n, road, lane, s, step, -1)
+        following = preferred_road(p, st, road)
+        road, lane, s, rest = advance(n, road, lane, s, step, following)
         left = left - step
         if left <= 0.0 or rest > 0.0:
             return road, lane, s, left + rest
-        road, lane, s, rest = advance(n, road, lane, s, STEP_OVER, preferred_road(p, st, road))
+        road, lane, s, rest = advance(n, road, lane, s, STEP_OVER, following)
         if rest > 0.0:
             return road, lane, s, left
         left = max(left - STEP_OVER, 0.0)

@@ -9,6 +9,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import ConditionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.ahead import row_on_way
 from scenario_compiler.engine.motion.beside import neighbour_lane
 from scenario_compiler.engine.motion.distances import along_roads, road_distance_between
 from scenario_compiler.engine.story.entry import Condition
@@ -70,15 +71,20 @@ def lanes_between(lane: int, other: int, direction: int) -> int:
 
 
 @compiled
-def lane_over(n: RoadTables, st: State, i: int, road: int, ahead: float) -> int:
-    """Return the lane that continues i's own on a road `ahead` metres ahead, or i's own lane id if none leads there.
+def lane_over(n: RoadTables, st: State, i: int, road: int, s: float, ahead: float) -> int:
+    """Return the lane that continues i's own at a place `ahead` metres ahead, or i's own lane id if none leads there.
 
-    The lane's id may change on the same road too, at its lane sections.
+    The lane's id may change on the same road too, at its lane sections. Another road is one of the way that
+    `along_roads` has walked to the place.
     """
-    along = st.facing[i] * lane_direction(n, st.road[i], st.lane[i])
-    at_road, at_lane, _, _ = advance(n, st.road[i], st.lane[i], st.s[i], along * ahead, -1)
-    if at_road == road:
-        return at_lane
+    if road == st.road[i]:
+        along = st.facing[i] * lane_direction(n, road, st.lane[i])
+        at_road, at_lane, _, _ = advance(n, road, st.lane[i], st.s[i], along * ahead, -1)
+        return at_lane if at_road == road else st.lane[i]
+    for w in range(1, st.way_count[0]):
+        if st.way_road[w] == road:
+            _, row = row_on_way(n, st, w, s, abs(ahead) - st.way_from[w])
+            return n.lane_id[row] if row >= 0 else st.lane[i]
     return st.lane[i]
 
 
@@ -90,7 +96,7 @@ def in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> 
     ahead, _, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
     if ahead >= op.FAR:
         return 0
-    own = lane_over(n, st, i, st.road[j], ahead)
+    own = lane_over(n, st, i, st.road[j], st.s[j], ahead)
     away = lanes_between(own, st.lane[j], direction)
     if in_ranges(p, p.condition_other[c] + 1, away) == 0:
         return 0

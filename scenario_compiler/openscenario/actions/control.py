@@ -12,6 +12,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.openscenario.catalogs import given
+from scenario_compiler.openscenario.codes import NOT_READ
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.own import OWN
@@ -158,22 +159,32 @@ _GEARS = {"p": 0.0, "r": -1.0, "n": 0.0, "d": 1.0}
 
 
 def read_overrides(node: Node) -> list[OverrideControllerAction]:
-    """Return the actions of an <OverrideControllerValueAction>, one for each input."""
-    return [
-        OverrideControllerAction.model_construct(
-            input=_INPUTS[one.tag],
-            active=one.boolean("active"),
-            **_input_value(one),
-        ).written_at(one.origin)
-        for one in node.children(*_INPUTS)
-    ]
+    """Return the actions of an <OverrideControllerValueAction>, one for each input.
+
+    A brake held by a force is reported and left out: vehicles have no mass here.
+    """
+    found = []
+    for one in node.children(*_INPUTS):
+        active, force = one.boolean("active"), one.child("BrakeForce")
+        if force is not None:
+            force.read_whole()
+        if active and force is not None:
+            message = "<BrakeForce> has no effect on the run: it is a force, and vehicles have no mass here"
+            force.report(NOT_READ, message, hint="<BrakePercent> is a share of the greatest deceleration")
+            continue
+        found.append(
+            OverrideControllerAction.model_construct(
+                input=_INPUTS[one.tag], active=active, **_input_value(one)
+            ).written_at(one.origin)
+        )
+    return found
 
 
 def _input_value(node: Node) -> Fields:
     automatic = node.child("AutomaticGear")
     if automatic is not None:
         return {"value": _GEARS[automatic.choice("gear", ("p", "r", "n", "d"))]}
-    inner = node.child("ManualGear", "BrakePercent", "BrakeForce") or node
+    inner = node.child("ManualGear", "BrakePercent") or node
     named = "number" if inner.has("number") or inner.tag in ("ManualGear", "Gear") else "value"
     return {"value": inner.number(named, 0.0)}
 

@@ -136,8 +136,10 @@ def _sun_fog_wind(weather: Node) -> dict[str, float]:
     if sun is not None:
         for unused in ("intensity", "illuminance"):
             sun.has(unused)
-        numbers["sun_azimuth_angle"] = (math.degrees(sun.float("azimuth")) - 90.0) % 360.0
-        numbers["sun_altitude_angle"] = math.degrees(sun.float("elevation"))
+        elevation = sun.float("elevation")
+        beyond_zenith = 180.0 if math.cos(elevation) < 0.0 else 0.0
+        numbers["sun_azimuth_angle"] = (math.degrees(sun.float("azimuth")) - 90.0 + beyond_zenith) % 360.0
+        numbers["sun_altitude_angle"] = math.degrees(math.asin(math.sin(elevation)))
     if fog is not None:
         extinction = _FIVE_PERCENT / max(fog.float("visualRange"), 1.0)
         density = _percent(100.0 * (extinction / FOG_AT_ONE) ** (2.0 / 3.0))

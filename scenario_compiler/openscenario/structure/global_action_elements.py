@@ -66,7 +66,7 @@ Fog
     visualRange:Double[0,inf)
     = BoundingBox?
 Precipitation
-    intensity?1.1-:Double[0,1] precipitationType:PrecipitationType precipitationIntensity?:Double@1.1-
+    intensity?1.1-:Double[0,1] precipitationType:PrecipitationType precipitationIntensity?:Double[0,inf)@1.1-
 Wind
     direction:Double[0,2pi) speed:Double[0,inf)
 DomeImage

@@ -36,11 +36,12 @@ class GeoPosition(Word):
 
     latitude: float = attribute("Latitude (WGS 84), degrees.", minimum=-90, maximum=90)
     longitude: float = attribute("Longitude (WGS 84), degrees.", minimum=-180, maximum=180)
-    heading: Number | None = attribute(
-        "Heading in the map's axes, degrees. If left out, it is 0, or the trajectory's own heading on a trajectory.",
-        default=None,
+    turn: Number = attribute(
+        "Heading relative to the direction of s of the road there (off the roads, to the x axis), degrees.",
+        default=0.0,
         quantity="angle",
     )
+    heading: Number | None = attribute(_HEADING, default=None, quantity="angle")
 
 
 class LanesAwayPosition(Word):
