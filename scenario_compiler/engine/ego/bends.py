@@ -17,11 +17,12 @@ from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.path import path_ahead
-from scenario_compiler.engine.motion.surroundings import TYRES_HOLD, comfort
+from scenario_compiler.engine.motion.surroundings import comfort
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import corners_near
 from scenario_compiler.roads.lanes import curvature_ahead, curvature_in_lane, lane_curvature
 from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.vocabulary.horizon import TYRES_HOLD
 
 NEAREST = 4.0
 STEP = 3.2
