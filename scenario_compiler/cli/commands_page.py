@@ -32,7 +32,7 @@ written.
 or an output that cannot be written |
 | 3 | `run --strict`: a criterion failed; `sweep --pass-rate`: too few variants passed |
 | 130 | interrupted by Ctrl-C or SIGTERM: one line reports it, and no file is left half written; `run` keeps \
-what it has recorded, a sweep its finished variants for `--resume` |
+what it has recorded, a sweep its finished variants for `--resume`. `serve-carla` ends with 0. |
 
 ## Diagnostics
 
