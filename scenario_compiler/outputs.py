@@ -72,6 +72,8 @@ def make_folder(path: str | Path) -> None:
     """Make a folder and missing parents; raise OSError if that fails."""
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise NotADirectoryError(errno.ENOTDIR, "cannot be written: it is a file, not a folder", str(path)) from None
     except OSError as fault:
         raise _cannot(path, fault) from None
 

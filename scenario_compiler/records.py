@@ -122,7 +122,7 @@ class RecordClass(type):
     """The fields that the class itself declares with `field` or the like, by name."""
 
     def __new__(cls, name: str, bases: tuple[type, ...], contents: dict[str, Any]) -> RecordClass:
-        """Make a class of its name, its base classes and what stands in its body."""
+        """Make a class from its name, its base classes and the contents of its body."""
         declared = {name: one for name, one in contents.items() if isinstance(one, Field)}
         made = super().__new__(cls, name, bases, {name: contents[name] for name in contents if name not in declared})
         made._declared = declared

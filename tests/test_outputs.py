@@ -224,3 +224,9 @@ def test_the_fault_names_the_file(write: Callable[[Path], None]) -> None:
     with pytest.raises(FileNotFoundError, match="/proc/none/it") as raised:
         write(Path("/proc/none/it"))
     assert raised.value.strerror == "cannot be written: No such file or directory"
+
+
+def test_a_file_in_the_place_of_a_folder_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    for words in (("run", "mine.xml"), ("sweep", "mine.xml", "--samples", "2")):
+        assert call(*words, "--perception", "ideal", "-o", "mine.xml") == 2
+        assert capsys.readouterr().err == "scenario-compiler: mine.xml: cannot be written: it is a file, not a folder\n"

@@ -33,9 +33,9 @@ class Column:
     Attributes:
         column: Its name.
         kind: What its values are.
-        unit: Their unit: SI for what is measured, that of XML for parameters; empty for what has none.
+        unit: Their unit: SI for measured values, that of XML for parameters; empty if they have none.
         definition: What they mean.
-        empty: When there is no value; empty where there always is one.
+        empty: When a value is missing; empty if none is ever missing.
         source: Where the definition comes from; empty for our own.
     """
 
@@ -48,7 +48,7 @@ class Column:
 
 
 def parameter_column(name: str, axis: Distribution, declared: Declaration | None) -> Column:
-    """Return the column of a parameter that varies as an axis; `declared` is what the scenario says of it."""
+    """Return the column of a parameter that varies as an axis; `declared` is its declaration in the scenario."""
     quantity = None if declared is None else QUANTITIES.get(declared.kind)
     summary = "" if declared is None or not declared.summary else f"{declared.summary.rstrip('.')}. "
     definition = f"{summary}Value of the scenario's parameter '{name}'; it varies by {axis.text}."

@@ -349,7 +349,7 @@ def _places(values: Integers, known: Integers) -> Integers:
 
 
 def _facts(sweeps: tuple[FinishedSweep, FinishedSweep]) -> Iterator[Fact]:
-    """Yield how both sweeps were made: none of it makes them different."""
+    """Yield facts about how both sweeps were made; differences between these do not count."""
     first, second = (_made(one.manifest) for one in sweeps)
     for what in dict.fromkeys((*first, *second)):
         yield Fact(what, first.get(what, ""), second.get(what, ""))
@@ -362,7 +362,7 @@ def _facts(sweeps: tuple[FinishedSweep, FinishedSweep]) -> Iterator[Fact]:
 
 
 def _made(manifest: Mapping[str, Any]) -> dict[str, str]:
-    """Return what determines the rows of a sweep, as texts by name; what is not given is left out."""
+    """Return the settings that determine the rows of a sweep, as texts by name, without those that were not given."""
     spec = _mapping(manifest.get("spec"))
     vary = spec.get("vary")
     varied = [str(text).partition("=") for text in (vary if isinstance(vary, list) else ())]

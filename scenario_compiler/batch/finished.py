@@ -137,7 +137,7 @@ def _about_variants(file: Path) -> dict[str, Any]:
 
 
 def _about(file: Path) -> Any:
-    """Return what a table's file says of itself; None if it says nothing."""
+    """Return the metadata of a table's file; None if it has none."""
     with _faults_of(file), opened_parquet(file) as opened:
         return json.loads((opened.metadata.metadata or {}).get(KEY, b"null"))
 

@@ -148,7 +148,7 @@ class ResultStore:
     def _is_sound(self, path: Path) -> bool:
         """Return whether a file can be read to its end, with the columns of this sweep and its pages' checksums.
 
-        The table also says of itself what it is written with.
+        The metadata of the table, which `_about` returns, must be those of this sweep too.
         """
         try:
             with opened_parquet(path, page_checksum_verification=True) as file:
@@ -264,7 +264,7 @@ def read_columns(path: Path, columns: list[str] | None = None) -> pa.Table:
 
 
 def _writer(sink: Any, schema: pa.Schema, *, lasting: bool = True) -> pq.ParquetWriter:
-    """Return a writer; what does not last is read once more and then deleted, so that making it small is not worth it.
+    """Return a writer; a file that does not last is read once and then deleted, so it is not compressed.
 
     It has checksums nevertheless, because a sweep may be interrupted before it is read. Only texts have dictionaries:
     with a dictionary of numbers, which are seldom equal, a table takes twice the time to write, and a tenth more room.

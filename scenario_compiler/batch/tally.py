@@ -20,7 +20,7 @@ class Tally:
     Attributes:
         passed: All criteria held.
         failed: A criterion did not hold.
-        broken_off: There is no result: the values were refused, or the run could not go on.
+        broken_off: There is no result: the values were refused, or the run could not continue.
         unasked: Of those with a result, runs without a takeover request.
         outside: Runs that left the domain for which surrogate perception was fitted.
         short: Runs that began within the time budget of a limit ahead.

@@ -154,7 +154,7 @@ class Car(Body):
         pushed: Change of speed by impulses, which the next step applies, m/s.
         gear: The gear it is in.
         light: The traffic light that it stands before, or None.
-        shown: What the last stop or yield sign has let it see: RED or GREEN.
+        shown: The state that the last stop or yield sign has shown to it: RED or GREEN.
         friction: Friction that a trigger gives its tires while it is in it, or None.
         slowing: The resistances that slow it down while it rolls.
     """

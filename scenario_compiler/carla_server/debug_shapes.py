@@ -38,7 +38,7 @@ class DebugShapes:
         self._first = math.inf
 
     def add(self, wire: list[Any], time: float) -> None:
-        """Take a shape as it lies on the wire: what, colour, life time, whether it persists.
+        """Take a shape as it is encoded on the wire: its kind, colour and life time, and whether it persists.
 
         A life time of 0 or less lasts until the shapes are cleared, as Unreal's batches of lines have it. Of too many
         lines the newest are left out.

@@ -28,7 +28,7 @@ class Footprint(NamedTuple):
         length: Along the heading, m.
         width: Across it, m.
         speed: Along the heading, m/s.
-        inertia: Its mass, kg; infinite for what stands fast.
+        inertia: Its mass, kg; infinite for a fixed body.
         rolls: Whether it moves along its heading only.
     """
 

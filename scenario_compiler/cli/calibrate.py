@@ -14,8 +14,8 @@ from scenario_compiler.cli.options import (
     Commands,
     WrongUse,
     add_workers,
-    is_filled,
     needing,
+    refuse_filled,
     whole_number,
 )
 from scenario_compiler.cli.terminal import complain, put, put_raw
@@ -80,8 +80,7 @@ def calibrate_command(options: argparse.Namespace) -> int:
     from scenario_compiler.perception.confidence import confidence_text
     from scenario_compiler.report.perception_page import PAGES, Measured, write_perception_page
 
-    if not options.force and is_filled(options.output):
-        raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
+    refuse_filled(options.output, force=options.force)
     if options.fit or options.leave_out:
         with needing("xgboost"):
             import_module("xgboost")

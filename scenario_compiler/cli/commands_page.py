@@ -28,11 +28,11 @@ written.
 | 0 | success; there may have been warnings |
 | 1 | the input, the controller or the world is at fault, or a run broke off; the diagnostics say why. \
 `compare`: the runs or sweeps differ. `sweep`: all variants broke off, or the sweep itself did. |
-| 2 | wrong use: an unknown option, a missing name, a folder that is not empty, a file or an output that cannot be \
-written |
+| 2 | wrong use: an unknown option, no `#name` for a file with several scenarios, a folder that is not empty, a file \
+or an output that cannot be written |
 | 3 | `run --strict`: a criterion failed; `sweep --pass-rate`: too few variants passed |
 | 130 | interrupted by Ctrl-C or SIGTERM: one line reports it, and no file is left half written; `run` keeps \
-what it has recorded, a sweep its finished variants for `--resume` |
+what it has recorded, a sweep its finished variants for `--resume`. `serve-carla` ends with 0. |
 
 ## Diagnostics
 
@@ -79,9 +79,10 @@ there, it means the file of the same name that you trust, as in `run plan.json -
 
 ## Files
 
-A command writes a file as a whole or not at all, and never overwrites a file that it reads. The folder of `run` and
-`sweep` must be new or empty, and the files of `new` and `export` must not exist yet, unless `--force` is given (for
-`sweep`: `--resume`, which continues in the folder of the same sweep). Other commands replace the file that `-o` names.
+A command writes a file as a whole or not at all, and never overwrites a file that it reads. Folders
+for output must be new or empty, the file of `new` must not exist yet, and those of `export` must not exist with another
+content, unless `--force` is given (for `sweep`: `--resume`, which continues in the folder of the same sweep; `study`
+continues in the folder of the same study in any case). Other commands replace the file that `-o` names.
 [run-folder.md](run-folder.md) describes the folder of a run, [sweeps.md](sweeps.md) that of a sweep.
 
 ## Environment

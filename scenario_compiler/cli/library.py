@@ -16,8 +16,8 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_templates,
     add_workers,
-    is_filled,
     new_sink,
+    refuse_filled,
     refuse_idle,
     show,
     text_stream,
@@ -74,8 +74,8 @@ def library_command(options: argparse.Namespace) -> int:
         refuse_idle(options, "only with --separation", "perception")
     if not options.folder.exists():
         raise WrongUse(f"there is no file or folder '{options.folder}'")
-    if options.output is not None and not options.force and is_filled(options.output):
-        raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
+    if options.output is not None:
+        refuse_filled(options.output, force=options.force)
     sink = new_sink(options)
     with shown_progress("scenarios") as progress:
         found = survey(

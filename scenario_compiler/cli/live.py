@@ -20,8 +20,8 @@ from scenario_compiler.cli.options import (
     add_templates,
     compiled,
     has_errors,
-    is_filled,
     new_sink,
+    refuse_filled,
     show,
     text_stream,
     trust_of,
@@ -89,8 +89,8 @@ def drive_command(options: argparse.Namespace) -> int:
     from scenario_compiler.controllers.named import refuse_untrusted
 
     of_world = world_options(options)
-    if options.output is not None and not options.force and is_filled(options.output):
-        raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
+    if options.output is not None:
+        refuse_filled(options.output, force=options.force)
     options.dt = options.dt or STEP
     sink = new_sink(options)
     compilation = compiled(options, sink)

@@ -167,9 +167,10 @@ def folder(text: str) -> Path:
     return Path(text)
 
 
-def is_filled(output: Path) -> bool:
-    """Return whether a folder for output has files in it, or a file stands in its place."""
-    return output.exists() and (not output.is_dir() or any(output.iterdir()))
+def refuse_filled(output: Path, *, force: bool) -> None:
+    """Raise WrongUse if a folder for output has files in it, unless `force` is given."""
+    if not force and output.is_dir() and any(output.iterdir()):
+        raise WrongUse(f"{output} is not empty; --force writes into it anyway")
 
 
 def add_diagnostics(parser: argparse.ArgumentParser) -> None:

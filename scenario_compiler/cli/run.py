@@ -23,10 +23,10 @@ from scenario_compiler.cli.options import (
     compiled,
     has_errors,
     inputs_of,
-    is_filled,
     keep_inputs,
     needing,
     new_sink,
+    refuse_filled,
     refuse_idle,
     show,
     text_stream,
@@ -221,8 +221,8 @@ def run_command(options: argparse.Namespace) -> int:
 
 def _refuse_wrong_use(options: argparse.Namespace) -> None:
     """Raise WrongUse for options that cannot be followed, before a scenario is compiled."""
-    if options.output is not None and not options.force and is_filled(options.output):
-        raise WrongUse(f"{options.output} is not empty; --force writes into it anyway")
+    if options.output is not None:
+        refuse_filled(options.output, force=options.force)
     if not options.watch:
         refuse_idle(options, "only with --watch", "host", "port")
     elif options.inputs is not None:

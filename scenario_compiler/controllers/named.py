@@ -1,4 +1,4 @@
-"""The controller that a scenario names: its class, a new one, and what is wrong with it.
+"""The controller that a scenario names: finds its class, makes a new one, and reports its faults.
 
 A user's own controller or lane detector is named `package.module:Class` or `file.py:Class`; it is imported only if
 `Trust` allows it. The base class of controllers is imported, with pydantic, when a controller's class is needed.

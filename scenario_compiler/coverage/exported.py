@@ -94,7 +94,7 @@ def exported(word: type[Word], stage: str) -> str:
 
 
 def _since(said: str) -> str:
-    """Return since when there is the element that a text names; empty for what there has always been."""
+    """Return the version that introduced the element which a text names; empty for an element of version 1.0."""
     tag = said.strip("<>")
     minor = min((element.since for element in elements().values() if tag in element.tags), default=0)
     return f" since 1.{minor}" if minor else ""

@@ -14,7 +14,7 @@ from scenario_compiler.vocabulary.word import Word
 
 
 def files_with(files: Iterable[Path], roots: Iterable[type[Word]]) -> Counter[type[Word]]:
-    """Return how many of some files use each word; files that are no XML, or of another language, use none."""
+    """Return how many of some files use each word; files of another language, or without XML, use none."""
     known = {root.tag(): root for root in roots}
     found: Counter[type[Word]] = Counter()
     for file in files:

@@ -92,9 +92,9 @@ class _Needs:
         yield from self.of_others(at)
 
     def of_others(self, at: int) -> Iterator[int]:
-        """Yield for each entity to which an action refers the last action before it that sets what it needs.
+        """Yield, for each entity to which an action refers, the index of the action that sets the quantity it needs.
 
-        If there is none before it, it is the first one after it.
+        It is the last such action before it, or the first one after it if there is none before.
         """
         action = self.init[at].action
         if not isinstance(action, TeleportAction | RelativeSpeedAction):
@@ -106,7 +106,7 @@ class _Needs:
 
 
 def _sets(action: Word) -> str:
-    """Return what an action sets at once, of that on which others can depend."""
+    """Return the quantity that an action sets at once and others can depend on; empty if there is none."""
     if isinstance(action, TeleportAction):
         return "position"
     return "speed" if isinstance(action, SpeedAction | RelativeSpeedAction) else ""

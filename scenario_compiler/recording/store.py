@@ -69,7 +69,7 @@ def write_recording(recording: Recording, path: Path) -> None:
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a recording, equal to the one that was written but for steps without any entity.
+    """Read a recording; it equals the written one, except that steps without any entity are missing.
 
     Raises:
         RecordingError: The file has none.

@@ -34,7 +34,7 @@ _COMPILED = _Compiled()
 
 
 def _code(text: str) -> Markup:
-    """Return a text as HTML in which what stands between backticks is code."""
+    """Return a text as HTML in which parts between backticks are code."""
     return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(text))))
 
 

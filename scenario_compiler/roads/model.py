@@ -1,8 +1,8 @@
 """The contents of a road file besides the tables: header, objects, signals, controllers, junctions.
 
-Running a scenario needs none of it, so it is read only on request (`Network.model`). Words are kept as the file spells
-them; numbers are in metres and radians in the road's frame (s, t, h). The names of child elements and attributes that
-are not interpreted are available as `rest`.
+They are not needed to run a scenario, so they are read only on request (`Network.model`). Words are kept as the file
+spells them; numbers are in metres and radians in the road's frame (s, t, h). The names of child elements and attributes
+that are not interpreted are available as `rest`.
 """
 
 from __future__ import annotations

@@ -109,7 +109,7 @@ class Network:
         """Return header, objects, signals, controllers, junctions and lane details, read when first asked for.
 
         Raises:
-            CompileError: When the file can no longer be read as what it was.
+            CompileError: When the file can no longer be read, or has changed.
         """
         if self._model is None:
             from scenario_compiler.document import drop_namespace
@@ -219,7 +219,7 @@ class Network:
 
         Raises:
             ValueError: When s lies outside the road.
-            CompileError: When the file can no longer be read as what it was.
+            CompileError: When the file can no longer be read, or has changed.
         """
         _, s = self._place(road, s)
         if self._details is None:

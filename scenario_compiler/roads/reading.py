@@ -74,8 +74,8 @@ class Reader:
     ) -> float:
         """Return an attribute as a finite number within +-limit, or the default (with a finding) for any other text.
 
-        A missing attribute is not reported here: whether it is required is a matter of structure. `otherwise` is what
-        the finding says of the consequence, if it is not that the default is used.
+        A missing attribute is not reported here: whether it is required is a matter of structure. `otherwise` is the
+        consequence in the words of the finding; empty if the default is used.
         """
         text = element.get(name)
         if text is None:

@@ -63,7 +63,7 @@ class Grammar:
         words: Kinds of values that are words: the words with their versions, separated by " | ".
         kinds: The other kinds of values.
         minors: The minor versions that are declared, in order.
-        faults: The codes of what is wrong.
+        faults: The codes of its faults.
         words_since: First minor version whose words are checked.
         required_since: First minor version that requires attributes.
         stands_for_word: Returns whether a text is allowed in place of any word.
@@ -94,7 +94,7 @@ class Grammar:
     _reachable: dict[int, frozenset[str]] = field(default_factory=dict, init=False)
 
     def declaration(self, name: str, minor: int) -> Declaration:
-        """Return a declaration as version 1.`minor` has it, also where no element of that version leads to it."""
+        """Return a declaration in version 1.`minor`, even if no element of that version leads to it."""
         key = (name, minor)
         if key not in self._declared:
             self._declared[key] = self._notation(minor).declaration(name, self._blocks[name])

@@ -231,7 +231,7 @@ class Attendance:
             self._write()
 
     def heard(self, kind: str, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Process a message of the driving page that is not on driving; ValueError for an invalid one.
+        """Process a message of the driving page that does not concern driving; ValueError for an invalid one.
 
         The reply to an answer in the secondary task is the next picture. Answers that cannot be written are not taken.
         """

@@ -224,7 +224,7 @@ def condition_of(compilation: StudyCompilation, step: Step) -> dict[str, str]:
 class RunTables:
     """The tables of a session's runs: the events of each run, and one row a run.
 
-    What a run that has ended leaves does not change any more, so its recording is read once, however often the tables
+    The files of a run that has ended do not change any more, so its recording is read once, however often the tables
     are written.
     """
 
@@ -392,7 +392,7 @@ def _answered(seat: Seat, steps: Sequence[Step], records: Iterable[Record]) -> I
 
 
 def _place_of(step: Step, steps: Sequence[Step], first: int) -> str:
-    """Return where a questionnaire is asked that is about no trial; a number follows where it was asked there before.
+    """Return the place of a questionnaire that is not about a trial; if it was asked there before, a number follows.
 
     Args:
         step: The step that asks it.

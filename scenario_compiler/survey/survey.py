@@ -210,7 +210,7 @@ def missing(found: Survey) -> Iterator[str]:
     for group in groups:
         absent = [one.words for one in found.conditions if one.group == group and not one.scenarios]
         if absent:
-            yield f"No scenario has, of {', '.join(group)}: {', '.join(absent)}."
+            yield f"No scenario has these conditions ({', '.join(group)}): {', '.join(absent)}."
     unused = [name for name, files in found.templates.items() if not files]
     if unused:
         yield f"No scenario uses the templates {', '.join(unused)}."

@@ -13,6 +13,9 @@ Category = Literal[
 ]  # fmt: skip
 """Category of an entity: decides how it is drawn and which models background traffic draws."""
 
+THINGS: tuple[Category, ...] = ("cone", "barrier", "sign", "prop")
+"""The categories of objects, which are neither vehicles nor pedestrians."""
+
 
 class Vehicle(Word):
     """A vehicle, pedestrian or object model: an entry of the catalog.

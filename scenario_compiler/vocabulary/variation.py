@@ -57,7 +57,7 @@ class Between(Axis):
         return self._limits()
 
     def fault(self) -> tuple[str, str]:
-        """Return what is wrong with the limits."""
+        """Return the fault of the limits."""
         if (self.least is None) != (self.greatest is None):
             return ("least" if self.greatest is None else "greatest"), "least and greatest are given together or not"
         limits = self._limits()
@@ -101,7 +101,7 @@ class Normal(Between):
         return _texts(self.mean, self.deviation, *self._limits())
 
     def fault(self) -> tuple[str, str]:
-        """Return what is wrong with the limits."""
+        """Return the fault of the limits."""
         far = in_far_tail(self.mean, self.deviation, self._limits())
         return ("mean", _TOO_FAR) if far else super().fault()
 
@@ -119,7 +119,7 @@ class Lognormal(Between):
         return _texts(self.mu, self.sigma, *self._limits())
 
     def fault(self) -> tuple[str, str]:
-        """Return what is wrong with the limits, which must be above 0."""
+        """Return the fault of the limits, which must be above 0."""
         limits = self._limits()
         if limits and limits[0] <= 0.0:
             return "least", "least must be above 0"
@@ -180,7 +180,7 @@ class Histogram(Axis):
         return (self.edges[0], self.edges[-1])
 
     def fault(self) -> tuple[str, str]:
-        """Return what is wrong with the edges or weights."""
+        """Return the fault of the edges or weights."""
         if any(one >= other for one, other in pairwise(self.edges)):
             return "edges", "the edges must rise"
         if len(self.edges) != len(self.weights) + 1:
@@ -224,7 +224,7 @@ class Weighted(Choice):
         )
 
     def fault(self) -> tuple[str, str]:
-        """Return what is wrong with the values or weights."""
+        """Return the fault of the values or weights."""
         if len(self.of) != len(self.weights):
             return "weights", f"{len(self.of)} values need {len(self.of)} weights, not {len(self.weights)}"
         return super().fault() if sum(self.weights) > 0.0 else ("weights", "one of the weights must be above 0")

@@ -162,7 +162,7 @@ class CarlaWorld:
         return not any(reasons.values())
 
     def close(self) -> None:
-        """Destroy the actors and restore the settings; a server that does not respond does so if it ever goes on."""
+        """Destroy the actors, restore the settings; a server that does not respond does this if it responds again."""
         self._session.close(self._clear)
         self._built_in.close()
 

@@ -164,7 +164,7 @@ class CarlaSession:
     def close(self, clear: Callable[[], None] = lambda: None) -> None:
         """Restore the settings; `clear` destroys the actors of the run before.
 
-        A server that does not respond does both if it ever goes on.
+        A server that does not respond does both later, if it responds again.
         """
         if not self._open:
             return

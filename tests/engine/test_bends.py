@@ -13,11 +13,12 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.ego.bends import acceleration_for_bends
-from scenario_compiler.engine.motion.surroundings import COMFORT_SHARE, SETS_FRICTION, TYRES_HOLD
+from scenario_compiler.engine.motion.surroundings import COMFORT_SHARE, SETS_FRICTION
 from scenario_compiler.engine.moves.table import NUMBERS as ACTION
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.horizon import TYRES_HOLD
 from scenario_compiler.vocabulary.sensors import Perception
 from tests.engine.both import run_both
 from tests.engine.make import Draft, Run, highway, lane, network_of, road

@@ -96,7 +96,7 @@ def test_gaps_are_described_in_sentences(folder: Path) -> None:
     assert "No scenario names a situation of Gold et al. 2018." in together
     assert "4.1_1 (Lane keeping: free driving)" in together
     assert "4.2_1" not in together
-    assert "No scenario has, of weather: rain, snow" in together
+    assert "No scenario has these conditions (weather): rain, snow" in together
     assert "unused" in next(sentence for sentence in said if "templates" in sentence)
 
 

@@ -754,6 +754,8 @@ class State(Columns):
     merge_from_road: list[int] = column(RUN, op.NONE)
     seeks_gap: list[int] = column(RUN)
     """1 while only the traffic in a neighbouring lane prevents an evasion into it."""
+    awaits_oncoming: list[int] = column(RUN)
+    """1 while a vehicle approaches that may prevent an evasion."""
     evade_until: list[float] = column(RUN)
     """Odometer from which the driver may return to the lane's centre, m."""
     evade_commit: list[float] = column(RUN)

@@ -19,12 +19,13 @@ from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.path import path_ahead, preferred_road
-from scenario_compiler.engine.motion.surroundings import TYRES_HOLD, comfort
+from scenario_compiler.engine.motion.surroundings import comfort
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import CORNER, corners_near, road_heading, wrap_angle
 from scenario_compiler.roads.lanes import curvature_ahead, curvature_in_lane, lane_curvature, lane_row, row_centre
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import HOP_LIMIT, row_next, way_in, way_out
+from scenario_compiler.vocabulary.horizon import TYRES_HOLD
 
 NEAREST = 4.0
 STEP = 3.2

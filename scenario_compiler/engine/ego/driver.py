@@ -27,6 +27,7 @@ from scenario_compiler.engine.ego.passing import (
     MEETING_TIME,
     PASSING_SIGHT,
     RETURN_ACCELERATION,
+    any_approaching,
     half_with_clearance,
     is_beside,
     is_clear_of,
@@ -357,6 +358,8 @@ def corridor_beside(
         wide = beside_width(n, road, lane, s, side)
         if wide <= 0.0 or same_direction(n, road, lane, s, side) == against:
             return 0, 0.0
+        if against == 1:
+            st.awaits_oncoming[0] = any_approaching(p, st, i)
         low = left if side > 0 else right - wide
         high = low + wide
         left = max(left, high)
@@ -378,6 +381,7 @@ def corridor_beside(
     if meets_standing(p, st, i, centre, out, begin) == 1:
         return 0, 0.0
     if meets_oncoming(p, st, i, centre, out, evasion_length(p, st, i), op.NONE, 0.0, MEETING_TIME, 0, low, high) == 1:
+        st.awaits_oncoming[0] = max(st.awaits_oncoming[0], any_approaching(p, st, i))
         return 0, 0.0
     if side != 0 and against == 0 and gap_beside_free(n, p, st, i, side) == 0:
         st.seeks_gap[0] = 1
@@ -621,6 +625,12 @@ def begin_braking(st: State, distance: float) -> None:
 
 
 @compiled
+def waits_for_gap(st: State) -> int:
+    """Return 1 if only other vehicles, oncoming or in the neighbouring lane, prevent an evasion."""
+    return 1 if st.seeks_gap[0] == 1 or st.awaits_oncoming[0] == 1 else 0
+
+
+@compiled
 def waits_behind(st: State, i: int, blocker: int) -> int:
     """Return 1 if what blocks the path was followed until just now, and the ego can stop behind it comfortably.
 
@@ -634,6 +644,7 @@ def waits_behind(st: State, i: int, blocker: int) -> int:
 def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
     """Decide whether to go on, brake, evade or come back."""
     st.seeks_gap[0] = 0
+    st.awaits_oncoming[0] = 0
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
         go_on_evading(n, p, st, i, blocker)
         return

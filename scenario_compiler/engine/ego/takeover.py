@@ -102,7 +102,7 @@ def note_short_start(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def foreseen_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
-    """Return the cause of which there is a reason to warn, or CAUSE_NONE."""
+    """Return the cause that is a reason to warn, or CAUSE_NONE."""
     within = warning_distance(p, st.v[i], slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET)
     return warning_cause(p, st, i, lane_ends(n, p, st, within))
 

@@ -125,7 +125,7 @@ def note_line(n: RoadTables, st: State, base: int, road: int, lane: int, s: floa
 
 @compiled
 def note_rival(st: State, base: int, beyond: float, paint: float) -> None:
-    """Note a painted line that lies so far beyond a side's own, m, where it is the nearest."""
+    """Note a painted line at a distance beyond the line of a side, m, if no nearer one has been noted."""
     if paint > LEAST_RIVAL and beyond > BESIDE_LINE and beyond < st.view[base + at.S_RIVAL]:
         st.view[base + at.S_RIVAL] = beyond
         st.view[base + at.S_RIVAL_PAINT] = paint
@@ -246,7 +246,7 @@ def look_at_camera(st: State) -> None:
 
 @compiled
 def look_at_others(p: Program, st: State, i: int) -> None:
-    """Note how near what stands or drives on the way is, and whether it covers a line of the lane.
+    """Note how near the other entities on the way are, and whether they cover a line of the lane.
 
     The positions along the path are those of the last look ahead.
     """

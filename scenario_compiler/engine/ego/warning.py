@@ -103,7 +103,7 @@ def warns_of_standing(p: Program, st: State) -> int:
 
 @compiled
 def warning_cause(p: Program, st: State, i: int, ending: int) -> int:
-    """Return the cause of which there is a reason to warn, or CAUSE_NONE.
+    """Return the cause that is a reason to warn, or CAUSE_NONE.
 
     `ending` is 1 if the lane ends within the warning's distance and no gap beside it is free.
     """
@@ -136,7 +136,7 @@ def warn(st: State, cause: int) -> None:
 
 @compiled
 def note_reason(st: State, cause: int) -> None:
-    """Record since when there has been a reason to warn, or none."""
+    """Record the time since which there has been a reason to warn, or the time since which there has been none."""
     if cause != op.CAUSE_NONE:
         st.warning_clear_since[0] = -1.0
         if st.warning_reason_since[0] < 0.0:
@@ -149,7 +149,7 @@ def note_reason(st: State, cause: int) -> None:
 
 @compiled
 def step_warning(p: Program, st: State, i: int, cause: int) -> None:
-    """Begin or end the warning; `cause` is the cause of which there is a reason to warn now, or CAUSE_NONE."""
+    """Begin or end the warning; `cause` is the cause that is a reason to warn now, or CAUSE_NONE."""
     now = st.clock[0]
     note_reason(st, cause)
     if st.takeover_state[0] == op.TAKEOVER_AUTOMATED:

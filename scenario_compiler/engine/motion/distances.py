@@ -5,9 +5,9 @@ three-dimensional Euclidean space is used" (Distances, ASAM OpenSCENARIO). Along
 axes, the world's axes, the road, the centre line of the entity's lane (across: the road; esmini 3.6 takes the road for
 both), or the trajectory that it follows (the road if it follows none). With `freespace`, it is measured between the
 boxes, and is 0 if they overlap in that direction; along and across a road, between the places of their corners on it.
-Along is positive ahead, across positive to the left; a Euclidean distance is negative to what is not ahead. A target
-off every road is measured at its foot on the entity's way, and an entity off every road at its foot on the target's
-road. The distance is FAR if no road leads to the target. All distances are in m.
+Along is positive ahead, across positive to the left; a Euclidean distance is negative if the target is not ahead. A
+target off every road is measured at its foot on the entity's way, and an entity off every road at its foot on the
+target's road. The distance is FAR if no road leads to the target. All distances are in m.
 """
 
 from __future__ import annotations

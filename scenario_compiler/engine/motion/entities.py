@@ -22,7 +22,7 @@ from scenario_compiler.engine.motion.beside import settle_in_lane
 from scenario_compiler.engine.motion.following import follow_leader
 from scenario_compiler.engine.motion.path import locate_ego, locate_free
 from scenario_compiler.engine.motion.routes import leave_guide, next_turn
-from scenario_compiler.engine.motion.surroundings import TYRES_HOLD, grip
+from scenario_compiler.engine.motion.surroundings import grip
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, WATCH_STILL, measure_motion, watch_entity
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import piece_curvature, road_pose, wrap_heading
@@ -38,6 +38,7 @@ from scenario_compiler.roads.lanes import (
 )
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance, stretch_at
+from scenario_compiler.vocabulary.horizon import TYRES_HOLD
 
 NO_WIDTH = 1.0e-6
 """Width below which a lane does not exist, m (esmini 3.6)."""

@@ -15,6 +15,9 @@ STIFFNESS = 0.4
 
 @compiled
 def spring_acceleration(error: float, speed: float, stiff: float, most: float, least: float) -> float:
-    """Return the acceleration towards an error of 0, from -`least` to `most`; `stiff` is what the constant is of."""
+    """Return the acceleration towards an error of 0, m/s2, from -`least` to `most`.
+
+    `error` is in m, and `speed`, m/s, is to vanish. The constant is STIFFNESS times `stiff`, m/s2.
+    """
     k = STIFFNESS * max(stiff, 0.0)
     return clip(k * error - 2.0 * safe_sqrt(k) * speed, -least, most)

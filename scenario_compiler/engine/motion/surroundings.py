@@ -12,10 +12,6 @@ TIME_RUNS = 2
 SETS_FRICTION = 4
 """Bits of an environment action's flags."""
 
-TYRES_HOLD = 8.3
-"""Greatest lateral acceleration on a dry road, m/s2: 0.85 times gravity, from the middle of the peak coefficients of
-adhesion of dry asphalt and concrete, 0.8 to 0.9 (Wong, Theory of Ground Vehicles)."""
-
 COMFORT_SHARE = 0.5
 """Share of the tyres' greatest force that comfortable driving uses on a slippery road; chosen: with half of it sideways
 and half in braking, 0.7 of the friction circle is used."""

@@ -13,7 +13,7 @@ from scenario_compiler.engine.program.positions import add_position
 from scenario_compiler.engine.traffic.conflicts import conflicts_of
 from scenario_compiler.plan.model import Entity
 from scenario_compiler.vocabulary.actions import ConnectTrailerAction
-from scenario_compiler.vocabulary.entities import Category, Vehicle
+from scenario_compiler.vocabulary.entities import THINGS, Category, Vehicle
 from scenario_compiler.vocabulary.storyboard import Storyboard
 
 MOTIONS = {
@@ -26,10 +26,7 @@ MOTIONS = {
 
 KINDS: dict[Category, int] = {
     "pedestrian": op.KIND_PEDESTRIAN,
-    "cone": op.KIND_THING,
-    "barrier": op.KIND_THING,
-    "sign": op.KIND_THING,
-    "prop": op.KIND_THING,
+    **dict.fromkeys(THINGS, op.KIND_THING),
 }
 """Codes of the categories that are not vehicles."""
 

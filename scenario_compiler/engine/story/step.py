@@ -16,6 +16,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.automation import control_ego, driven_by_hand
 from scenario_compiler.engine.ego.controllers import hold_inputs
+from scenario_compiler.engine.ego.driver import waits_for_gap
 from scenario_compiler.engine.ego.failures import take_image, update_camera
 from scenario_compiler.engine.ego.person import drive_by_person, takes_over
 from scenario_compiler.engine.ego.progress import CREEPING, waits_in_queue
@@ -119,8 +120,8 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
 def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
     """End a run whose ego has stood for a while after a stop that ends the conflict; after a person's stop it goes on.
 
-    A driver model that waits before a red signal or in a moving queue drives on later. An ego that creeps on from where
-    it stopped is not logged as stopping again.
+    A driver model that waits before a red signal, in a moving queue or for a gap in the traffic drives on later. An ego
+    that creeps on from where it stopped is not logged as stopping again.
     """
     ego = p.ego[0]
     state = st.takeover_state[0]
@@ -136,7 +137,8 @@ def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
         if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and st.still_noted[0] == 0:
             st.still_noted[0] = 1
             log_standstill(n, p, st, ego, 1)
-    if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and waits_in_queue(p, st, ego) == 1:
+    waits = waits_in_queue(p, st, ego) == 1 or waits_for_gap(st) == 1
+    if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and waits:
         st.still_since[0] = st.clock[0]
     if st.clock[0] - st.still_since[0] >= STANDING_TIME - op.TOLERANCE:
         st.stop[0] = op.STOP_COLLISION if st.crashed[0] == 1 else op.STOP_STANDSTILL

@@ -36,7 +36,7 @@ def export_variation(
         vary: The variation of the scenario.
         parameters: Names of the parameters that the exported scenario declares.
         scenario_file: The exported scenario, as the file is to name it.
-        output: What it is written with.
+        output: The context for writing.
     """
     if output.version == (1, 0):
         output.tell_lost(vary, "<ParameterValueDistribution> is not known before 1.1")

@@ -101,7 +101,7 @@ class StoryboardWriter:
         return found
 
     def trigger(self, trigger: Trigger, tag: str, of: str, element: str) -> etree._Element:
-        """Return the element of a trigger; `of` and `element` identify it for what is kept."""
+        """Return the element of a trigger; `of` and `element` identify it in the properties that keep exact numbers."""
         groups = trigger.groups or (ConditionGroup(conditions=(TriggerCondition(condition=_NEVER),)),)
         return made(tag, *(self._group(one, of, element, number) for number, one in enumerate(groups, 1)))
 

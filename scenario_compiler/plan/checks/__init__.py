@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.plan.checks.bends import check_bends
 from scenario_compiler.plan.checks.camera import check_camera
 from scenario_compiler.plan.checks.causes import check_causes
 from scenario_compiler.plan.checks.classifications import check_classifications
@@ -31,6 +32,7 @@ from scenario_compiler.roads import Network
 
 CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_start,
+    check_bends,
     check_nowhere,
     check_initial,
     check_presence,

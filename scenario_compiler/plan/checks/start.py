@@ -7,6 +7,7 @@ from scenario_compiler.plan.binding import drivable_at, is_bound
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.entities import THINGS
 from scenario_compiler.vocabulary.positions import LanePositionWord
 
 NOT_DRIVABLE = Code(
@@ -24,13 +25,11 @@ EGO_NOT_A_VEHICLE = Code(
     '    <ego model="walker.pedestrian.0001">     model="vehicle.audi.tt"\n\n'
     "Choose a vehicle: a car, van, truck, bus, motorbike or bicycle. `list` and docs/names.md have the models.",
 )
-WITHOUT_WHEELS = frozenset({"pedestrian", "cone", "barrier", "sign", "prop"})
-"""Categories of models that are not vehicles."""
 
 
 def check_start(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report an ego that is not a vehicle, and one that starts on a lane that is not drivable."""
-    if plan.controller is not None and plan.ego.vehicle.category in WITHOUT_WHEELS:
+    if plan.controller is not None and plan.ego.vehicle.category in ("pedestrian", *THINGS):
         model, place = plan.ego.vehicle, place_of(plan, f"entities/{plan.ego.id}")
         sink.add(EGO_NOT_A_VEHICLE, f"the automated vehicle is '{model.name}', a {model.category}", place)
     start = None if plan.controller is None else plan.ego.start

@@ -188,7 +188,7 @@ def _report(
 def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[str, Value]) -> Never | None:
     """Return why a condition never triggers before the run ends; None if it may.
 
-    Of several triggering entities, all of which need not meet it, each must be unable to.
+    If one of several triggering entities is enough, it never triggers only if none of them can meet it.
     """
     if isinstance(one.condition, SimulationTimeCondition):
         return _never_at_a_time(one, one.condition, plan, values)
