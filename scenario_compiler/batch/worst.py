@@ -23,6 +23,8 @@ from scenario_compiler.report.run import Run
 from scenario_compiler.resources import templates_given
 
 TRACES = "traces"
+LAST = "recording.parquet"
+"""File of a trace that is moved into its folder last."""
 
 
 def by_severity(rows: Columns) -> list[int]:
@@ -89,7 +91,7 @@ def write_traces(
             progress(Progress("traces", number, len(indices)))
         place = folder / TRACES / f"{index:08}"
         written.append(place)
-        if (place / "outcome.json").is_file():
+        if (place / LAST).is_file():
             continue
         with whole_folder(place) as draft:
             write_run_folder(run_again(families, rows, index), draft, report=False)
