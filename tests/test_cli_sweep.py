@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import html
 import json
 import math
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
@@ -250,6 +252,47 @@ def test_a_repeat_s_command_runs_it_again() -> None:
     )
     again = json.loads(Path("5/outcome.json").read_text(encoding="utf-8"))
     assert again["trajectory_hash"] == headers[5]["trajectory_hash"]
+
+
+def test_the_values_beside_a_boundary_are_printed_as_they_were_run(capsys: pytest.CaptureFixture[str]) -> None:
+    vary = ("--vary", "speed=uniform(5, 20.1)")
+    search = ("--perception", "ideal", "--boundary", "final_speed > 12", "--tolerance", "1e-9", "-o", "out")
+    assert call("sweep", "it.xml", *vary, *search) == 0
+    below, above = map(float, re.findall(r"speed = ([0-9.]+)", capsys.readouterr().out))
+    assert 0.0 < above - below <= 1e-9
+    rows, _ = read_results(Path("out"))
+    assert {below, above} <= {*rows["parameter.speed"]}
+
+
+def test_another_weighing_of_warnings_does_not_resume_a_sweep(capsys: pytest.CaptureFixture[str]) -> None:
+    """A warning that is an error makes the variants of a structure rows with an error."""
+    vary = ("--vary", "model=values(vehicle.audi.tt, vehicle.tesla.model3)")
+    assert sweep(*vary) == 0
+    assert sweep(*vary, "--resume", "--error", "SC513") == 2
+    assert "holds another sweep: it differs in spec" in capsys.readouterr().err
+    assert sweep(*vary, "--resume") == 0
+
+
+def test_the_commands_of_a_report_name_the_folders_of_maps_and_templates(repository: Path) -> None:
+    shutil.copytree(repository / "maps" / "town_grid", "places/my_town")
+    for file in Path("places/my_town").iterdir():
+        file.rename(file.with_name(file.name.replace("town_grid", "my_town")))
+    about = Path("places/my_town/map.toml")
+    about.write_text(about.read_text(encoding="utf-8").replace("town_grid", "my_town"), encoding="utf-8")
+    Path("pieces").mkdir()
+    template = (repository / "library" / "templates" / "blocked_lane.xml").read_text(encoding="utf-8")
+    Path("pieces/my_lane.xml").write_text(template.replace("blocked_lane", "my_lane"), encoding="utf-8")
+    text = CONFLICT.format("").replace("town_grid", "my_town").replace("<repeat", '<use template="my_lane"/><repeat')
+    Path("it.xml").write_text(text, encoding="utf-8")
+    folders = ("--maps", "places", "--templates", "pieces")
+    varied = ("--vary", "speed=uniform(5, 20)", "--samples", 3, "--perception", "ideal", "--error", "SC301")
+    assert call("sweep", "it.xml", *varied, *folders, "-o", "out") == 0
+    page = html.unescape(Path("out/report.html").read_text(encoding="utf-8"))
+    commands = [shlex.split(line)[1:] for line in re.findall(r"scenario-compiler (?:run|sweep) it.xml[^<]*", page)]
+    assert [one[0] for one in commands] == ["run"] * 3 + ["sweep"]
+    for one in commands:
+        assert call(*one) == 0
+    assert read_results(Path("sweep")) == read_results(Path("out"))
 
 
 def test_a_row_with_an_integer_parameter_is_repeated_by_copying_its_values() -> None:

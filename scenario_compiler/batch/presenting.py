@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from scenario_compiler.batch.codebook import PARAMETER
@@ -12,7 +12,7 @@ from scenario_compiler.batch.measuring import Columns
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import OnProgress, Progress
 from scenario_compiler.batch.variants import Families
-from scenario_compiler.batch.worst import by_severity, repeat_command, run_again
+from scenario_compiler.batch.worst import by_severity, folder_options, repeat_command, run_again
 from scenario_compiler.report.sweep_page import Case, SweepPage, write_sweep_report
 
 PICTURED = 3
@@ -43,7 +43,7 @@ def write_page(
             progress(Progress("cases", place, min(PICTURED, len(order))))
         parameters = {name.removeprefix(PARAMETER): rows[name][index] for name in rows if name.startswith(PARAMETER)}
         run = run_again(families, rows, index) if place < PICTURED else None
-        cases.append(Case(index, parameters, repeat_command(target, spec, rows, index), run))
+        cases.append(Case(index, parameters, repeat_command(target, spec, rows, index, families.maps), run))
     plan = families.base.plan
     facts = [
         ("Rows", TABLE),
@@ -60,13 +60,13 @@ def write_page(
         units=units,
         facts=facts,
         cases=cases,
-        command=sweep_command(target, spec),
+        command=sweep_command(target, spec, families.maps),
     )
     return write_sweep_report(page, folder)
 
 
-def sweep_command(target: str, spec: SweepSpec) -> str:
-    """Return the command that makes a sweep."""
+def sweep_command(target: str, spec: SweepSpec, maps: Sequence[Path] = ()) -> str:
+    """Return the command that makes a sweep; `maps` are the folders of --maps."""
     words = ["scenario-compiler", "sweep", target]
     for text in spec.vary:
         words += ["--vary", text]
@@ -82,7 +82,9 @@ def sweep_command(target: str, spec: SweepSpec) -> str:
         *(("--trust", name) for name in spec.trust),
         ("--dt", spec.step),
         ("--duration", spec.duration),
+        *(("--error", code) for code in spec.errors),
+        *(("--allow", code) for code in spec.allowed),
         ("--traces", spec.traces or None),
     )
     words += [word for option, value in options if value is not None for word in (option, str(value))]
-    return shlex.join([*words, "-o", "sweep"])
+    return shlex.join([*words, *folder_options(maps), "-o", "sweep"])

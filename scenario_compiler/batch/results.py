@@ -8,6 +8,7 @@ equal bytes.
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -72,6 +73,7 @@ class ResultStore:
         """
         self.folder = folder
         self.table = folder / TABLE
+        self._takeovers = folder / TAKEOVER_TABLE
         self._parts = folder / PARTS
         self._columns = result_columns(parameters)
         self._schema = schema_of(self._columns)
@@ -125,8 +127,6 @@ class ResultStore:
         if self.finished:
             return
         make_folder(self._parts)
-        for left in self.folder.glob("**/*.tmp"):
-            left.unlink()
         write_whole(self.folder / MANIFEST, (json.dumps(self._manifest, indent=1, sort_keys=True) + "\n").encode())
 
     def _unfinished_start(self) -> bool:
@@ -134,27 +134,40 @@ class ResultStore:
 
     @property
     def finished(self) -> bool:
-        """Whether the table exists."""
-        return self.table.is_file()
+        """Whether the tables exist."""
+        return self.table.is_file() and self._takeovers.is_file()
 
     def drop_damaged(self) -> list[Path]:
-        """Delete the table and the parts that cannot be read back whole, so that they are made again; return them."""
-        files = [self.table] if self.finished else sorted(self._parts.glob("*.parquet"))
+        """Delete the tables and the parts that cannot be read back whole, so that they are made again; return them.
+
+        What a process that was killed was writing or deleting is deleted too.
+        """
+        for left in list(self.folder.glob("**/*.tmp")):
+            if left.is_dir():
+                shutil.rmtree(left)
+            else:
+                left.unlink()
+        files = [self.table, self._takeovers] if self.finished else sorted(self._parts.glob("*.parquet"))
         damaged = [path for path in files if not self._is_sound(path)]
         for path in damaged:
             path.unlink()
+        if self.finished:
+            shutil.rmtree(self._parts, ignore_errors=True)
         return damaged
 
     def _is_sound(self, path: Path) -> bool:
         """Return whether a file can be read to its end, with the columns of this sweep and its pages' checksums.
 
-        The metadata of the table, which `_about` returns, must be those of this sweep too.
+The metadata of the two tables, which state what they are written with, must be those of this sweep too.
         """
+        schema, wanted = {
+            self.table: (self._schema, self._about()),
+            self._takeovers: (schema_of(takeover_columns()), _about_takeovers()),
+        }.get(path, (self._part_schema, b""))
         try:
             with opened_parquet(path, page_checksum_verification=True) as file:
                 about = (file.metadata.metadata or {}).get(KEY, b"")
-                schema = self._schema if path == self.table else self._part_schema
-                if not file.schema_arrow.equals(schema) or (path == self.table and about != self._about()):
+                if not file.schema_arrow.equals(schema) or about != wanted:
                     return False
                 rows = sum(file.read_row_group(number).num_rows for number in range(file.num_row_groups))
                 return bool(rows == file.metadata.num_rows)
@@ -196,7 +209,7 @@ class ResultStore:
         schema = schema_of(columns)
         with (
             whole_file(self.table) as sink,
-            whole_file(self.folder / TAKEOVER_TABLE) as beside,
+            whole_file(self._takeovers) as beside,
             _writer(sink, self._schema) as file,
             _writer(beside, schema) as takeovers,
         ):
@@ -205,7 +218,7 @@ class ResultStore:
                 takeovers.write_table(_takeovers_in(whole, schema))
                 file.write_table(whole.drop_columns([TAKEOVERS]))
             file.add_key_value_metadata({KEY: self._about()})
-            takeovers.add_key_value_metadata({KEY: json.dumps([vars(one) for one in columns]).encode()})
+            takeovers.add_key_value_metadata({KEY: _about_takeovers()})
         for number in range(parts):
             self._part(number).unlink()
         self._parts.rmdir()
@@ -226,6 +239,11 @@ class ResultStore:
 
     def _part(self, number: int) -> Path:
         return self._parts / f"{number:08}.parquet"
+
+
+def _about_takeovers() -> bytes:
+    """Return the metadata of the table of takeovers as JSON."""
+    return json.dumps([vars(one) for one in takeover_columns()]).encode()
 
 
 def table_of(columns: Columns, schema: pa.Schema) -> pa.Table:

@@ -19,7 +19,7 @@ Method = Literal["random", "grid", "latin", "sobol"]
 MOST_SEED = 2**62
 """Greatest seed of a sweep: the seeds of all its runs are numbers of 64 bits in its table."""
 
-MAY_CHANGE = frozenset(("traces", "time_limit", "errors", "allowed", "trust"))
+MAY_CHANGE = frozenset(("traces", "time_limit", "trust"))
 """Options that may differ when a sweep is resumed; the others determine its rows."""
 
 

@@ -90,7 +90,7 @@ class Families:
             ScenarioNameNeededError: The file has several scenarios and no name is given.
             SweepError: A plan does not leave one of the parameters open.
         """
-        self._target, self._spec, self._first, self._maps = target, spec, first, maps
+        self._target, self._spec, self._first, self.maps = target, spec, first, maps
         self.trust = spec.trusted(target)
         self._known: dict[tuple[tuple[str, str], ...], Family | Diagnostics] = {}
         self._numbers: list[Family] = []
@@ -139,7 +139,7 @@ class Families:
         for arguments in (given, {**first, **given}):
             sink = Diagnostics(insisted=frozenset(self._spec.errors))
             done = compile_target(
-                self._target, arguments, sink, maps=self._maps, overrides=self._spec.overrides, trust=self.trust
+                self._target, arguments, sink, maps=self.maps, overrides=self._spec.overrides, trust=self.trust
             )
             if done is not None:
                 refuse_untrusted(done.plan, sink, self.trust)
@@ -165,7 +165,7 @@ class Families:
         if spec.settings or spec.perception or spec.controller or spec.step or spec.duration:
             raise SweepError("a plan is compiled already: give settings and overrides to compile")
         plan = read_plan(self._target, sink)
-        network = None if plan is None else open_plan_map(plan, sink, self._maps)
+        network = None if plan is None else open_plan_map(plan, sink, self.maps)
         if plan is not None:
             refuse_untrusted(plan, sink, self.trust)
         if plan is not None and network is not None:

@@ -21,8 +21,11 @@ from scenario_compiler.randomness import hash_bits
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.report.folder import write_run_folder
 from scenario_compiler.report.run import Run
+from scenario_compiler.resources import templates_given
 
 TRACES = "traces"
+LAST = "recording.parquet"
+"""File of a trace that is moved into its folder last."""
 
 
 def by_severity(rows: Columns) -> list[int]:
@@ -89,15 +92,21 @@ def write_traces(
             progress(Progress("traces", number, len(indices)))
         place = folder / TRACES / f"{index:08}"
         written.append(place)
-        if (place / "outcome.json").is_file():
+        if (place / LAST).is_file():
             continue
         with whole_folder(place) as draft:
             write_run_folder(run_again(families, rows, index), draft, report=False)
     return written
 
 
-def repeat_command(target: str, spec: SweepSpec, rows: Columns, index: int) -> str:
-    """Return the command that runs a single variant with the same trajectories."""
+def folder_options(maps: Sequence[Path]) -> list[str]:
+    """Return the options of a command for the folders in which maps and templates are looked for first."""
+    named = (("--maps", maps), ("--templates", templates_given()))
+    return [word for option, folders in named for one in folders for word in (option, str(one))]
+
+
+def repeat_command(target: str, spec: SweepSpec, rows: Columns, index: int, maps: Sequence[Path] = ()) -> str:
+    """Return the command that runs a single variant with the same trajectories; `maps` are the folders of --maps."""
     words = ["scenario-compiler", "run", target]
     if suffix_of(target) != ".json":
         settings = dict(spec.settings)
@@ -113,5 +122,6 @@ def repeat_command(target: str, spec: SweepSpec, rows: Columns, index: int) -> s
             ("--duration", spec.duration),
         )
         words += [word for option, value in options if value is not None for word in (option, str(value))]
+    words += folder_options(maps)
     words += ["--seed", str(rows["seed"][index]), "--variant", str(index), "-o", f"variant-{index}"]
     return shlex.join(words)

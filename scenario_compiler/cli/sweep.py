@@ -265,6 +265,7 @@ def share(text: str) -> float:
 
 def _search(options: argparse.Namespace, sink: Diagnostics) -> int:
     from scenario_compiler.batch.search import find_boundary, minimise
+    from scenario_compiler.expressions import format_value
 
     where = (options.target, _spec(options), options.output)
     again = {"resume": options.resume, "maps": options.maps, "sink": sink}
@@ -274,13 +275,14 @@ def _search(options: argparse.Namespace, sink: Diagnostics) -> int:
                 *where, when=options.boundary, tolerance=options.tolerance, progress=progress, **again
             )
         show(sink, options)
-        values = f"{found.name} = {found.without:g} and holds at {found.name} = {found.with_it:g}"
+        without, with_it = format_value(found.without), format_value(found.with_it)
+        values = f"{found.name} = {without} and holds at {found.name} = {with_it}"
         put(f"{options.boundary} does not hold at {values}", text_stream(options))
         return FINE
     with shown_progress() as progress:
         least = minimise(*where, measure=options.minimise, evaluations=options.evaluations, progress=progress, **again)
     show(sink, options)
-    values = ", ".join(f"{name} = {value:g}" for name, value in least.values.items())
+    values = ", ".join(f"{name} = {format_value(value)}" for name, value in least.values.items())
     put(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs", text_stream(options))
     return FINE
 

@@ -137,7 +137,7 @@ def _late_response(criterion: Criterion, runs: Traces | RunTotals, reached: Bool
     del criterion, reached
     due = np.minimum(runs.times["request"] + limit, np.fmin(runs.times["collision"], np.inf))
     response = runs.times["response"]
-    late = np.where(np.isnan(response), runs.last_time >= due, response > due + SAME_TIME)
+    late = np.where(np.isnan(response), runs.last_time >= due - SAME_TIME, response > due + SAME_TIME)
     return np.where(late, due, np.nan)
 
 
@@ -282,8 +282,11 @@ def _response_found(recording: Recording, traces: Traces, when: float | None, li
     del recording
     if np.isnan(traces.times["request"]):
         return "no request was made"
-    taken = float(traces.times["response"] - traces.times["request"])
-    said = "the driver did not respond" if math.isnan(taken) else f"the driver responded after {taken:.2f} s"
+    request, response, collision = (float(traces.times[kind]) for kind in ("request", "response", "collision"))
+    said = f"the driver responded after {response - request:.2f} s"
+    if math.isnan(response):
+        end, what = (traces.last_time, "end of the run") if math.isnan(collision) else (collision, "collision")
+        said = f"the driver did not respond in the {end - request:.2f} s until the {what}"
     return said if when is None else f"{said}, at most {limit:g} s are allowed"
 
 

@@ -15,6 +15,9 @@ StateName = Literal[
 ]
 """States of the takeover."""
 
+TimelineState = Literal[StateName, "collision"]
+"""States in the timeline of a run: after the first collision there is no takeover any more."""
+
 EventKind: TypeAlias = str
 """Kind of an event, one of EVENT_TEXTS."""
 
@@ -136,7 +139,7 @@ STANDING_PLACES: dict[int, StandingPlace] = {
 BY_HAND = "driver"
 """Cause of a standstill that a driver brought about; the takeover's state does not change."""
 
-STATE_AFTER: dict[EventKind, StateName] = {
+STATE_AFTER: dict[EventKind, TimelineState] = {
     "activation": "automated",
     "warning": "warning",
     "warning_over": "automated",
@@ -147,5 +150,6 @@ STATE_AFTER: dict[EventKind, StateName] = {
     "hand_back": "hand_back",
     "minimum_risk": "minimum_risk",
     "standstill": "standstill",
+    "collision": "collision",
 }
-"""The takeover's state that begins with an event."""
+"""The state that begins with an event."""

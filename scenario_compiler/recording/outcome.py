@@ -20,8 +20,8 @@ from scenario_compiler.recording.names import (
     STANDING_PLACES,
     STATE_AFTER,
     StandingPlace,
-    StateName,
     StopReason,
+    TimelineState,
 )
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import MEANINGS, Resolution, resolutions
@@ -33,7 +33,7 @@ from scenario_compiler.records import Record, field
 class Interval(Record):
     """An interval of time in one state of the takeover."""
 
-    state: StateName = field(description="The state.")
+    state: TimelineState = field(description="The state; `collision` from the first collision on.")
     begin: float = field(description="Begin, s.")
     end: float = field(description="End, s.")
 
@@ -83,7 +83,7 @@ class Outcome(Record):
     duration: float = field(description="Time of the last row, s.")
     criteria: tuple[CriterionResult, ...] = field(description="Results of the plan's criteria.")
     timeline: tuple[Interval, ...] = field(
-        description="The takeover's states in order; empty without an automated vehicle."
+        description="The takeover's states in order, up to the first collision; empty without an automated vehicle."
     )
     takeovers: tuple[Takeover, ...] = field(default=(), description="All takeovers, one for each request.")
     measures: dict[str, MeasureValue] = field(description="The measures by name, each with the definition used.")
@@ -166,11 +166,11 @@ def measure_run(traces: Traces, measures: Sequence[Measure] = MEASURES) -> dict[
 
 
 def timeline(recording: Recording) -> tuple[Interval, ...]:
-    """Return the takeover's states from the first row to the last; events mark their begins."""
+    """Return the takeover's states from the first row to the last; events mark their begins, a collision the last."""
     if not len(recording.t):
         return ()
     begin, end = float(recording.t[0]), float(recording.t[-1])
-    states: list[tuple[float, StateName]] = [(begin, "automated")]
+    states: list[tuple[float, TimelineState]] = [(begin, "automated")]
     for event in recording.events:
         state = STATE_AFTER.get(event.kind)
         if state is None or state == states[-1][1] or event.cause == BY_HAND:
@@ -178,6 +178,8 @@ def timeline(recording: Recording) -> tuple[Interval, ...]:
         if event.t <= states[-1][0]:
             states.pop()
         states.append((min(event.t, end), state))
+        if state == "collision":
+            break
     ends = [at for at, _ in states[1:]] + [end]
     return tuple(
         Interval.model_construct(state=state, begin=to_the_nanosecond(at), end=to_the_nanosecond(until))

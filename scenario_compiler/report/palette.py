@@ -6,7 +6,7 @@ placeholders for the page's own colours, which differ between light and dark.
 
 from __future__ import annotations
 
-from scenario_compiler.recording.names import EventKind, StateName
+from scenario_compiler.recording.names import EventKind, TimelineState
 
 BLUE = "#0072B2"
 SKY = "#56B4E9"
@@ -16,6 +16,7 @@ ORANGE = "#E69F00"
 VERMILION = "#D55E00"
 PURPLE = "#CC79A7"
 GREY = "#8A8F98"
+BLACK = "#000000"
 
 INK = "#010203"
 QUIET = "#020304"
@@ -39,7 +40,7 @@ THEME = {
 }
 """Colours with which plots are drawn, and the page's variables that replace them."""
 
-STATE_COLOURS: dict[StateName, str] = {
+STATE_COLOURS: dict[TimelineState, str] = {
     "automated": SKY,
     "warning": YELLOW,
     "request": ORANGE,
@@ -48,6 +49,7 @@ STATE_COLOURS: dict[StateName, str] = {
     "hand_back": BLUE,
     "minimum_risk": PURPLE,
     "standstill": GREY,
+    "collision": BLACK,
 }
 
 MOMENT_COLOURS: dict[EventKind, str] = {
@@ -56,7 +58,7 @@ MOMENT_COLOURS: dict[EventKind, str] = {
     "escalation": VERMILION,
     "response": GREEN,
     "minimum_risk": PURPLE,
-    "collision": "#000000",
+    "collision": BLACK,
     "standstill": GREY,
 }
 

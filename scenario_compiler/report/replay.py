@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.painted import lines_beside, mark_stretches, secondary_lines
-from scenario_compiler.recording.names import TAKEOVER_STATES
 from scenario_compiler.recording.recording import COLUMNS, Floats, Recording
 from scenario_compiler.report.blocked import blocks_of
 from scenario_compiler.report.palette import (
@@ -204,12 +203,7 @@ def _states(run: Run) -> list[tuple[float, float, str, str]]:
     """Return the takeover's states as (start, end, words, colour), s."""
     if run.plan.controller is None:
         return []
-    known = set(TAKEOVER_STATES.values())
-    return [
-        (one.begin, one.end, WORDS[one.state], STATE_COLOURS[one.state])
-        for one in run.outcome.timeline
-        if one.state in known
-    ]
+    return [(one.begin, one.end, WORDS[one.state], STATE_COLOURS[one.state]) for one in run.outcome.timeline]
 
 
 def _events(run: Run) -> list[dict[str, Any]]:

@@ -314,7 +314,7 @@ def _axes(page: SweepPage, sound: Booleans, left_out: list[str]) -> tuple[dict[s
     conditions: dict[str, Condition] = {}
     for name in page.parameters:
         taken = [value for value, good in zip(page.rows[f"parameter.{name}"], sound, strict=True) if good]
-        numbers = bool(taken) and all(isinstance(value, float) for value in taken)
+        numbers = bool(taken) and all(isinstance(value, float | int) and not isinstance(value, bool) for value in taken)
         values = _numbers(taken) if numbers else np.empty(0)
         texts = [decimal(value) for value in values.tolist()] if numbers else [format_value(value) for value in taken]
         distinct = len(set(values.tolist())) if numbers else len(set(texts))

@@ -15,6 +15,7 @@ from scenario_compiler.roads.geometry import (
     wrap_angle,
 )
 from scenario_compiler.roads.lanes import lane_borders, lane_width
+from scenario_compiler.roads.missing_marks import mark_lanes
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.text_edits import number_of
@@ -163,6 +164,7 @@ def _write_lanes(
     if len(signs) == 2 and 0 in originals:
         _copy_records(centre[0], originals[0], stretch.low)
     section.extend([one for one in (sides.get(1), centre, sides.get(-1)) if one is not None])
+    mark_lanes(road)
 
 
 def _lane(

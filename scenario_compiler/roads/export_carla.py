@@ -18,6 +18,8 @@ use:
 * A connection that names no connecting road at all (those of virtual junctions) is left out: both clients die of it.
 * A signal reference to a signal that does not exist, and a lane link to a lane that does not exist, are left out: the
   clients die of them.
+* A lane, also a centre lane, without a road mark at its start gets one of type none: 0.9.16 dies when a vehicle with a
+  lane sensor crosses the edge of such a lane.
 * A junction without a connection into one of its connecting roads gets it: 0.9.15 does not follow road links there.
 
 What the clients do was found by trying them (wheels of both versions, no server).
@@ -38,6 +40,7 @@ from scenario_compiler.roads.junction_loops import find_junction_loops, redirect
 from scenario_compiler.roads.junction_repair import add_missing_connections, dead_lane_links, lanes_at_ends
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.missing_links import complete_lane_links
+from scenario_compiler.roads.missing_marks import complete_marks
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.short_rings import break_ring, find_short_rings
 from scenario_compiler.roads.shorten import End, cut_range, free_id, name_end, shorten_road
@@ -92,6 +95,7 @@ def export_for_carla(document: Document, network: Network) -> bytes:
             shorten_road(edits, roads[road], n, index, start, end)
         if start == 0.0:
             widen_thin_lanes(edits, roads[road])
+        complete_marks(edits, roads[road])
     taken = set(roads) | set(network.junction_ids)
     renamed = separate_junction_ids(edits, root, taken)
     moved = {name_end(network, end): free_id(taken) for end in loops}

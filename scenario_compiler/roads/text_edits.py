@@ -81,10 +81,15 @@ class TextEdits:
         self._edits.append((end, end, self._indented(element, text)))
 
     def insert_inside(self, element: etree._Element, text: str) -> None:
-        """Insert lines as the first children of a non-empty element, with the indentation of its first child."""
+        """Insert lines as the first children of an element, with the indentation of its first child if it has one."""
         tag = _TOKENS.match(self._document.text, self._start(element))
-        if tag is not None:
-            self._edits.append((tag.end(), tag.end(), self._indented(element[0], text)))
+        if tag is None:
+            return
+        if tag.group().endswith("/>"):
+            self._edits.append((tag.end() - 2, tag.end(), f">{text.strip()}</{tag.group('open')}>"))
+            return
+        lines = self._indented(element[0], text) if len(element) else text.strip()
+        self._edits.append((tag.end(), tag.end(), lines))
 
     def _indented(self, element: etree._Element, text: str) -> str:
         start = self._start(element)

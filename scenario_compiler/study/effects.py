@@ -44,6 +44,9 @@ ALPHA, POWER = 0.05, 0.8
 TINY = 1e-12
 """Noncentrality below which the power is that of no effect: scipy's distribution fails near 0."""
 
+ROUNDING = 1e-8
+"""Numbers that differ by less are equal: tables have nine decimals, and differences of their numbers are rounded."""
+
 MOST = 1000
 """Greatest number of participants for which the power is computed."""
 
@@ -107,7 +110,7 @@ def mean_of(values: Sequence[float]) -> Mean:
     mean = float(np.mean(values))
     if count < 2:
         return Mean(count, mean, *[math.nan] * 3)
-    deviation = float(np.std(values, ddof=1))
+    deviation = float(np.std(values, ddof=1)) if max(values) - min(values) > ROUNDING else 0.0
     half = float(student.ppf(1 - ALPHA / 2, count - 1)) * deviation / math.sqrt(count)
     return Mean(count, mean, deviation, mean - half, mean + half)
 
@@ -201,12 +204,22 @@ def write_effects(compilation: StudyCompilation, root: Path) -> Path:
             found = [one for factor in factors for one in differences(rows, factor, name)]
             measured.append((units[name], conditions, found, _axis([one.mean for one in conditions])))
     environment = page_environment(Path(__file__).parent)
-    environment.filters |= {"number": lambda value: fixed(value) if math.isfinite(value) else "–", "shown": unit_words}
+    environment.filters |= {"number": _number, "interval": _interval, "shown": unit_words}
     page = environment.get_template("effects.html.jinja")
     people = len({row["participant_id"] for row in rows})
     file = root / "expected.html"
     write_whole(file, page.render(study=compilation.study, measured=measured, people=people, runs=len(rows)))
     return file
+
+
+def _number(value: float) -> str:
+    """Return a number with two decimals; a dash if it is NaN."""
+    return fixed(value) if math.isfinite(value) else "–"
+
+
+def _interval(one: Mean) -> str:
+    """Return the interval of a mean; a dash if it has none."""
+    return f"{_number(one.low)} to {_number(one.high)}" if math.isfinite(one.low) else "–"
 
 
 def _axis(means: Sequence[Mean]) -> tuple[float, float]:

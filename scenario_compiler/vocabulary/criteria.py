@@ -42,7 +42,10 @@ class MinimumTimeToCollision(Word):
 
 
 class TakeoverWithin(Word):
-    """The driver responds to the first request in time, and before a collision. A run without a request meets it."""
+    """The driver responds to the first request in time, and before a collision.
+
+    A run without a request meets it, as does one that ends without a collision before the time is over.
+    """
 
     word: Literal["takeover_within"] = "takeover_within"
 

@@ -108,6 +108,11 @@ def time_before(t: float, step: float, frames: int) -> float:
     return max(0, round(t / step) - max(0, frames)) * step
 
 
+def _placed(pose: Pose) -> tuple[float, float, float]:
+    """Return where a pose is and its heading, without the tilt of the body and the road."""
+    return pose.x, pose.y, pose.heading
+
+
 class CarlaWorld:
     """A world in a CARLA server; see `World`."""
 
@@ -131,6 +136,8 @@ class CarlaWorld:
         self._built_in = KinematicWorld(plan, network)
         self._carla_sees = self._choose_camera()
         self._actors: dict[int, Any] = {}
+        self._numbers: dict[int, int] = {}
+        self._left_at = (0.0, 0.0, 0.0)
         self._sensors: list[Any] = []
         self._images: queue.Queue[Any] = queue.Queue()
         self._reports: queue.Queue[tuple[int, WorldEvent]] = queue.Queue()
@@ -177,12 +184,12 @@ class CarlaWorld:
         self.close()
 
     def _clear(self) -> None:
+        """Destroy all actors in one batch, which goes on after an actor that another client has destroyed."""
         for sensor in self._sensors:
             sensor.stop()
-            sensor.destroy()
-        gone = reversed(list(self._actors.values()))
+        gone = [*self._sensors, *reversed(self._actors.values())]
         self._client.apply_batch_sync([self._carla.command.DestroyActor(one) for one in gone], False)
-        self._sensors, self._actors, self._lights, self._shown = [], {}, {}, {}
+        self._sensors, self._actors, self._numbers, self._lights, self._shown = [], {}, {}, {}, {}
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:
         """Spawn all entities, and tick once without motion, so that there is a picture of t = 0."""
@@ -199,7 +206,8 @@ class CarlaWorld:
             self._clock, self._frame = 0.0, self._world.tick(self.options.timeout)
             self._look()
             if self.moves_ego:
-                self._give_speed(snapshot.entities[0].speed)
+                self._left_at = _placed(snapshot.entities[0].pose)
+                self._give_speed(snapshot.entities[0])
             self._lines.draw_route(self.plan.route, self.network)
             self._follow_with_spectator()
 
@@ -217,6 +225,7 @@ class CarlaWorld:
             blueprint, carla.Transform(carla.Location(x, y, z + LIFTED), carla.Rotation(*turned))
         )
         self._actors[0] = actor
+        self._numbers[actor.id] = 0
         actor.set_simulate_physics(self.moves_ego)
         actor.set_transform(self._transform(0, state.pose))  # else it would fall while it begins to drive
         if self.moves_ego:
@@ -246,8 +255,7 @@ class CarlaWorld:
     def _note_collision(self, event: Any) -> None:
         if "sidewalk" in event.other_actor.type_id:
             return  # a wheel or the body grazes a kerb
-        other = event.other_actor.id
-        number = next((k for k, actor in self._actors.items() if actor.id == other), -1)
+        number = self._numbers.get(event.other_actor.id, 0)
         entity = self.plan.entities[number].id if number > 0 else ""
         self._reports.put((event.frame, WorldEvent("world_collision", 0.0, entity, event.other_actor.type_id)))
 
@@ -278,7 +286,10 @@ class CarlaWorld:
         return self._carla.Transform(self._carla.Location(x, y, z), self._carla.Rotation(*turned))
 
     def _mirror(self, snapshot: Snapshot) -> None:
-        """Move the other entities to the engine's positions; spawn new ones and destroy those that have vanished."""
+        """Move the other entities to the engine's positions; spawn new ones and destroy those that have vanished.
+
+        The first entity has the sensors, so it waits aside while it is absent.
+        """
         command, orders = self._carla.command, []
         new = [k for k, one in enumerate(snapshot.entities) if k > 0 and one.shown and k not in self._actors]
         if new:
@@ -289,29 +300,36 @@ class CarlaWorld:
                 continue
             if number > 0 and not state.shown:
                 orders.append(command.DestroyActor(self._actors.pop(number)))
+                self._lights.pop(number, None)
                 continue
             if number > 0 or not self.moves_ego:
-                orders.append(command.ApplyTransform(actor, self._transform(number, state.pose)))
+                where = self._transform(number, state.pose) if state.shown else self._aside(number)
+                orders.append(command.ApplyTransform(actor, where))
             self._switch_lights(number, state, hazard=number == 0 and snapshot.hazard_lights)
         self._client.apply_batch_sync(orders, False)
         self._show_signals(snapshot.signals)
 
     def _spawn_others(self, numbers: Sequence[int]) -> None:
-        carla, command, orders = self._carla, self._carla.command, []
+        command, orders = self._carla.command, []
         for number in numbers:
             blueprint = self._blueprint(self.plan.entities[number])
             if blueprint.has_attribute("role_name"):
                 blueprint.set_attribute("role_name", "scenario")
-            aside = carla.Transform(carla.Location(ASIDE + 30.0 * (number % 100), ASIDE + 30.0 * (number // 100), 1.0))
             still = command.SetSimulatePhysics(command.FutureActor, False)
-            orders.append(command.SpawnActor(blueprint, aside).then(still))
-        answers = self._client.apply_batch_sync(orders, False)
-        for number, answer in zip(numbers, answers, strict=True):
+            orders.append(command.SpawnActor(blueprint, self._aside(number)).then(still))
+        answers = list(zip(numbers, self._client.apply_batch_sync(orders, False), strict=True))
+        for number, answer in answers:
+            if not answer.error:
+                self._actors[number] = self._world.get_actor(answer.actor_id)
+                self._numbers[answer.actor_id] = number
+        for number, answer in answers:
             if answer.error:
                 raise WorldError(f"CARLA cannot spawn '{self.plan.entities[number].id}': {answer.error}")
-        self._actors |= {
-            number: self._world.get_actor(answer.actor_id) for number, answer in zip(numbers, answers, strict=True)
-        }
+
+    def _aside(self, number: int) -> Any:
+        """Return the place of an entity far from the map."""
+        at = self._carla.Location(ASIDE + 30.0 * (number % 100), ASIDE + 30.0 * (number // 100), 1.0)
+        return self._carla.Transform(at)
 
     def _switch_lights(self, number: int, state: EntityState, *, hazard: bool) -> None:
         if not self.plan.entities[number].vehicle.name.startswith("vehicle."):
@@ -339,9 +357,15 @@ class CarlaWorld:
             self._weather = weather
             self._world.set_weather(self._carla.WeatherParameters(*weather_numbers(weather)))
 
-    def _give_speed(self, speed: float) -> None:
-        ahead = self._actors[0].get_transform().get_forward_vector()
+    def _give_speed(self, state: EntityState) -> None:
+        ahead, speed = self._transform(0, state.pose).get_forward_vector(), state.speed
         self._actors[0].set_target_velocity(self._carla.Vector3D(ahead.x * speed, ahead.y * speed, ahead.z * speed))
+
+    def _teleport(self, state: EntityState) -> None:
+        """Put the ego where an action has put it in the engine since the last step."""
+        if _placed(state.pose) != self._left_at:
+            self._actors[0].set_transform(self._transform(0, state.pose))
+            self._give_speed(state)
 
     def _follow_with_spectator(self) -> None:
         at = self._actors[0].get_transform()
@@ -357,12 +381,17 @@ class CarlaWorld:
             if snapshot.weather is not None:
                 self._set_weather(snapshot.weather)
             if self.moves_ego:
+                self._teleport(snapshot.entities[0])
                 steer = -command.steer * math.radians(ego.vehicle.max_steer) / self._max_steer
                 throttle, brake = self._pedals(ego, snapshot.entities[0].speed, command)
                 self._actors[0].apply_control(self._carla.VehicleControl(throttle, min(max(steer, -1.0), 1.0), brake))
             self._mirror(snapshot)
             self._lines.draw_path(snapshot.entities[0].pose, command.path, ONCE * self.plan.step)
-            self._clock, self._frame = snapshot.t, self._world.tick(self.options.timeout)
+            self._clock, before, self._frame = snapshot.t, self._frame, self._world.tick(self.options.timeout)
+            if self._frame != before + 1:
+                raise WorldError(
+                    f"CARLA went from frame {before} to {self._frame} in one step: another client moves its clock"
+                )
             self._look()
             self._follow_with_spectator()
             return self._ego_state(ego) if self.moves_ego else None
@@ -383,6 +412,7 @@ class CarlaWorld:
         ahead = at.get_forward_vector()
         speed = velocity.x * ahead.x + velocity.y * ahead.y + velocity.z * ahead.z
         steering = -math.radians(actor.get_wheel_steer_angle(self._carla.VehicleWheelLocation.FL_Wheel))
+        self._left_at = _placed(pose._replace(heading=pose.heading % math.tau))  # as the engine stores it
         return EgoState(pose, speed, steering, control.throttle, control.brake)
 
     def _look(self) -> None:

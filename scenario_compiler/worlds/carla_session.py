@@ -173,9 +173,10 @@ class CarlaSession:
         if self._before is None:
             return
         self.client.set_timeout(min(self._options.timeout, 2.0))
-        with contextlib.suppress(RuntimeError):
-            clear()
-            if self._options.recording:
-                self.client.stop_recorder()
-        with contextlib.suppress(RuntimeError):
-            self.world.apply_settings(self._before)
+        for undo in (clear, self._stop_recorder, lambda: self.world.apply_settings(self._before)):
+            with contextlib.suppress(RuntimeError):
+                undo()
+
+    def _stop_recorder(self) -> None:
+        if self._options.recording:
+            self.client.stop_recorder()

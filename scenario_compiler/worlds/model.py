@@ -257,6 +257,9 @@ class World(Protocol):
     def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
         """Do a step, with the others at the poses in the snapshot.
 
+        In a world that moves the ego, its pose in the snapshot is that which the last step returned, unless an action
+        has teleported it since.
+
         Returns:
             The ego's new state if the world moves it; None if it does not, or if the plan has no automated vehicle.
         """

@@ -274,6 +274,48 @@ def test_a_damaged_table_is_made_again(conflict: Path, half: Path, damage: str) 
     assert _bytes_of(whole) == good
 
 
+@pytest.mark.parametrize("damage", [*DAMAGES, "missing"])
+def test_a_damaged_table_of_takeovers_is_made_again(conflict: Path, half: Path, damage: str) -> None:
+    whole = half.parent / "whole"
+    table = whole / "takeovers.parquet"
+    good = table.read_bytes()
+    {**DAMAGES, "missing": Path.unlink}[damage](table)
+    run_sweep(conflict, _in_parts(), whole, workers=1, resume=True, report=False)
+    assert table.read_bytes() == good
+    assert not (whole / "parts").exists()
+
+
+@pytest.mark.parametrize("damaged", [True, False])
+def test_what_a_killed_process_left_behind_is_deleted(conflict: Path, half: Path, damaged: bool) -> None:
+    """It was killed while it moved a trace into its folder, or while it deleted the parts of the finished table."""
+    whole = half.parent / "whole"
+    before = _bytes_of(whole)
+    shutil.copytree(half / "parts", whole / "parts")
+    draft = whole / "traces" / "00000003" / ".1-2.tmp"
+    draft.mkdir(parents=True)
+    (draft / "plan.json").touch()
+    (whole / "report.html.1-2.tmp").touch()
+    if damaged:
+        _flip(whole / "results.parquet")
+    run_sweep(conflict, _in_parts(), whole, workers=1, resume=True, report=False)
+    assert _bytes_of(whole) == before
+    assert not draft.exists()
+    assert sorted(path.name for path in whole.iterdir()) == [
+        "codebook.csv", "results.parquet", "sweep.json", "takeovers.parquet", "traces",
+    ]  # fmt: skip
+
+
+def test_a_trace_of_which_a_file_was_not_moved_is_made_again(conflict: Path, half: Path) -> None:
+    """The recording is moved last."""
+    whole, spec = half.parent / "whole", _in_parts(traces="worst:1")
+    run_sweep(conflict, spec, whole, workers=1, resume=True, report=False)
+    (trace,) = (whole / "traces").iterdir()
+    files = sorted(path.name for path in trace.iterdir())
+    (trace / files[-1]).unlink()
+    run_sweep(conflict, spec, whole, workers=1, resume=True, report=False)
+    assert sorted(path.name for path in trace.iterdir()) == files
+
+
 def test_a_damaged_evaluation_of_a_search_is_done_again(conflict: Path, tmp_path: Path) -> None:
     spec = SweepSpec(vary=("distance=uniform(20, 350)",), perception="ideal", interpreted=True)
     search = partial(find_boundary, conflict, spec, tmp_path / "found", when="final_speed < -5", tolerance=100.0)

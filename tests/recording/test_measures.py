@@ -243,6 +243,43 @@ def test_a_driver_who_has_not_responded_before_a_collision_has_not_responded_in_
         assert found.when == pytest.approx(when)
 
 
+@pytest.mark.parametrize(
+    ("rows", "request_at", "crash", "passed", "why"),
+    [
+        (31, 1.0, None, True, "the driver did not respond in the 2.00 s until the end of the run"),
+        (
+            36,
+            1.0,
+            None,
+            False,
+            "the driver did not respond in the 2.50 s until the end of the run, at most 2.5 s are allowed",
+        ),
+        (
+            50,
+            1.0,
+            1.5,
+            False,
+            "the driver did not respond in the 0.50 s until the collision, at most 2.5 s are allowed",
+        ),
+        (28, 0.1 + 0.2, None, True, "the driver did not respond in the 2.40 s until the end of the run"),
+        (
+            29,
+            0.1 + 0.2,
+            None,
+            False,
+            "the driver did not respond in the 2.50 s until the end of the run, at most 2.5 s are allowed",
+        ),
+    ],
+)
+def test_the_time_without_a_response_is_given(
+    rows: int, request_at: float, crash: float | None, passed: bool, why: str
+) -> None:
+    events = [(request_at, "request", "path_blocked"), *([] if crash is None else [(crash, "collision", "parked")])]
+    run = record(IDS, rows, approach(), events)
+    (found,) = judge(plan_of(*IDS, criteria=(TakeoverWithin(time=2.5),)), run).criteria
+    assert (found.passed, found.why) == (passed, why)
+
+
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_the_lateral_offset_is_counted_from_the_lane_at_the_request(direction: float) -> None:
     """At 1 m/s to the left from 2 s to 5.5 s, over lanes 3.5 m wide: 3.5 m, half of it in the offset."""

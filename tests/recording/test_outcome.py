@@ -109,6 +109,13 @@ def test_the_timeline_has_a_state_for_each_stretch() -> None:
     assert judge(plan_of(*IDS), run).resolution == "driver"
 
 
+def test_a_collision_ends_the_takeover_in_the_timeline() -> None:
+    """The vehicle stands after the collision; before, the request went on until the end of the run."""
+    events = [(1.0, "request", "path_blocked"), (3.0, "collision", "parked"), (4.0, "standstill", "")]
+    found = [(one.state, one.begin, one.end) for one in timeline(record(IDS, 71, approach(), events))]
+    assert found == [("automated", 0.0, 1.0), ("request", 1.0, 3.0), ("collision", 3.0, pytest.approx(7.0))]
+
+
 def test_of_several_states_at_one_instant_the_last_one_counts() -> None:
     run = record(IDS, 21, approach(), [(0.0, "warning", ""), (0.0, "request", ""), (1.0, "minimum_risk", "")])
     assert [one.state for one in timeline(run)] == ["request", "minimum_risk"]

@@ -98,6 +98,20 @@ def rows_of(count: int, **columns: Sequence[Any]) -> dict[str, Sequence[Any]]:
     }
 
 
+def test_a_parameter_of_integers_is_an_axis(tmp_path: Path) -> None:
+    rows = rows_of(12, parameter__boxes=list(range(12)), minimum_time_to_collision=[1.0 + k for k in range(12)])
+    text = write_sweep_report(page_of(rows, "boxes"), tmp_path).read_text(encoding="utf-8")
+    assert "Runs by boxes; crosses are runs with a collision." in text
+    assert "Runs with a collision and with a takeover request, along boxes." in text
+    assert "shown as conditions" not in text
+
+
+def test_conditions_of_integers_are_in_the_order_of_numbers(tmp_path: Path) -> None:
+    rows = rows_of(12, parameter__boxes=[10, 2, 1] * 4, minimum_time_to_collision=[1.0 + k for k in range(12)])
+    text = write_sweep_report(page_of(rows, "boxes"), tmp_path).read_text(encoding="utf-8")
+    assert re.findall(r">(\d+|n = 4)</text>", text)[:6] == ["1", "n = 4", "2", "n = 4", "10", "n = 4"]
+
+
 NEIGHBOURS = [0.1 + 0.2, 0.3, math.nextafter(0.3, 0.0), 0.3]
 
 

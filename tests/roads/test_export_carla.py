@@ -24,6 +24,8 @@ from scenario_compiler.roads.text_edits import TextEdits
 
 CUSTOM_MAP = "aisa-toolkit/custommap/HRI_custommap.xodr"
 
+MARKED = '<roadMark sOffset="{}" type="solid" color="white"/>'
+
 PROBE = """
 import json, sys
 import carla
@@ -80,6 +82,38 @@ def test_a_map_with_direct_junctions_has_no_dead_end(corpus: Path, tmp_path: Pat
     assert found["ends"] == []
     assert isinstance(found["jump"], float)
     assert found["jump"] < 1.5  # 1.43 on the outside of the tightest curve, in the file as it is
+
+
+@pytest.mark.parametrize(
+    ("lane", "marks"),
+    [
+        ('<lane id="-1" type="driving"/>', [("0", "none")]),
+        ('<lane id="-1" type="driving"></lane>', [("0", "none")]),
+        ('<lane id="-1" type="driving">' + MARKED.format(5) + "</lane>", [("0", "none"), ("5", "solid")]),
+        (
+            '<lane id="-1" type="driving">\n  {width}\n  ' + MARKED.format(5) + "</lane>",
+            [("0", "none"), ("5", "solid")],
+        ),
+        ('<lane id="-1" type="driving">{width}<speed sOffset="0" max="9"/></lane>', [("0", "none")]),
+        ('<lane id="-1" type="driving">{width}' + MARKED.format(0) + "</lane>", [("0", "solid")]),
+    ],
+)
+def test_each_lane_has_a_road_mark_at_its_start(tmp_path: Path, lane: str, marks: list[tuple[str, str]]) -> None:
+    lane = lane.replace("{width}", '<width sOffset="0" a="3.5" b="0" c="0" d="0"/>')
+    path = tmp_path / "road.xodr"
+    path.write_text(
+        '<OpenDRIVE><header revMajor="1" revMinor="6"/><road id="1" length="90" junction="-1"><planView>'
+        '<geometry s="0" x="0" y="0" hdg="0" length="90"><line/></geometry></planView><lanes><laneSection s="0">'
+        f'<center><lane id="0" type="none" level="false"/></center><right>{lane}</right></laneSection></lanes></road>'
+        "</OpenDRIVE>",
+        encoding="utf-8",
+    )
+    _, data = export(path)
+    found = {str(one.get("id")): one for one in etree.fromstring(data).iter("lane")}
+    assert [(one.get("sOffset"), one.get("type")) for one in found["-1"].iterfind("roadMark")] == marks
+    assert [one.get("type") for one in found["0"]] == ["none"]
+    order = [str(one.tag) for one in found["-1"]]
+    assert order == sorted(order, key=["width", "roadMark", "speed"].index)
 
 
 def test_direct_junctions_become_default_ones_with_connecting_roads(corpus: Path, tmp_path: Path) -> None:
@@ -236,7 +270,7 @@ def test_a_connection_that_is_added_has_a_free_number(tmp_path: Path) -> None:
 
 
 LANE = """<lane id="{id}" type="driving"><link>{link}</link>
-<width sOffset="0" a="3" b="0" c="0" d="0"/></lane>"""
+<width sOffset="0" a="3" b="0" c="0" d="0"/><roadMark sOffset="0" type="solid" color="white"/></lane>"""
 
 
 def ring(roads: int, linked: bool = True) -> bytes:
@@ -258,8 +292,8 @@ def ring(roads: int, linked: bool = True) -> bytes:
             f'<successor elementType="road" elementId="{after}" contactPoint="start"/></link><planView>'
             f'<geometry s="0" x="{50 * math.sin(angle)!r}" y="{-50 * math.cos(angle)!r}" hdg="{angle!r}" '
             f'length="{length!r}"><arc curvature="0.02"/></geometry></planView><lanes><laneSection s="0">'
-            f'<left>{left}</left><center><lane id="0" type="none"/></center><right>{right}</right>'
-            "</laneSection></lanes></road>"
+            f'<left>{left}</left><center><lane id="0" type="none">{MARKED.format(0)}</lane></center>'
+            f"<right>{right}</right></laneSection></lanes></road>"
         )
     header = '<?xml version="1.0" encoding="UTF-8"?>\n<OpenDRIVE><header revMajor="1" revMinor="6"/>\n'
     return (header + "\n".join(texts) + "\n</OpenDRIVE>\n").encode()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -194,6 +195,19 @@ def trial(person: int, hmi: str, setting: str, value: float | None) -> dict[str,
     """Return a row of the trial table; None is a value that is missing."""
     told = {"participant_id": f"sub-{person:02d}", "scenario": "blocked", "hmi": hmi, "setting": setting}
     return told | {"condition": f"{hmi}-{setting}", "takeover_time": "n/a" if value is None else repr(value)}
+
+
+def test_differences_that_vary_by_rounding_only_have_no_effect_size() -> None:
+    """2.1 - 1.8 and 2.35 - 2.05 are not the same number."""
+    rows = [
+        trial(person, hmi, "near", round((1.8 + 0.05 * person + 0.3 * (hmi == "tone")) / 0.05) * 0.05)
+        for person in range(1, 7) for hmi in ("text", "tone")
+    ]  # fmt: skip
+    (found,) = differences(rows, "hmi", "takeover_time")
+    assert found.mean.mean == pytest.approx(0.3)
+    assert found.mean.deviation == 0.0
+    assert math.isnan(found.effect)
+    assert found.needed is None
 
 
 def test_a_participant_counts_once_however_often_a_trial_is_repeated() -> None:

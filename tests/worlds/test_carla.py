@@ -19,8 +19,10 @@ from scenario_compiler.compiler import Overrides
 from scenario_compiler.recording.store import read_recording
 from scenario_compiler.vocabulary.sensors import Failure
 from scenario_compiler.worlds import WorldError
+from scenario_compiler.worlds.carla import ASIDE
 from scenario_compiler.worlds.carla_lines import PURPLE, YELLOW
 from tests.carla_server.conftest import PATIENCE, Served, client_version, served
+from tests.engine.laws.told import Actor, Event, by, document, lane_change, lane_position
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
 """Run by `make test-carla`."""
@@ -106,6 +108,109 @@ def test_a_scenario_without_an_automated_vehicle_is_shown(server: Served) -> Non
     ours, theirs = built_in(plan), recorded(plan, server)
     assert (plan.controller, theirs.stop_reason) == (None, "duration")
     assert np.array_equal(theirs.x, ours.x, equal_nan=True)
+
+
+TELEPORTED = """\
+<scenarios version="1">
+  <scenario name="teleported" map="town_grid" duration="2" control_every="2">
+    <ego speed="10"><start><lane road="1" lane="-1" s="30"/></start></ego>
+    <when><time after="1"/><do><teleport><lane road="1" lane="-1" s="200"/></teleport></do></when>
+    <takeover budget="7"><cause kind="path_blocked"/></takeover>
+  </scenario>
+</scenarios>
+"""
+
+
+def written(folder: Path, text: str) -> Plan:
+    file = folder / "it.xml"
+    file.write_text(text, encoding="utf-8")
+    return compile_scenario(file, overrides=Overrides(perception="ideal"))
+
+
+def of_the_run(there: Any) -> list[Any]:
+    """Return the actors of a run in a world: vehicles and sensors."""
+    return [one for one in there.get_actors() if one.type_id.startswith(("vehicle", "sensor"))]
+
+
+def test_the_first_entity_is_far_away_while_it_is_absent(server: Served, tmp_path: Path) -> None:
+    entity = '<GlobalAction><EntityAction entityRef="A">{}</EntityAction></GlobalAction>'
+    gone = Event("A", entity.format("<DeleteEntityAction/>"), 0.5)
+    back = Event("A", entity.format(f"<AddEntityAction>{lane_position(-1, 300.0)}</AddEntityAction>"), 1.0)
+    file = tmp_path / "told.xosc"
+    file.write_text(document({"A": Actor()}, [gone, back], 1.5), encoding="utf-8")
+    plan, client = compile_scenario(file, overrides=Overrides(step=0.05, duration=1.5)), server.client()
+    places: list[tuple[float, float]] = []
+
+    def note(t: float) -> None:
+        (car,) = client.get_world().get_actors().filter("vehicle.*")
+        places.append((t, car.get_transform().location.x))
+
+    with open_world("carla", plan, load_network(plan.map.file), port=server.port) as world:
+        run(plan, world, progress=note)
+    absent = [t for t, x in places if x > 4000.0]
+    assert len(places) == 30
+    assert (absent[0], absent[-1]) == pytest.approx((0.55, 1.0), abs=0.051)
+    assert len(absent) == 10
+
+
+def test_a_lane_without_road_marks_can_be_crossed(server: Served, tmp_path: Path) -> None:
+    """CARLA's client dies of a lane without a mark."""
+    target = '<RelativeTargetLane entityRef="A" value="-1"/>'
+    change = Event("A", lane_change(target, by("linear", "time", 2.0)), 0.5)
+    file = tmp_path / "told.xosc"
+    file.write_text(document({"A": Actor()}, [change], 3.0), encoding="utf-8")
+    plan = compile_scenario(file, overrides=Overrides(step=0.05, duration=3.0))
+    ours, theirs = built_in(plan), recorded(plan, server)
+    assert {*theirs.lane[:, 0]} == {-1, -2}
+    assert np.array_equal(theirs.y, ours.y)
+
+
+def test_an_action_teleports_the_ego_in_carla_too(server: Served, tmp_path: Path) -> None:
+    plan = written(tmp_path, TELEPORTED)
+    ours, theirs = built_in(plan), recorded(plan, server)
+    assert np.abs(np.diff(ours.x[:, 0])).max() > 100.0
+    assert np.abs(theirs.x[:, 0] - ours.x[:, 0]).max() < NEAR
+    assert np.abs(theirs.v[:, 0] - ours.v[:, 0]).max() < 0.1
+
+
+def test_a_sensor_that_another_client_destroys_leaves_no_actor_behind(server: Served) -> None:
+    carla = pytest.importorskip("carla")
+    plan, client = ideal("obstacle_ahead").model_copy(update={"duration": 0.5}), server.client()
+
+    def destroy(t: float) -> None:
+        sensors = client.get_world().get_actors().filter("sensor.*") if t > 0.2 else ()
+        client.apply_batch_sync([carla.command.DestroyActor(one) for one in sensors], False)
+
+    with open_world("carla", plan, load_network(plan.map.file), port=server.port) as world:
+        assert run(plan, world, progress=destroy).stop_reason == "duration"
+    there = client.get_world()
+    there.wait_for_tick()
+    assert of_the_run(there) == []
+
+
+def test_a_place_that_is_taken_leaves_no_actor_behind(server: Served) -> None:
+    carla = pytest.importorskip("carla")
+    plan, client = ideal("obstacle_ahead").model_copy(update={"duration": 0.5}), server.client()
+    with open_world("carla", plan, load_network(plan.map.file), port=server.port) as world:
+        there = client.get_world()
+        taken = carla.Transform(carla.Location(ASIDE + 30.0, ASIDE, 1.0))
+        blocking = there.spawn_actor(there.get_blueprint_library().find("vehicle.audi.tt"), taken)
+        lost = run(plan, world)
+        blocking.destroy()
+    assert lost.stop_reason == "world_lost"
+    assert "cannot spawn 'blocked_lane1.blocker'" in next(
+        one.message for one in lost.events if one.kind == "broken_off"
+    )
+    there.wait_for_tick()
+    assert of_the_run(there) == []
+
+
+def test_a_clock_that_another_client_moves_loses_the_world(server: Served) -> None:
+    plan, client = ideal("obstacle_ahead").model_copy(update={"duration": 2.0}), server.client()
+    with open_world("carla", plan, load_network(plan.map.file), port=server.port) as world:
+        lost = run(plan, world, progress=lambda t: client.get_world().tick() if t > 1.0 else None)
+    assert lost.stop_reason == "world_lost"
+    assert "another client moves its clock" in next(one.message for one in lost.events if one.kind == "broken_off")
 
 
 def test_a_scenario_without_entities_is_refused(server: Served) -> None:
