@@ -158,7 +158,7 @@ class ResultStore:
     def _is_sound(self, path: Path) -> bool:
         """Return whether a file can be read to its end, with the columns of this sweep and its pages' checksums.
 
-The metadata of the two tables, which state what they are written with, must be those of this sweep too.
+        The metadata of the two tables, which state what they are written with, must be those of this sweep too.
         """
         schema, wanted = {
             self.table: (self._schema, self._about()),

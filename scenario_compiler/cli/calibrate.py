@@ -51,7 +51,7 @@ def add(commands: Commands) -> None:
         action="append",
         default=[],
         metavar="NAME",
-        help="evaluate this map, on six times as many clips, with a confidence fitted on all other maps (needs "
+        help="evaluate this map, on twelve times as many clips, with a confidence fitted on all other maps (needs "
         "the extra 'fit'); the tables then have such maps only",
     )
     parser.add_argument(

@@ -7,7 +7,7 @@ import pytest
 from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import look_at_bank
-from scenario_compiler.perception.calibration.fit import fit_confidence, reliability
+from scenario_compiler.perception.calibration.fit import fit_confidence, largest_by_chance, reliability
 from scenario_compiler.perception.calibration.scenes import Fading
 from scenario_compiler.perception.confidence import (
     FEATURES,
@@ -148,6 +148,29 @@ def test_figures_of_made_up_probabilities() -> None:
     flipped = reliability(1.0 - p, outcomes)
     assert flipped.expected_error == pytest.approx(0.5)
     assert flipped.area == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize("of_a_clip", [1, 10])
+def test_a_flawless_confidence_errs_by_chance_and_more_so_if_clips_repeat_themselves(of_a_clip: int) -> None:
+    """The stated error is compared with the largest errors of other draws from the same confidence."""
+    draw = np.random.default_rng(5)
+
+    def measured() -> tuple[np.ndarray, np.ndarray]:
+        p = draw.random(4000 // of_a_clip)
+        right = draw.random(len(p)) < p
+        return np.repeat(p, of_a_clip), np.repeat(right, of_a_clip).astype(float)
+
+    clips = np.repeat(np.arange(4000 // of_a_clip), of_a_clip)
+    largest = [reliability(*measured()).largest_error for _ in range(300)]
+    stated = np.mean([largest_by_chance(*measured(), clips) for _ in range(20)])
+    assert stated == pytest.approx(np.quantile(largest, 0.9), rel=0.15)
+
+
+def test_an_error_of_the_confidence_is_not_taken_for_chance() -> None:
+    p = np.repeat([0.25, 0.75], 500)
+    outcomes = np.tile([0.0, 1.0], 500)
+    assert reliability(p, outcomes).largest_error == pytest.approx(0.25)
+    assert largest_by_chance(p, outcomes, np.arange(1000)) < 0.06
 
 
 @pytest.mark.parametrize(

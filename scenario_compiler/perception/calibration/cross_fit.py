@@ -25,9 +25,9 @@ PARTS = 4
 COPY = "repainted_"
 """Beginning of the name of a map's repainted copy (`tools/training_roads.py`), which belongs to the map's part."""
 
-MORE = 6
+MORE = 12
 """Factor by which a map that is left out of a fit has more clips: the tables are of such maps alone, and a bin of a few
-hundred sides would have the largest error by chance."""
+hundred sides would have the largest error by chance (`fit.largest_by_chance`)."""
 
 
 def copies_of(name: str, names: Collection[str]) -> frozenset[str]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import RIGHT, Looks, as_used
-from scenario_compiler.perception.calibration.fit import Reliability, fit_confidence, reliability
+from scenario_compiler.perception.calibration.fit import Reliability, fit_confidence, largest_by_chance, reliability
 from scenario_compiler.perception.calibration.gather import Gathered
 from scenario_compiler.perception.confidence import Confidence
 
@@ -45,6 +45,7 @@ class Worth:
         sure: Share of the observations with a confidence above `SURE`.
         wrong: Share of those with an error above 0.25 m; NaN if there are none.
         far_off: Share of those with an error above 1 m; NaN if there are none.
+        by_chance: Largest error of a bin that chance alone explains (see `largest_by_chance`).
     """
 
     name: str
@@ -52,6 +53,7 @@ class Worth:
     sure: float
     wrong: float
     far_off: float
+    by_chance: float
 
 
 @dataclass(frozen=True)
@@ -150,6 +152,7 @@ def worth(name: str, looks: Looks) -> Worth:
         float(sure.mean()),
         wrong,
         far_off,
+        largest_by_chance(looks.p[:, 2], labels[:, 2], looks.clip),
     )
 
 

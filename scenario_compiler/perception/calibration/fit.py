@@ -21,6 +21,9 @@ BINS = tuple(k / 10 for k in range(11))
 COUNTED = 100
 """Least number of observations for a bin to count."""
 
+REPEATED, ONE_OF_TEN = 400, 0.9
+"""Number of measurements that are drawn to know what chance does, and the share of them below the stated error."""
+
 TREES, MOST_BINS = 500, 128
 """Number of trees, and of the intervals of each feature between which their thresholds lie."""
 
@@ -128,6 +131,35 @@ def reliability(p: Floats, outcomes: Floats) -> Reliability:
         largest_error=max((abs(mean - seen) for _, _, count, mean, seen in bins if count >= COUNTED), default=0.0),
         bins=tuple(bins),
     )
+
+
+def largest_by_chance(p: Floats, outcomes: Floats, clips: NDArray[np.int64]) -> float:
+    """Return the error of a bin that the largest one of a flawless confidence exceeds in one of ten such measurements.
+
+    The observations of a clip resemble each other, so whole clips are drawn, with replacement (B. Efron, The Annals of
+    Statistics 7, 1979). What is left of the outcomes without the mean error of their bin stands for chance.
+
+    Args:
+        p: (N,) probabilities.
+        outcomes: (N,) outcomes, as 0 or 1.
+        clips: (N,) numbers; neighbours with the same number are of one clip.
+    """
+    place = np.minimum((p * (len(BINS) - 1)).astype(np.int64), len(BINS) - 2)
+    count = np.bincount(place, minlength=len(BINS) - 1)
+    counted = np.flatnonzero(count >= COUNTED)
+    if not len(counted):
+        return 0.0
+    clip = np.cumsum(np.append(False, np.diff(clips) != 0))
+    error = outcomes - p
+    error = error - (np.bincount(place, error, len(count)) / np.maximum(count, 1))[place]
+    shape = int(clip[-1]) + 1, len(count)
+    errors, many = (
+        np.bincount(clip * len(count) + place, weight, shape[0] * shape[1]).reshape(shape)[:, counted]
+        for weight in (error, np.ones_like(error))
+    )
+    draw = np.random.default_rng(1)
+    drawn = draw.multinomial(shape[0], np.full(shape[0], 1.0 / shape[0]), REPEATED)
+    return float(np.quantile(np.abs((drawn @ errors) / np.maximum(drawn @ many, 1.0)).max(axis=1), ONE_OF_TEN))
 
 
 def area_under_curve(p: Floats, right: NDArray[np.bool_]) -> float:
