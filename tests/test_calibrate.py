@@ -18,7 +18,7 @@ from scenario_compiler.cli import main
 from scenario_compiler.perception.calibration.collect import CONDITIONS, Looks
 from scenario_compiler.perception.calibration.cross_fit import parts_of
 from scenario_compiler.perception.calibration.figures import Asked, Figures, fitted, judged, worth
-from scenario_compiler.perception.calibration.gather import Gathered, gather_maps
+from scenario_compiler.perception.calibration.gather import Gathered, gather_maps, seed_of
 from scenario_compiler.perception.calibration.maps import IMAGES, MapRoads
 from scenario_compiler.perception.calibration.truth import Truth
 from scenario_compiler.perception.confidence import FEATURES, Confidence, Tree, confidence_text
@@ -116,6 +116,15 @@ def test_clips_are_seen_with_the_confidence_for_their_map() -> None:
     seen = gather_maps("classical", maps, 1, 1, {"motorway": constant})
     assert set(seen["motorway"].p[:, 1]) == {1.0 / (1.0 + math.exp(-1.0))}
     assert len(set(seen["highway_loop"].p[:, 1])) > 6
+
+
+def test_the_clips_of_two_maps_share_neither_weather_nor_noise() -> None:
+    """One road under two names: were their clips alike, a fit to many maps would learn a few conditions by heart."""
+    roads = MapRoads(load_network(find_map("highway_loop")))
+    drawn = [[conditions for _, conditions, _ in roads.clips(seed_of(name), range(12))] for name in ("one", "other")]
+    noise = [{conditions.sigma for conditions in of_map if conditions.sigma > 0.0} for of_map in drawn]
+    assert all(noise)
+    assert not noise[0] & noise[1]
 
 
 def test_a_map_without_a_lane_to_drive_on_has_no_clips() -> None:
