@@ -12,7 +12,7 @@ from lxml import etree
 from scenario_compiler.controllers.named import check_controller
 from scenario_compiler.diagnostics import CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import UNREADABLE, Document
-from scenario_compiler.files import split_target, suffix_of
+from scenario_compiler.files import is_plan_file, split_target
 from scenario_compiler.languages import (
     Source,
     declarations,
@@ -122,7 +122,7 @@ def read_source(path: str | Path, sink: Diagnostics) -> tuple[Document, Source] 
     The returned document is that of the scenario. It is not `path` if that file contains values for the parameters of a
     scenario in another file.
     """
-    if suffix_of(path) == ".json":
+    if is_plan_file(path):
         if read_plan(path, sink) is not None:
             message = "the file is a plan, which has been compiled already: `run`, `sweep` and `export` take it"
             sink.add(UNKNOWN_ROOT, message, FilePlace(str(path)))

@@ -59,6 +59,11 @@ def suffix_of(path: str | Path) -> str:
     return Path(path).suffix.lower()
 
 
+def is_plan_file(path: str | Path) -> bool:
+    """Return whether a path is that of a compiled plan by its suffix."""
+    return suffix_of(path) == ".json"
+
+
 def files_in(folder: Path, *suffixes: str, deep: bool = False) -> list[Path]:
     """Return the paths in a folder that have one of the suffixes, which are in small letters, sorted.
 

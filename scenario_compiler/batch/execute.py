@@ -21,7 +21,7 @@ from scenario_compiler.batch.tally import TALLIED, OnProgress, Progress, Tally
 from scenario_compiler.batch.variants import Families, Family
 from scenario_compiler.compiler import declared_parameters, found_target
 from scenario_compiler.diagnostics import CompileError, Diagnostics, Severity
-from scenario_compiler.files import suffix_of
+from scenario_compiler.files import is_plan_file
 from scenario_compiler.forms.machine_code import library, why_interpreted
 from scenario_compiler.processes import available_cores
 from scenario_compiler.recording.versions import version_of
@@ -196,7 +196,7 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
         raise SweepError(
             "nothing varies: give --vary NAME=DISTRIBUTION, or --samples N for runs that differ in their random numbers"
         )
-    declared = {} if suffix_of(found) == ".json" else declared_parameters(found)
+    declared = {} if is_plan_file(found) else declared_parameters(found)
     constrained = {name for expression in constraints_of(spec) for name in expression.names}
     check_axes(axes, declared, constrained)
     middle = {name: axis.points[0] if axis.points else axis.quantile(0.5) for name, axis in axes.items()}

@@ -13,7 +13,7 @@ from scenario_compiler.compiler import compile_target
 from scenario_compiler.controllers.named import refuse_untrusted
 from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, weighed
 from scenario_compiler.expressions import Value, format_value
-from scenario_compiler.files import suffix_of
+from scenario_compiler.files import is_plan_file
 from scenario_compiler.markup.names import MISSING_PARAMETER, UNKNOWN_ARGUMENT
 from scenario_compiler.markup.values import COMMAND_LINE
 from scenario_compiler.plan.maps import open_plan_map
@@ -95,7 +95,7 @@ class Families:
         self._known: dict[tuple[tuple[str, str], ...], Family | Diagnostics] = {}
         self._numbers: list[Family] = []
         self._digests: dict[str, Family] = {}
-        self.base = self._read_plan(sink) if suffix_of(target) == ".json" else self._compile_base(sink)
+        self.base = self._read_plan(sink) if is_plan_file(target) else self._compile_base(sink)
 
     def of(self, sample: Sample) -> Family | Diagnostics:
         """Return a variant's family, or why its structure cannot be compiled."""

@@ -15,7 +15,7 @@ from scenario_compiler.batch.tally import OnProgress, Progress
 from scenario_compiler.batch.variants import Families, with_values
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import format_value
-from scenario_compiler.files import suffix_of
+from scenario_compiler.files import is_plan_file
 from scenario_compiler.outputs import whole_folder
 from scenario_compiler.randomness import hash_bits
 from scenario_compiler.recording.outcome import judge
@@ -108,7 +108,7 @@ def folder_options(maps: Sequence[Path]) -> list[str]:
 def repeat_command(target: str, spec: SweepSpec, rows: Columns, index: int, maps: Sequence[Path] = ()) -> str:
     """Return the command that runs a single variant with the same trajectories; `maps` are the folders of --maps."""
     words = ["scenario-compiler", "run", target]
-    if suffix_of(target) != ".json":
+    if not is_plan_file(target):
         settings = dict(spec.settings)
         for name, values in rows.items():
             if name.startswith(PARAMETER):

@@ -25,7 +25,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.files import suffix_of
+from scenario_compiler.files import is_plan_file
 from scenario_compiler.interruption import put_off
 from scenario_compiler.outputs import make_folder, write_whole
 
@@ -81,7 +81,7 @@ def export_command(options: argparse.Namespace) -> int:
 
 
 def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network, Scenario | None] | None:
-    if suffix_of(options.target) == ".json":
+    if is_plan_file(options.target):
         from scenario_compiler.cli.run import stored_plan
 
         stored = stored_plan(options, sink)

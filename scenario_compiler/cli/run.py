@@ -36,7 +36,7 @@ from scenario_compiler.cli.report import add_shows, film_path, write_film
 from scenario_compiler.cli.terminal import complain, put, shown_progress
 from scenario_compiler.cli.worlds import add_world, note_failures, note_findings, world_options
 from scenario_compiler.diagnostics import Diagnostics, FilePlace
-from scenario_compiler.files import split_target, suffix_of
+from scenario_compiler.files import is_plan_file, split_target
 from scenario_compiler.forms.machine_code import why_interpreted
 from scenario_compiler.interruption import Interruption, noted
 from scenario_compiler.outputs import whole_folder
@@ -138,7 +138,7 @@ def compile_command(options: argparse.Namespace) -> int:
 
 
 def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network] | None:
-    if suffix_of(options.target) != ".json":
+    if not is_plan_file(options.target):
         compilation = compiled(options, sink)
         return None if compilation is None else (compilation.plan, compilation.network)
     return stored_plan(options, sink)

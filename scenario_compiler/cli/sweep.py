@@ -34,7 +34,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.terminal import complain, put, tell
 from scenario_compiler.diagnostics import CompileError, Diagnostics
-from scenario_compiler.files import suffix_of
+from scenario_compiler.files import is_plan_file
 from scenario_compiler.garbage_collection import keep_loaded, paused
 
 if TYPE_CHECKING:
@@ -298,7 +298,7 @@ def _written(options: argparse.Namespace) -> Vary:
     from scenario_compiler.vocabulary.variation import Vary
 
     nothing = Vary.model_construct(axes=())
-    if suffix_of(options.target) == ".json":
+    if is_plan_file(options.target):
         return nothing
     return variation_of(options.target, settings_of(options.settings), Diagnostics()) or nothing
 
