@@ -74,7 +74,7 @@ def path_and_missed(network: Network, values: Values, route: RouteWord) -> tuple
 def leads_to(network: Network, start: Stretch, goal: Stretch) -> bool:
     """Return whether a way leads from a road, driven in either direction, to another one."""
     n = network.tables
-    ways = (onward(n, (goal[0], sense), lambda stretch: n.road_length[stretch[0]]) for sense in (1, -1))
+    ways = (onward(n, (goal[0], sense)) for sense in (1, -1))
     return start[0] == goal[0] or any((start[0], sense) in way for way in ways for sense in (1, -1))
 
 

@@ -114,8 +114,11 @@ def predecessors(n: RoadTables) -> dict[Stretch, list[Stretch]]:
     return before
 
 
-def onward(n: RoadTables, goal: Stretch, cost: Cost) -> dict[Stretch, Stretch]:
-    """Return for every stretch from which a goal can be reached the next stretch on the cheapest way."""
+def onward(n: RoadTables, goal: Stretch, cost: Cost | None = None) -> dict[Stretch, Stretch]:
+    """Return for every stretch from which a goal can be reached the next stretch on the cheapest way.
+
+    The cost of a stretch is its length if none is given.
+    """
     before = predecessors(n)
     following: dict[Stretch, Stretch] = {}
     heap: list[tuple[float, int, Stretch, Stretch | None]] = [(0.0, 0, goal, None)]
@@ -130,12 +133,13 @@ def onward(n: RoadTables, goal: Stretch, cost: Cost) -> dict[Stretch, Stretch]:
             following[stretch] = after
         for one in before.get(stretch, ()):
             count += 1
-            heapq.heappush(heap, (spent + cost(one), count, one, stretch))
+            more = n.road_length[one[0]] if cost is None else cost(one)
+            heapq.heappush(heap, (spent + more, count, one, stretch))
     return following
 
 
-def path_between(n: RoadTables, start: Stretch, goal: Stretch, cost: Cost) -> list[Stretch] | None:
-    """Return the stretches of the cheapest way from one to another, including both, or None."""
+def path_between(n: RoadTables, start: Stretch, goal: Stretch, cost: Cost | None = None) -> list[Stretch] | None:
+    """Return the stretches of the cheapest way from one to another, including both, or None (see `onward`)."""
     following = onward(n, goal, cost)
     path = [start]
     while path[-1] != goal:

@@ -45,7 +45,7 @@ def add_route(draft: ProgramBuilder, route: RouteWord) -> int:
     if not route.closed:
         return add_guide(draft, _steps(path), path[-1][0])
     n = draft.network.tables
-    back = path_between(n, path[-1], path[0], lambda stretch: n.road_length[stretch[0]]) or path[-1:]
+    back = path_between(n, path[-1], path[0]) or path[-1:]
     return add_guide(draft, _steps([*path[:-1], *back]), op.NONE)
 
 
@@ -55,8 +55,8 @@ def add_goal(draft: ProgramBuilder, position: Word) -> int:
     if goal is None:
         return op.NONE
     n = draft.network.tables
-    steps = onward(n, goal, lambda stretch: n.road_length[stretch[0]])
-    other = onward(n, (goal[0], -goal[1]), lambda stretch: n.road_length[stretch[0]])
+    steps = onward(n, goal)
+    other = onward(n, (goal[0], -goal[1]))
     return add_guide(draft, [(one, to[0]) for one, to in (*steps.items(), *other.items())], goal[0])
 
 
