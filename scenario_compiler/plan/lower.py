@@ -285,17 +285,13 @@ POSITIONS = (
 def bind_corner(draft: PlanDraft, corner: Vertex | ControlPoint) -> Vertex | ControlPoint:
     """Bind a corner of a trajectory; a heading that is not written is not taken from the road or the world's axes."""
     position = corner.position
-    if isinstance(position, GeoPosition) and position.turn == 0.0 and position.heading is None:
-        place = bind_fixed(draft, position)
-        if not isinstance(place, FreePosition):
-            return corner
-        return corner.model_copy(update={"position": place.model_copy(update={"heading": None})})
     aligned = isinstance(position, WorldPosition) and position.yaw == 0.0
-    along = isinstance(position, RoadPosition) and position.turn == 0.0 and position.heading is None
+    along = isinstance(position, RoadPosition | GeoPosition) and position.turn == 0.0 and position.heading is None
     bound = bind_fixed(draft, position) if aligned or along else None
-    if not isinstance(bound, LanePositionWord):
+    if not isinstance(bound, LanePositionWord | FreePosition):
         return corner
-    return corner.model_copy(update={"position": bound.model_copy(update={"turn": 0.0})})
+    unwritten = {"turn": 0.0} if isinstance(bound, LanePositionWord) else {"heading": None}
+    return corner.model_copy(update={"position": bound.model_copy(update=unwritten)})
 
 
 def bound_inside(draft: PlanDraft, word: AnyWord) -> AnyWord:
