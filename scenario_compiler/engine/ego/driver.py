@@ -381,7 +381,7 @@ def corridor_beside(
     if meets_standing(p, st, i, centre, out, begin) == 1:
         return 0, 0.0
     if meets_oncoming(p, st, i, centre, out, evasion_length(p, st, i), op.NONE, 0.0, MEETING_TIME, 0, low, high) == 1:
-        st.awaits_oncoming[0] = max(st.awaits_oncoming[0], any_approaching(p, st, i))
+        st.awaits_oncoming[0] = any_approaching(p, st, i)
         return 0, 0.0
     if side != 0 and against == 0 and gap_beside_free(n, p, st, i, side) == 0:
         st.seeks_gap[0] = 1

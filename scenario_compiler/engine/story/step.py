@@ -132,13 +132,13 @@ def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
     if st.v[ego] >= op.STANDING or not ended:
         st.still_since[0] = -1.0
         return
+    driven = state == op.TAKEOVER_MANUAL and st.crashed[0] == 0
     if st.still_since[0] < 0.0:
         st.still_since[0] = st.clock[0]
-        if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and st.still_noted[0] == 0:
+        if driven and st.still_noted[0] == 0:
             st.still_noted[0] = 1
             log_standstill(n, p, st, ego, 1)
-    waits = waits_in_queue(p, st, ego) == 1 or waits_for_gap(st) == 1
-    if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and waits:
+    if driven and (waits_in_queue(p, st, ego) == 1 or waits_for_gap(st) == 1):
         st.still_since[0] = st.clock[0]
     if st.clock[0] - st.still_since[0] >= STANDING_TIME - op.TOLERANCE:
         st.stop[0] = op.STOP_COLLISION if st.crashed[0] == 1 else op.STOP_STANDSTILL
