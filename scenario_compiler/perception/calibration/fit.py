@@ -117,10 +117,10 @@ class Reliability:
 
 def reliability(p: Floats, outcomes: Floats) -> Reliability:
     """Return how the probabilities p (N,) compare with the outcomes (N,)."""
-    right = outcomes > 0.5
+    right, place = outcomes > 0.5, _bin_of(p)
     bins = []
-    for low, high in pairwise(BINS):
-        inside = (p >= low) & ((p < high) | (high == BINS[-1]))
+    for number, (low, high) in enumerate(pairwise(BINS)):
+        inside = place == number
         if inside.any():
             bins.append((low, high, int(inside.sum()), float(p[inside].mean()), float(outcomes[inside].mean())))
     return Reliability(
@@ -144,7 +144,7 @@ def largest_by_chance(p: Floats, outcomes: Floats, clips: NDArray[np.int64]) -> 
         outcomes: (N,) outcomes, as 0 or 1.
         clips: (N,) numbers; neighbours with the same number are of one clip.
     """
-    place = np.minimum((p * (len(BINS) - 1)).astype(np.int64), len(BINS) - 2)
+    place = _bin_of(p)
     count = np.bincount(place, minlength=len(BINS) - 1)
     counted = np.flatnonzero(count >= COUNTED)
     if not len(counted):
@@ -160,6 +160,11 @@ def largest_by_chance(p: Floats, outcomes: Floats, clips: NDArray[np.int64]) -> 
     draw = np.random.default_rng(1)
     drawn = draw.multinomial(shape[0], np.full(shape[0], 1.0 / shape[0]), REPEATED)
     return float(np.quantile(np.abs((drawn @ errors) / np.maximum(drawn @ many, 1.0)).max(axis=1), ONE_OF_TEN))
+
+
+def _bin_of(p: Floats) -> NDArray[np.int64]:
+    """Return the number of the bin of each probability (N,); 1 is in the last one."""
+    return np.asarray(np.clip(np.searchsorted(BINS, p, side="right") - 1, 0, len(BINS) - 2), np.int64)
 
 
 def area_under_curve(p: Floats, right: NDArray[np.bool_]) -> float:
