@@ -148,9 +148,8 @@ def read_georeference(text: str) -> Georeference | None:
     if unknown or any(name in given and given[name] not in allowed for name, allowed in ONLY.items()):
         return None
     try:
-        shape, to_wgs84 = _ellipsoid(given), _to_wgs84(given)
-        projection = None if shape is None else _projection(given, shape)
-        shift = None if shape is None or not any(to_wgs84) else _shift(shape, to_wgs84)
+        shape = _ellipsoid(given)
+        projection, shift = _projection(given, shape), _shift(given, shape)
     except (ValueError, ArithmeticError):
         return None
     return None if projection is None else Georeference(projection, shift)
@@ -211,7 +210,13 @@ def _by_code(code: int) -> str | None:
     return _OTHER_CODES.get(code)
 
 
-def _ellipsoid(given: Mapping[str, str]) -> Ellipsoid | None:
+def _ellipsoid(given: Mapping[str, str]) -> Ellipsoid:
+    """Return the ellipsoid of a PROJ string's words.
+
+    Raises:
+        ValueError: It is not known, or its numbers are not those of one.
+        ZeroDivisionError: The same.
+    """
     if "R" in given:
         return _sized(float(given["R"]), 0.0)
     if "a" in given:
@@ -222,24 +227,30 @@ def _ellipsoid(given: Mapping[str, str]) -> Ellipsoid | None:
             return _sized(radius, 1.0 / float(given["rf"]))
         return _sized(radius, float(given.get("f", "0")))
     name = given.get("ellps") or DATUMS.get(given.get("datum", "WGS84"), ("", ""))[0]
-    return _named(name) if name in ELLIPSOIDS else None
+    if name not in ELLIPSOIDS:
+        raise ValueError
+    return _named(name)
 
 
-def _sized(radius: float, flattening: float) -> Ellipsoid | None:
-    return Ellipsoid(radius, flattening) if 0.0 < radius < float("inf") and 0.0 <= flattening < 0.5 else None
+def _sized(radius: float, flattening: float) -> Ellipsoid:
+    if not (0.0 < radius < float("inf") and 0.0 <= flattening < 0.5):
+        raise ValueError
+    return Ellipsoid(radius, flattening)
 
 
-def _to_wgs84(given: Mapping[str, str]) -> tuple[float, ...]:
-    """Return the seven numbers of `+towgs84`, or those of the datum."""
+def _shift(given: Mapping[str, str], ellipsoid: Ellipsoid) -> DatumShift | None:
+    """Return the shift by `+towgs84`, or by that of the datum; None if it moves nothing.
+
+    Raises:
+        ValueError: It does not consist of three or seven numbers.
+    """
     usual = DATUMS.get(given.get("datum", "WGS84"), ("", ""))[1]
     numbers = tuple(_number(one) for one in given.get("towgs84", usual).split(",") if one)
     if len(numbers) not in (0, 3, 7):
         raise ValueError
-    return numbers + (0.0,) * (7 - len(numbers))
-
-
-def _shift(ellipsoid: Ellipsoid, numbers: tuple[float, ...]) -> DatumShift:
-    x, y, z, *seconds, millionths = numbers
+    if not any(numbers):
+        return None
+    x, y, z, *seconds, millionths = numbers + (0.0,) * (7 - len(numbers))
     turned = [radians(one / 3600.0) for one in seconds]
     return DatumShift(ellipsoid, (x, y, z), (turned[0], turned[1], turned[2]), 1.0 + millionths * 1.0e-6)
 
