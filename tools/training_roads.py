@@ -207,7 +207,9 @@ def _road(draw: np.random.Generator, number: int, kind: Kind) -> etree._Element:
     }
     for side in sides:
         found = sorted(set(numbers[side]) & set(made), reverse=True)
-        group = etree.SubElement(section, side) if found else section
+        if not found:
+            continue
+        group = etree.SubElement(section, side)
         for k in found:
             lane = made[k]
             group.append(lane)
