@@ -1,11 +1,12 @@
 """Roads for the training of a lane detector besides those of real maps: maps with repainted marks, and made-up roads.
 
-    python tools/training_roads.py OUT [--files 10] [--streets 12] [--first 9000] [--repaint MAPS]
+    python tools/training_roads.py OUT [--files 20] [--streets 12] [--avenues 24] [--first 9000] [--repaint MAPS]
 
 writes files of made-up roads, `made_up_00.xodr` and so on, files of streets with bends as sharp as where one turns at a
-junction, `streets_00.xodr` and so on, to the folder OUT, and for each road file of the folder MAPS a copy with other
-lines, such as `repainted_town_grid.xodr`. The confidence of the classical detector is fitted to them too
-(docs/perception.md). `tools/train_lane_network.py` makes the files that it needs itself.
+junction, `streets_00.xodr` and so on, and files of level roads with bends of medium radius, `avenues_00.xodr` and so
+on, to the folder OUT, and for each road file of the folder MAPS a copy with other lines, such as
+`repainted_town_grid.xodr`. The confidence of the classical detector is fitted to them too (docs/perception.md).
+`tools/train_lane_network.py` makes the files that it needs itself.
 
 The marks of a map follow its author's habits: some maps have no double line, some no line at the edge. Here all kinds
 of lines of OpenDRIVE are used, white and yellow, with common widths, dashes and gaps.
@@ -50,8 +51,8 @@ BESIDE = {
 REPAINTED = 5000
 """Seed of the lines in the copy of a folder's first road file."""
 
-STREETS = 1000
-"""What is added to the seed of the first made-up file for that of the first file of streets."""
+STREETS, AVENUES = 1000, 2000
+"""What is added to the seed of the first made-up file for that of the first file of streets, and of avenues."""
 
 ROADS, LENGTH = 4, 500.0
 """Number of roads in a made-up file, and the least length of each, m."""
@@ -66,6 +67,7 @@ class Kind(NamedTuple):
         radius: Least and greatest radius of a bend of the reference line, m, drawn on a logarithmic scale.
         angle: Least and greatest angle of a bend, rad.
         straight: Least and greatest length of the straight before it, m.
+        level: Share of the roads without hills.
     """
 
     right: tuple[int, ...]
@@ -73,12 +75,14 @@ class Kind(NamedTuple):
     radius: tuple[float, float]
     angle: tuple[float, float]
     straight: tuple[float, float]
+    level: float = 0.35
 
 
 COUNTRY = Kind((1, 2, 3), (0, 1, 1, 2, 3), (16.0, 400.0), (0.25, 1.7), (5.0, 80.0))
 TOWN = Kind((1,), (0, 1), (10.0, 40.0), (0.4, 1.5), (4.0, 40.0))
-"""Winding roads, and streets with usual lanes and sharp bends, which are rare in road files: a lane that bends so
-sharply there is often a wide one.
+AVENUE = Kind((1, 2, 3, 4), (0, 1, 2, 2, 3, 4), (50.0, 250.0), (0.15, 1.6), (5.0, 60.0), level=0.9)
+"""Winding roads; streets with usual lanes and sharp bends, which are rare in road files: a lane that bends so sharply
+there is often a wide one; and level roads with bends of medium radius.
 """
 
 
@@ -188,7 +192,7 @@ def _road(draw: np.random.Generator, number: int, kind: Kind) -> etree._Element:
     plan, length = _plan(draw, (0.0, 4000.0 * number), kind)
     road = etree.Element("road", name=f"road {number}", length=f"{length:.6f}", id=str(number), junction="-1")
     road.append(plan)
-    road.append(_elevation(draw, length))
+    road.append(_elevation(draw, length, kind.level))
     section = etree.SubElement(etree.SubElement(road, "lanes"), "laneSection", s="0")
     styles = _Styles(draw)
     right, left = int(draw.choice(kind.right)), int(draw.choice(kind.left))
@@ -274,10 +278,10 @@ def _plan(draw: np.random.Generator, start: tuple[float, float], kind: Kind) -> 
     return plan, s
 
 
-def _elevation(draw: np.random.Generator, length: float) -> etree._Element:
-    """Return the elevation profile: cubics with grades of up to 6 %; about a third of the roads are level."""
+def _elevation(draw: np.random.Generator, length: float, level: float) -> etree._Element:
+    """Return the elevation profile: cubics with grades of up to 6 %; `level` is the probability of a level road."""
     profile = etree.Element("elevationProfile")
-    steepest = 0.0 if draw.random() < 0.35 else 0.06
+    steepest = 0.0 if draw.random() < level else 0.06
     s, z, grade = 0.0, 0.0, 0.0
     while s < length:
         span = float(draw.uniform(50.0, 140.0))
@@ -296,8 +300,9 @@ def main() -> None:
     """Write the files of made-up roads and the repainted copies."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path)
-    parser.add_argument("--files", type=int, default=10, help="number of files of winding roads")
+    parser.add_argument("--files", type=int, default=20, help="number of files of winding roads")
     parser.add_argument("--streets", type=int, default=12, help="number of files of streets")
+    parser.add_argument("--avenues", type=int, default=24, help="number of files of level roads with medium bends")
     parser.add_argument("--first", type=int, default=9000, help="seed of the first file")
     parser.add_argument("--repaint", type=Path, metavar="MAPS", help="folder with road files to repaint")
     options = parser.parse_args()
@@ -306,6 +311,8 @@ def main() -> None:
         made_up(options.out / f"made_up_{number:02d}.xodr", options.first + number)
     for number in range(options.streets):
         made_up(options.out / f"streets_{number:02d}.xodr", options.first + STREETS + number, TOWN)
+    for number in range(options.avenues):
+        made_up(options.out / f"avenues_{number:02d}.xodr", options.first + AVENUES + number, AVENUE)
     for seed, file in enumerate(sorted(options.repaint.glob("*.xodr")) if options.repaint else [], REPAINTED):
         repainted(file, options.out / f"{COPY}{file.stem}.xodr", seed)
 

@@ -8,6 +8,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from lxml import etree
 
 from scenario_compiler import find_map, load_network
 from scenario_compiler.perception.calibration.maps import LORRIES_AHEAD, MapRoads
@@ -31,7 +32,7 @@ def kinds_of(file: Path) -> set[int]:
     return set(tables.mark_type)
 
 
-@pytest.mark.parametrize("kind", ["COUNTRY", "TOWN"])
+@pytest.mark.parametrize("kind", ["COUNTRY", "TOWN", "AVENUE"])
 def test_made_up_roads_are_valid_and_can_be_driven(kind: str, roads: ModuleType, tmp_path: Path) -> None:
     for seed in range(2):
         file = tmp_path / f"made{seed}.xodr"
@@ -69,6 +70,19 @@ def test_streets_bend_more_sharply_than_country_roads(roads: ModuleType, tmp_pat
         bends[kind] = float(np.median([conditions.curvature for _, conditions, _ in clips]))
     assert bends["TOWN"] > 1 / 40
     assert bends["TOWN"] > 3.0 * bends["COUNTRY"]
+
+
+def test_most_avenues_are_level_and_their_bends_are_of_medium_radius(roads: ModuleType, tmp_path: Path) -> None:
+    hilly = []
+    for seed in range(8):
+        file = tmp_path / f"avenue{seed}.xodr"
+        roads.made_up(file, seed, roads.AVENUE)
+        tree = etree.parse(str(file))
+        radii = [1.0 / abs(float(arc.attrib["curvature"])) for arc in tree.iter("arc")]
+        assert radii
+        assert roads.AVENUE.radius[0] <= min(radii) <= max(radii) <= roads.AVENUE.radius[1]
+        hilly += [any(float(one.attrib["d"]) for one in road.iter("elevation")) for road in tree.iter("road")]
+    assert 0 < sum(hilly) < 0.25 * len(hilly)
 
 
 def test_a_repainted_map_keeps_its_lanes(roads: ModuleType, tmp_path: Path) -> None:
