@@ -380,6 +380,57 @@ def test_a_time_that_has_come(tmp_path: Path) -> None:
         assert run.acts("W", DONE) == pytest.approx(wanted)
 
 
+@pytest.mark.law("VariableCondition", "used")
+@pytest.mark.parametrize(
+    ("kind", "value", "rule", "limit", "wanted"),
+    [
+        ("integer", "10", "greaterThan", "9", True),
+        ("dateTime", "2026-01-01T01:00:00+01:00", "lessThan", "2026-01-01T00:30:00Z", True),
+        ("boolean", "true", "notEqualTo", "0", True),
+        ("string", "10", "greaterThan", "9", True),
+        ("string", "9", "lessThan", "10", True),
+        ("string", "5", "lessOrEqual", "5.0", True),
+        ("string", "5", "lessThan", "5.0", False),
+        ("string", "5", "equalTo", "5.0", False),
+        ("string", "a", "lessThan", "b", False),
+        ("string", "a", "greaterOrEqual", "a", False),
+        ("string", "a", "greaterThan", "5", False),
+        ("string", "", "lessThan", "5", False),
+        ("string", "-5", "lessThan", "x", False),
+    ],
+)
+def test_a_variable_is_compared_by_its_type_and_a_text_by_the_number_that_it_is(
+    tmp_path: Path, kind: str, value: str, rule: str, limit: str, wanted: bool
+) -> None:
+    """Texts have no order of their own.
+
+    "Less and greater operator will only be supported if the value given as string can unambiguously be converted into
+    a scalar value" (ParameterCondition, ASAM OpenSCENARIO).
+    """
+    told = condition(f'<VariableCondition variableRef="it" rule="{rule}" value="{limit}"/>')
+    declared = f'<VariableDeclaration name="it" variableType="{kind}" value="{value}"/>'
+    text = document({"W": W}, [Event("W", speed(DONE), told)], 1.0)
+    text = text.replace("<CatalogL", f"<VariableDeclarations>{declared}</VariableDeclarations><CatalogL")
+    assert (play_text(tmp_path, text, 1.0).acts("W", DONE) == 0.0) == wanted
+
+
+def test_a_text_that_becomes_a_number_is_compared_as_one(tmp_path: Path) -> None:
+    changes = [
+        Event(
+            "",
+            f'<GlobalAction><VariableAction variableRef="it"><SetAction value="{value}"/></VariableAction>'
+            "</GlobalAction>",
+            time,
+        )
+        for time, value in ((1.0, "1e1"), (2.0, "word"), (3.0, "-0.5"))
+    ]
+    told = condition('<VariableCondition variableRef="it" rule="lessThan" value="9"/>')
+    text = document({"W": W}, [*changes, Event("W", speed(DONE), told)], 4.0)
+    declared = '<VariableDeclaration name="it" variableType="string" value="none"/>'
+    text = text.replace("<CatalogL", f"<VariableDeclarations>{declared}</VariableDeclarations><CatalogL")
+    assert play_text(tmp_path, text, 4.0).acts("W", DONE) == pytest.approx(3.05)
+
+
 def test_only_present_entities_count_as_triggering_entities(tmp_path: Path) -> None:
     """B, which is never fast, is deleted at 3 s; A is faster than 11 m/s from 2 s on."""
     gone = '<GlobalAction><EntityAction entityRef="B"><DeleteEntityAction/></EntityAction></GlobalAction>'
