@@ -373,6 +373,63 @@ def test_an_offset_that_is_drifted_to_does_not_change_distances_along_the_road(t
     assert seen(tmp_path, gap("RelativeDistanceCondition", more, 30.0), drift, **B_AHEAD) == pytest.approx(2.1)
 
 
+def clear(folder: Path, attributes: str, other: Actor, lanes: str = 'from="0" to="0"') -> bool:
+    """Return whether the lanes beside A, which stands in lane -2 at x = 200 m, are clear of another car.
+
+    The box of a car goes from 1 m behind its reference point to 4 m ahead of it, and is 2 m wide.
+    """
+    word = f"<RelativeClearanceCondition {attributes}><RelativeLaneRange {lanes}/></RelativeClearanceCondition>"
+    actors = {"A": Actor(lane=-2, s=200.0, speed=0.0), "B": replace(other, speed=0.0), "W": W}
+    run = play(folder, actors, [Event("W", speed(DONE), of_entity("A", word))], 1.0)
+    return run.acts("W", DONE) == 0.0
+
+
+BOXES = 'freeSpace="true" oppositeLanes="false" distanceForward="20" distanceBackward="20"'
+POINTS = BOXES.replace("true", "false", 1)
+
+
+@pytest.mark.law("RelativeClearanceCondition", "of boxes")
+@pytest.mark.parametrize(
+    ("s", "of_points", "of_boxes"),
+    [
+        (222.0, True, True),
+        (220.5, True, False),
+        (219.5, False, False),
+        (180.5, False, False),
+        (179.0, True, False),
+        (176.5, True, False),
+        (175.5, True, True),
+    ],
+)
+def test_a_clearance_begins_at_the_reference_point_and_ends_at_points_or_boxes(
+    tmp_path: Path, s: float, of_points: bool, of_boxes: bool
+) -> None:
+    other = Actor(lane=-2, s=s)
+    assert (clear(tmp_path, POINTS, other), clear(tmp_path, BOXES, other)) == (of_points, of_boxes)
+
+
+@pytest.mark.law("RelativeClearanceCondition", "of boxes")
+@pytest.mark.parametrize(
+    ("lane", "offset", "opposite", "away", "of_points", "of_boxes"),
+    [
+        (-1, -0.5, False, 0, True, True),
+        (-1, -1.0, False, 0, True, False),
+        (-1, -1.0, False, 1, False, False),
+        (-1, -1.0, False, -1, True, True),
+        (-1, 1.0, True, 2, True, False),
+        (1, -1.0, False, 1, True, False),
+        (1, 0.5, False, 1, True, True),
+    ],
+)
+def test_a_box_counts_in_every_lane_into_which_it_reaches(
+    tmp_path: Path, lane: int, offset: float, opposite: bool, away: int, of_points: bool, of_boxes: bool
+) -> None:
+    """Lanes are 3.5 m wide: a car 1 m beside the centre of its lane reaches 0.25 m into the next one."""
+    other, lanes = Actor(lane=lane, s=210.0, offset=offset), f'from="{away}" to="{away}"'
+    ways = (one.replace('oppositeLanes="false"', f'oppositeLanes="{str(opposite).lower()}"') for one in (POINTS, BOXES))
+    assert tuple(clear(tmp_path, one, other, lanes) for one in ways) == (of_points, of_boxes)
+
+
 def test_a_time_that_has_come(tmp_path: Path) -> None:
     for rule, wanted in (("greaterOrEqual", 1.05), ("greaterThan", 1.1), ("equalTo", 1.05), ("notEqualTo", 0.0)):
         told = condition(f'<SimulationTimeCondition value="1" rule="{rule}"/>')
