@@ -10,6 +10,7 @@ from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity
 from scenario_compiler.document import Document
 from scenario_compiler.files import is_file
 from scenario_compiler.markup.codes import WRONG_VALUE
+from scenario_compiler.markup.empty_ranges import report_empty_ranges
 from scenario_compiler.markup.values import COMMAND_LINE
 from scenario_compiler.openscenario.catalogs import read_catalog_locations
 from scenario_compiler.openscenario.codes import NO_SCENARIO_FILE, NOT_READ
@@ -30,7 +31,7 @@ from scenario_compiler.openscenario.road_network import read_map, read_signal_co
 from scenario_compiler.openscenario.scope import Bound, Scope, literal_number
 from scenario_compiler.openscenario.storyboard import read_storyboard
 from scenario_compiler.openscenario.structure import check_structure, is_of_old_format, report_old_format
-from scenario_compiler.openscenario.traffic import with_traffic_vehicles
+from scenario_compiler.openscenario.traffic import report_unknown_traffic, with_traffic_vehicles
 from scenario_compiler.openscenario.unread import report_unread
 from scenario_compiler.openscenario.variables import read_variables, used_variables
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
@@ -149,6 +150,7 @@ def _scenario(
     entities = read_entities(root)
     written = root.required("Storyboard")
     storyboard = Storyboard.model_construct() if written is None else read_storyboard(written, entities.first)
+    report_empty_ranges([storyboard], root.reading.sink)
     variables_used = used_variables(storyboard, variables, root.scope, root.reading.sink)
     for one in (root, *root.reading.known.entries.values()):
         report_unread(one)
@@ -165,6 +167,7 @@ def _scenario(
         storyboard=storyboard,
     ).written_at(root.origin)
     scenario = with_traffic_vehicles(restored(scenario, root), root)
+    report_unknown_traffic(scenario, root.reading.sink)
     return scenario.model_copy(update={"parameters": _open_parameters(root, declared, scenario)})
 
 
