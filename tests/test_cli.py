@@ -160,6 +160,7 @@ def test_an_option_that_would_be_ignored_is_wrong_use(
         "drive obstacle_ahead --port 65536",
         "serve-carla --port 65535",
         "run obstacle_ahead --world carla --carla-port 0",
+        "run obstacle_ahead --variant -1",
         "sweep obstacle_ahead -o out --workers 0",
         "sweep obstacle_ahead -o out --samples -1",
         "sweep obstacle_ahead -o out --minimise minimum_distance --evaluations 0",

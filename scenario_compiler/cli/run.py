@@ -31,6 +31,7 @@ from scenario_compiler.cli.options import (
     show,
     text_stream,
     trust_of,
+    whole_number,
 )
 from scenario_compiler.cli.report import add_shows, film_path, write_film
 from scenario_compiler.cli.terminal import complain, put, shown_progress
@@ -48,6 +49,9 @@ if TYPE_CHECKING:
     from scenario_compiler.report.run import Run
     from scenario_compiler.roads import Network
     from scenario_compiler.worlds import World
+
+MOST_VARIANTS = 999_999_999_999
+"""Greatest number of a variant that the option can name."""
 
 
 def add(commands: Commands) -> None:
@@ -81,7 +85,12 @@ def _add_run(commands: Commands) -> None:
         help="seed of all random draws (default: that of the run of --inputs, else 1)",
     )
     parser.add_argument(
-        "--variant", type=int, default=0, metavar="N", help="number of the variant, as in a sweep with the same seed"
+        "--variant",
+        type=whole_number(0, MOST_VARIANTS),
+        default=0,
+        metavar="N",
+        help="number of the variant, whose random numbers in a sweep with the same seed are drawn; --set gives its "
+        "parameter values",
     )
     add_world(parser)
     parser.add_argument(

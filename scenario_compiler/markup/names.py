@@ -132,7 +132,8 @@ UNKNOWN_TRAFFIC = Code(
     '    <do><traffic_source traffic="ramp" .../></do>\n'
     '    <do><stop_traffic traffic="ramps"/></do>     its name is ramp\n\n'
     "Traffic of a template is known inside it by its own name, and outside by the name of the use, a point, and its "
-    "own name. Without the attribute, all traffic is meant.",
+    "own name. Without the attribute, all traffic is meant. In OpenSCENARIO the name is the `trafficName` of the "
+    "<TrafficAction>.",
 )
 TOO_MANY_ITEMS = Code(
     "SC223",

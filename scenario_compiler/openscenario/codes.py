@@ -131,7 +131,8 @@ BAD_DISTRIBUTION = Code(
     "SC755",
     "unusable-distribution",
     "A distribution of parameter values cannot be sampled: it has no values, its lower limit is above the upper "
-    "one, or it is defined by another program only.\n\n"
+    "one, its bins overlap, its values do not have the type of the parameter, another distribution varies the same "
+    "parameter, or it is defined by another program only.\n\n"
     '    <DistributionRange stepWidth="0"><Range lowerLimit="5" upperLimit="60"/></DistributionRange>',
 )
 NO_VEHICLE_SIZE = Code(

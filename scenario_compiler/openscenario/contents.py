@@ -30,7 +30,7 @@ class Variation(NamedTuple):
         vary: How a sweep varies them.
         first: The first value of each parameter that has a list or range.
         sets: Values of several parameters at once, by the name of the parameter that counts the sets from 0.
-        places: Where each parameter is named.
+        places: Where the values of each parameter are.
     """
 
     vary: Vary
@@ -53,9 +53,12 @@ class OpenScenario(NamedTuple):
     variation: Variation | None = None
 
 
+def parameter_types(document: Document) -> dict[str, str]:
+    """Return the ParameterType of each parameter that a file declares, by its name."""
+    declared = document.root.findall("{*}ParameterDeclarations/{*}ParameterDeclaration")
+    return {one.get("name", "").lstrip("$"): one.get("parameterType", "").strip() for one in declared}
+
+
 def parameter_kinds(held: OpenScenario) -> dict[str, ParameterKind]:
     """Return the kind of each parameter that a file declares, by its name."""
-    declared = held.document.root.findall("{*}ParameterDeclarations/{*}ParameterDeclaration")
-    return {
-        one.get("name", "").lstrip("$"): KINDS.get(one.get("parameterType", "").strip(), "text") for one in declared
-    }
+    return {name: KINDS.get(kind, "text") for name, kind in parameter_types(held.document).items()}

@@ -9,16 +9,20 @@ truncates a distribution.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from scenario_compiler.diagnostics import Place
+from scenario_compiler.diagnostics import Diagnostics, Place
 from scenario_compiler.expressions import format_value
-from scenario_compiler.openscenario.codes import BAD_DISTRIBUTION
-from scenario_compiler.openscenario.contents import Variation
+from scenario_compiler.openscenario.codes import BAD_DISTRIBUTION, NOT_READ
+from scenario_compiler.openscenario.contents import KINDS, Variation
 from scenario_compiler.openscenario.node import Node
+from scenario_compiler.openscenario.parameters import fits
+from scenario_compiler.openscenario.scope import Bound
 from scenario_compiler.vocabulary.variation import (
+    Axis,
+    Choice,
     Constraint,
     Grid,
     Histogram,
@@ -36,6 +40,11 @@ SETS = "parameter_set"
 
 MOST_VALUES = 1_000_000
 """Greatest number of values of a range."""
+
+GREATEST_MEAN = 500.0
+"""Greatest expected value of a Poisson distribution."""
+
+NEGATIVE = "its weights must not be below 0"
 
 AnyAxis: TypeAlias = Uniform | Normal | Lognormal | Poisson | Histogram | Values | Weighted | Grid
 Limits: TypeAlias = tuple[float, float] | None
@@ -61,11 +70,62 @@ def read_variation(node: Node) -> Variation:
             _add_listed(one, found)
     for group in node.children("Stochastic"):
         samples = max(1, group.integer("numberOfTestRuns", 1))
-        seed = group.integer("randomSeed", 1) if group.has("randomSeed") else None
+        seed = _seed(group)
         for one in group.children("StochasticDistribution"):
             _add_drawn(one, found)
     vary = Vary(samples=samples, seed=seed, axes=tuple(found.axes), constraints=tuple(found.constraints))
     return Variation(vary.written_at(node.origin), found.first, found.sets, found.places)
+
+
+def _seed(node: Node) -> int | None:
+    """Return the seed of the draws, None without one; the standard allows fractions."""
+    if not node.has("randomSeed"):
+        return None
+    number = node.float("randomSeed")
+    if number % 1.0 != 0.0:
+        message = f"only the whole part of randomSeed has an effect on the draws: {int(number)}"
+        node.report(NOT_READ, message, "randomSeed")
+    return int(number)
+
+
+def check_variation(variation: Variation, types: Mapping[str, str], sink: Diagnostics) -> None:
+    """Report parameters that are varied twice, and values that do not have the type of their parameter.
+
+    Args:
+        variation: The variation.
+        types: The ParameterType of each declared parameter by its name; others are reported elsewhere.
+        sink: Receives the findings.
+    """
+    varied: set[str] = set()
+    for axis in variation.vary.axes:
+        sets = variation.sets.get(axis.parameter)
+        names = {axis.parameter} if sets is None else {name for values in sets for name in values}
+        for name in sorted(names & varied):
+            sink.add(BAD_DISTRIBUTION, f"the parameter '{name}' is varied twice", axis.origin)
+        varied |= names
+        if sets is not None:
+            given = ((name, text) for values in sets for name, text in values.items())
+        else:
+            given = ((axis.parameter, text) for text in (axis.of if isinstance(axis, Choice) else ()))
+        for name, text in given:
+            if name in types and not fits(Bound(types[name], text), types[name]):
+                message = f"'{text}', a value of '{name}', is not of the type {types[name]}"
+                sink.add(BAD_DISTRIBUTION, message, axis.origin)
+        if sets is None and axis.parameter in types and not isinstance(axis, Choice):
+            _check_numbers(axis, types[axis.parameter], sink)
+
+
+def _check_numbers(axis: Axis, kind: str, sink: Diagnostics) -> None:
+    """Report numbers that a parameter of a type cannot have."""
+    numbers = KINDS.get(kind, "text")
+    if numbers == "number":
+        return
+    counts = isinstance(axis, Poisson) or (
+        isinstance(axis, Grid) and axis.first % 1.0 == 0.0 == (axis.last - axis.first) % max(axis.count - 1, 1)
+    )
+    if numbers == "text" or not counts:
+        needed = "which only a list of values varies" if numbers == "text" else "which needs whole numbers"
+        sink.add(BAD_DISTRIBUTION, f"'{axis.parameter}' is of the type {kind}, {needed}", axis.origin)
 
 
 def _add_listed(node: Node, found: _Found) -> None:
@@ -115,12 +175,14 @@ def _add_sets(node: Node, name: str, sets: list[dict[str, str]], found: _Found) 
 
 
 def _add_range(node: Node, name: str, found: _Found) -> None:
-    limits = _limits(node)
+    limits = _range(node)
     step = node.float("stepWidth")
-    if limits is None or step <= 0.0 or (limits[1] - limits[0]) / step > MOST_VALUES:
-        node.report(
-            BAD_DISTRIBUTION, "a range needs an upper limit above the lower one, and a step above 0 that fits into it"
+    if limits is None or limits[0] > limits[1] or step <= 0.0 or (limits[1] - limits[0]) / step > MOST_VALUES:
+        message = (
+            "a range needs an upper limit that is not below the lower one, a step above 0, and at most "
+            f"{MOST_VALUES} steps"
         )
+        node.report(BAD_DISTRIBUTION, message)
         return
     count = math.floor((limits[1] - limits[0]) / step + 1e-9) + 1
     last = limits[0] + (count - 1) * step
@@ -129,16 +191,20 @@ def _add_range(node: Node, name: str, found: _Found) -> None:
     found.first[name] = format_value(limits[0])
 
 
+def _range(node: Node) -> Limits:
+    """Return the limits of a <Range> below a node; None without one."""
+    inner = node.child("Range")
+    return None if inner is None else (inner.float("lowerLimit"), inner.float("upperLimit"))
+
+
 def _limits(node: Node) -> Limits:
     """Return the limits of a <Range> below a node; None without one, and if they are in the wrong order (reported)."""
-    inner = node.child("Range")
-    if inner is None:
-        return None
-    low, high = inner.float("lowerLimit"), inner.float("upperLimit")
-    if low > high:
-        inner.report(BAD_DISTRIBUTION, f"the range from {format_value(low)} to {format_value(high)} falls")
-        return None
-    return low, high
+    limits = _range(node)
+    if limits is None or limits[0] <= limits[1]:
+        return limits
+    message = f"the range from {format_value(limits[0])} to {format_value(limits[1])} falls"
+    node.report(BAD_DISTRIBUTION, message)
+    return None
 
 
 def _add_drawn(node: Node, found: _Found) -> None:
@@ -152,8 +218,8 @@ def _add_drawn(node: Node, found: _Found) -> None:
         return
     found.places[name] = node.place("parameterName")
     axis = _DRAWN[inner.tag](inner, name)
-    fault = "it lacks limits or values" if axis is None else axis.fault()[1]
-    if axis is None or fault:
+    fault = axis if isinstance(axis, str) else axis.fault()[1]
+    if isinstance(axis, str) or fault:
         inner.report(BAD_DISTRIBUTION, f"<{inner.tag}> cannot be sampled: {fault}")
         return
     found.axes.append(axis.written_at(inner.origin))
@@ -176,56 +242,69 @@ def _constraints(node: Node, name: str) -> Iterator[Constraint]:
         yield Constraint(holds=holds).written_at(node.origin)
 
 
-def _uniform(node: Node, name: str) -> Uniform | None:
-    limits = _limits(node)
-    return None if limits is None else Uniform(parameter=name, least=limits[0], greatest=limits[1])
+def _uniform(node: Node, name: str) -> Uniform | str:
+    limits = _range(node)
+    if limits is None or limits[0] > limits[1]:
+        return "it needs a <Range> whose upper limit is not below the lower one"
+    return Uniform(parameter=name, least=limits[0], greatest=limits[1])
 
 
-def _normal(node: Node, name: str) -> Normal | None:
+def _normal(node: Node, name: str) -> Normal | str:
     mean, variance = node.float("expectedValue"), node.float("variance")
     least, greatest = _limits(node) or (None, None)
     if variance <= 0.0:
-        return None
+        return "its variance must be above 0"
     return Normal(parameter=name, mean=mean, deviation=math.sqrt(variance), least=least, greatest=greatest)
 
 
-def _lognormal(node: Node, name: str) -> Lognormal | None:
+def _lognormal(node: Node, name: str) -> Lognormal | str:
     mean, variance = node.float("expectedValue"), node.float("variance")
     least, greatest = _limits(node) or (None, None)
-    if mean <= 0.0 or variance <= 0.0 or variance / mean > MOST_VALUES * mean:
-        return None
+    if mean <= 0.0 or variance <= 0.0:
+        return "its expected value and its variance must be above 0"
+    if variance / mean > MOST_VALUES * mean:
+        return "its variance is too great for its expected value"
     spread = math.log1p(variance / mean / mean)
     mu = math.log(mean) - spread / 2.0
     return Lognormal(parameter=name, mu=mu, sigma=math.sqrt(spread), least=least, greatest=greatest)
 
 
-def _poisson(node: Node, name: str) -> Poisson | None:
+def _poisson(node: Node, name: str) -> Poisson | str:
     mean = node.float("expectedValue")
-    return Poisson(parameter=name, mean=mean) if 0.0 < mean <= 500.0 else None
+    if not 0.0 < mean <= GREATEST_MEAN:
+        return f"its expected value must be above 0 and at most {GREATEST_MEAN:g}"
+    limits = _limits(node)
+    if limits is not None and math.ceil(limits[0]) > limits[1]:
+        return "its range contains no whole number"
+    return Poisson(parameter=name, mean=mean)
 
 
-def _histogram(node: Node, name: str) -> Histogram | None:
+def _histogram(node: Node, name: str) -> Histogram | str:
     bins = [(_limits(one), one.float("weight")) for one in node.children("Bin")]
     edges: list[float] = []
     weights: list[float] = []
     for limits, weight in sorted((limits, weight) for limits, weight in bins if limits is not None):
+        if edges and limits[0] < edges[-1]:
+            return f"its bins overlap below {format_value(edges[-1])}"
         if edges and limits[0] > edges[-1]:
             edges.append(limits[0])
             weights.append(0.0)
         edges += [limits[1]] if edges else [limits[0], limits[1]]
-        weights.append(max(0.0, weight))
-    return Histogram(parameter=name, edges=tuple(edges), weights=tuple(weights)) if weights else None
+        weights.append(weight)
+    if not weights:
+        return "it needs a <Bin> with a <Range>"
+    return NEGATIVE if min(weights) < 0.0 else Histogram(parameter=name, edges=tuple(edges), weights=tuple(weights))
 
 
-def _weighted(node: Node, name: str) -> Weighted | None:
-    elements = [(one.text("value"), max(0.0, one.float("weight"))) for one in node.children("Element")]
+def _weighted(node: Node, name: str) -> Weighted | str:
+    elements = [(one.text("value"), one.float("weight")) for one in node.children("Element")]
     if not elements or not all(_is_plain(value) for value, _ in elements):
-        return None
+        return "it needs values without commas, parentheses and outer blanks"
     values, weights = zip(*elements, strict=True)
-    return Weighted(parameter=name, of=values, weights=weights)
+    return NEGATIVE if min(weights) < 0.0 else Weighted(parameter=name, of=values, weights=weights)
 
 
-_DRAWN: dict[str, Callable[[Node, str], AnyAxis | None]] = {
+_DRAWN: dict[str, Callable[[Node, str], AnyAxis | str]] = {
     "UniformDistribution": _uniform,
     "NormalDistribution": _normal,
     "LogNormalDistribution": _lognormal,

@@ -10,15 +10,17 @@ from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity
 from scenario_compiler.document import Document
 from scenario_compiler.files import is_file
 from scenario_compiler.markup.codes import WRONG_VALUE
+from scenario_compiler.markup.empty_ranges import report_empty_ranges
 from scenario_compiler.markup.values import COMMAND_LINE
 from scenario_compiler.openscenario.catalogs import read_catalog_locations
 from scenario_compiler.openscenario.codes import NO_SCENARIO_FILE, NOT_READ
-from scenario_compiler.openscenario.contents import OpenScenario, Variation
-from scenario_compiler.openscenario.distributions import read_variation
+from scenario_compiler.openscenario.contents import OpenScenario, Variation, parameter_types
+from scenario_compiler.openscenario.distributions import check_variation, read_variation
 from scenario_compiler.openscenario.entities import read_entities
 from scenario_compiler.openscenario.files import VERSIONS, beside, read_forgiving, read_version
 from scenario_compiler.openscenario.node import FileContext, Node
 from scenario_compiler.openscenario.parameters import (
+    Given,
     declared_name,
     declared_parameters,
     given_parameters,
@@ -30,13 +32,14 @@ from scenario_compiler.openscenario.road_network import read_map, read_signal_co
 from scenario_compiler.openscenario.scope import Bound, Scope, literal_number
 from scenario_compiler.openscenario.storyboard import read_storyboard
 from scenario_compiler.openscenario.structure import check_structure, is_of_old_format, report_old_format
-from scenario_compiler.openscenario.traffic import with_traffic_vehicles
+from scenario_compiler.openscenario.traffic import report_unknown_traffic, with_traffic_vehicles
 from scenario_compiler.openscenario.unread import report_unread
 from scenario_compiler.openscenario.variables import read_variables, used_variables
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.structural import structural_parameters
 from scenario_compiler.vocabulary.traversal import parameters_in
+from scenario_compiler.vocabulary.variation import Vary
 from scenario_compiler.vocabulary.weather import Weather, weather_preset
 
 WEATHER = "ClearNoon"
@@ -58,6 +61,9 @@ def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | N
         return OpenScenario(document, {})
     distribution = root.child("ParameterValueDistribution")
     if distribution is not None:
+        structure = Diagnostics()
+        check_structure(document, structure, forgiving=True)
+        sink.take(replace(one, severity=Severity.WARNING) for one in structure)
         return _varied(distribution, Path(document.path).stem, sink)
     root.required("Storyboard", "Catalog", "ParameterValueDistribution")
     return None
@@ -74,11 +80,12 @@ def _varied(node: Node, name: str, sink: Diagnostics) -> OpenScenario | None:
         if file is not None:
             file.report(NO_SCENARIO_FILE, f"there is no scenario '{written}'", "filepath")
         return None
+    check_variation(variation, parameter_types(document), sink)
     return OpenScenario(document, {name: document.root}, variation)
 
 
 def _chosen(variation: Variation, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, str]:
-    """Return the values of parameters: those given, those of the chosen sets, and the first values."""
+    """Return the values of parameters that a variation gives: those of the chosen sets, and the first values."""
     values = dict(variation.first)
     for counter, sets in variation.sets.items():
         number = literal_number(arguments.get(counter, "0"))
@@ -87,7 +94,7 @@ def _chosen(variation: Variation, arguments: Mapping[str, str], sink: Diagnostic
             sink.add(WRONG_VALUE, message, COMMAND_LINE)
             number = 0.0
         values.update(sets[int(number)])
-    return {**values, **{name: text for name, text in arguments.items() if name not in variation.sets}}
+    return values
 
 
 def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str, str], sink: Diagnostics) -> Scenario:
@@ -97,13 +104,18 @@ def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str,
     the scenario is read again with this parameter's value inserted everywhere.
     """
     variation = source.variation
-    if variation is not None:
-        arguments = _chosen(variation, arguments, sink)
+    chosen = {} if variation is None else _chosen(variation, arguments, sink)
+    counters = () if variation is None else variation.sets
+    places = {} if variation is None else variation.places
+    given = given_parameters(chosen, places) | given_parameters(
+        {one: text for one, text in arguments.items() if one not in counters}
+    )
+    vary = None if variation is None else variation.vary
     settled: set[str] = set()
     while True:
         attempt = Diagnostics()
         root = _root(source.document, attempt)
-        scenario = _scenario(root, name, arguments, settled, variation)
+        scenario = _scenario(root, name, given, settled, vary)
         root.scope.structural.update(structural_parameters(scenario))
         if root.scope.structural <= settled:
             sink.take(_with_structure(source.document, attempt))
@@ -136,11 +148,9 @@ def _root(document: Document, sink: Diagnostics) -> Node:
     return Node(document.root, replace(reading, version=version), root.scope)
 
 
-def _scenario(
-    root: Node, name: str, arguments: Mapping[str, str], settled: Collection[str], variation: Variation | None
-) -> Scenario:
-    declared = declared_parameters(root, given_parameters(arguments), settled)
-    report_unknown(arguments, declared, root, {} if variation is None else variation.places)
+def _scenario(root: Node, name: str, given: Given, settled: Collection[str], vary: Vary | None) -> Scenario:
+    declared = declared_parameters(root, given, settled)
+    report_unknown(given, declared, root)
     root = root.inner(declared)
     root.reading.known.catalogs = read_catalog_locations(root)
     road = read_map(root)
@@ -149,6 +159,7 @@ def _scenario(
     entities = read_entities(root)
     written = root.required("Storyboard")
     storyboard = Storyboard.model_construct() if written is None else read_storyboard(written, entities.first)
+    report_empty_ranges([storyboard], root.reading.sink)
     variables_used = used_variables(storyboard, variables, root.scope, root.reading.sink)
     for one in (root, *root.reading.known.entries.values()):
         report_unread(one)
@@ -161,10 +172,11 @@ def _scenario(
         vehicles=tuple(entities.vehicles.values()),
         variables=variables_used,
         signal_controllers=controllers,
-        vary=None if variation is None else variation.vary,
+        vary=vary,
         storyboard=storyboard,
     ).written_at(root.origin)
     scenario = with_traffic_vehicles(restored(scenario, root), root)
+    report_unknown_traffic(scenario, root.reading.sink)
     return scenario.model_copy(update={"parameters": _open_parameters(root, declared, scenario)})
 
 

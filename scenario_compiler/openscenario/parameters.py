@@ -178,24 +178,25 @@ def _compared(rule: str, sign: int) -> bool:
     }[rule]
 
 
-def given_parameters(arguments: Mapping[str, str]) -> dict[str, Bound]:
-    """Return the values of `--set name=value`."""
+def given_parameters(arguments: Mapping[str, str], places: Mapping[str, Place] | None = None) -> dict[str, Bound]:
+    """Return the values of `--set name=value`, or of a variation that gives them at places of its file."""
     return {
-        name: Bound("string" if literal_number(text) is None else "double", text, place=COMMAND_LINE)
+        name: Bound(
+            "string" if literal_number(text) is None else "double", text, place=(places or {}).get(name, COMMAND_LINE)
+        )
         for name, text in arguments.items()
     }
 
 
-def report_unknown(
-    arguments: Mapping[str, str], declared: Iterable[str], node: Node, places: Mapping[str, Place]
-) -> None:
-    """Report values of parameters that the scenario does not declare; `places` are those not on the command line."""
+def report_unknown(given: Given, declared: Iterable[str], node: Node) -> None:
+    """Report values of parameters that the scenario does not declare."""
     known = tuple(declared)
-    for name in arguments:
+    for name, value in given.items():
         if name not in known:
             message = f"the scenario has no parameter '{name}'"
-            place, hint = places.get(name, COMMAND_LINE), did_you_mean(name, known)
-            node.reading.sink.add(names.UNKNOWN_ARGUMENT, message, place, hint=hint)
+            node.reading.sink.add(
+                names.UNKNOWN_ARGUMENT, message, value.place or COMMAND_LINE, hint=did_you_mean(name, known)
+            )
 
 
 def parameter_word(declaration: Node, value: Bound) -> Parameter:

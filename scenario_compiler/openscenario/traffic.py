@@ -1,15 +1,16 @@
-"""The vehicles of actions on traffic: those of the file's catalogs, otherwise vehicles of typical size."""
+"""Actions on traffic: their vehicles, from the file's catalogs or of typical size, and their names."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
 
-from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.diagnostics import Diagnostics, Severity, did_you_mean
+from scenario_compiler.markup.names import UNKNOWN_TRAFFIC
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.parameters import with_parameters
 from scenario_compiler.openscenario.vehicles import read_vehicle, usual_vehicle
-from scenario_compiler.vocabulary.actions import KeepsVehicles, TrafficKind
+from scenario_compiler.vocabulary.actions import KeepsVehicles, StopTrafficAction, TrafficKind, TrafficSinkAction
 from scenario_compiler.vocabulary.entities import Vehicle
 from scenario_compiler.vocabulary.scenario import Scenario
 from scenario_compiler.vocabulary.traversal import walk
@@ -32,6 +33,18 @@ def with_traffic_vehicles(scenario: Scenario, root: Node) -> Scenario:
             one = usual_vehicle(f"usual {category}", category)
             vehicles[one.name] = one
     return scenario.model_copy(update={"vehicles": tuple(vehicles.values())})
+
+
+def report_unknown_traffic(scenario: Scenario, sink: Diagnostics) -> None:
+    """Warn of actions that end traffic by a `trafficName` that no other traffic has."""
+    words = list(walk(scenario.storyboard))
+    known = {one.traffic for one in words if isinstance(one, KeepsVehicles | TrafficSinkAction)}
+    known.update(one.id for one in scenario.traffic)
+    for one in words:
+        if isinstance(one, StopTrafficAction) and one.traffic and one.traffic not in known:
+            hint = did_you_mean(one.traffic, known - {""})
+            message = f"no action on traffic has the trafficName '{one.traffic}', so this ends nothing"
+            sink.add(UNKNOWN_TRAFFIC, message, one.origin, severity=Severity.WARNING, hint=hint)
 
 
 def _catalog_vehicles(root: Node) -> Iterable[Vehicle]:

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from scenario_compiler.diagnostics import Diagnostics, did_you_mean
 from scenario_compiler.markup import names
 from scenario_compiler.markup.codes import OUT_OF_LIMITS, WRONG_VALUE
+from scenario_compiler.markup.empty_ranges import report_empty_ranges
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.catalogs import Catalogs, load_catalogs
 from scenario_compiler.source.events import storyboard_of
@@ -14,7 +15,6 @@ from scenario_compiler.source.expansion import (
     catalog_driver,
     catalog_vehicles,
     kept_vehicles,
-    report_empty_ranges,
     settled_weather,
     traffic_models,
     with_weather,

@@ -11,7 +11,8 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, did_you_mean
 from scenario_compiler.expressions import Value, format_value, parse_expression
-from scenario_compiler.markup import codes, names
+from scenario_compiler.markup import names
+from scenario_compiler.markup.empty_ranges import report_empty_ranges
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.catalogs import Catalogs
@@ -27,11 +28,9 @@ from scenario_compiler.source.parameters import (
 from scenario_compiler.source.templates import Expander, TemplateScope, template_parameters
 from scenario_compiler.source.unused import report_unused_parameters
 from scenario_compiler.source.variation import check_variation
-from scenario_compiler.vocabulary.actions import AssignControllerAction, KeepsVehicles, SpeedRange, TrafficKind
-from scenario_compiler.vocabulary.conditions import RelativeLaneRange
+from scenario_compiler.vocabulary.actions import AssignControllerAction, KeepsVehicles, TrafficKind
 from scenario_compiler.vocabulary.driver import Driver, DriverModel, Effect
 from scenario_compiler.vocabulary.entities import Controller, Dynamic, Ego, Static, Traffic, Vehicle
-from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import NumberLimit, Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import When
@@ -423,26 +422,6 @@ def catalog_vehicles(
         if vehicle is not None:
             found.setdefault(entity.model, vehicle.model_copy(update={"name": entity.model}))
     return tuple(found.values())
-
-
-RANGES: Mapping[type[Word], tuple[str, str]] = {
-    Traffic: ("slowest", "fastest"),
-    SpeedRange: ("low", "high"),
-    RelativeLaneRange: ("least", "greatest"),
-}
-"""Fields with the least and the greatest of several values, which may be equal."""
-
-
-def report_empty_ranges(words: Iterable[Word], sink: Diagnostics) -> None:
-    """Report each range at or below the words whose end is below its start."""
-    for word in (one for root in words for one in walk(root) if type(one) in RANGES):
-        least, greatest = (getattr(word, field) for field in RANGES[type(word)])
-        if least is not None and greatest is not None and greatest < least:
-            name = next(
-                name for name, rule in grammar_of(type(word)).attributes.items() if rule.field == RANGES[type(word)][1]
-            )
-            message = f"{name} is {greatest:g}, but must be at least {least:g}, where the range begins"
-            sink.add(codes.EMPTY_RANGE, message, word.place_of(name))
 
 
 VEHICLE_CATEGORIES = ("car", "van", "truck", "bus", "motorbike", "bicycle")

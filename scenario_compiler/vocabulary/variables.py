@@ -1,9 +1,11 @@
 """Variables: typed, named values that actions change and conditions read during a run."""
 
+import re
 from datetime import datetime, timezone
 from math import isnan
 from typing import Literal
 
+from scenario_compiler.vocabulary.grammar import NUMBER
 from scenario_compiler.vocabulary.word import Word, attribute
 
 VariableType = Literal["double", "integer", "unsignedInt", "unsignedShort", "boolean", "string", "dateTime"]
@@ -62,6 +64,15 @@ def number_of(kind: VariableType, text: str) -> float | None:
     except (ValueError, KeyError, OverflowError):
         return None
     return None if isnan(number) else number
+
+
+def number_in(text: str) -> float | None:
+    """Return the number that a text is; None for any other text.
+
+    Texts that are numbers are compared as numbers: "less and greater operator will only be supported if the value given
+    as string can unambiguously be converted into a scalar value" (ParameterCondition, ASAM OpenSCENARIO).
+    """
+    return float(text) if re.fullmatch(NUMBER, text.strip()) else None
 
 
 def is_value(kind: VariableType, text: str) -> bool:

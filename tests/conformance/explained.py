@@ -25,6 +25,10 @@ REACHED_TURNED = (
 RELATIVE_SPEED = (
     "The standard has a relative speed in a direction along the triggering entity's axes, esmini along the other's."
 )
+CLEARANCE_OF_BOXES = (
+    'Of others "the whole bounding box is considered" (RelativeClearanceCondition, freeSpace), and distances begin at '
+    "the triggering entity's reference point; esmini measures the gap between its box and the other one."
+)
 JUMPING_PROFILE = (
     "esmini begins the profile at its first corner without a time, so that the speed leaps by 3.9 m/s in one step, "
     "far over the action's maxAcceleration; limits hold here, and an entry without a time is reached as fast as they "
@@ -75,6 +79,7 @@ DECISIONS: dict[tuple[str, str], str] = {
     ("ReachPositionCondition", "turned"): REACHED_TURNED,
     ("RelativeSpeedCondition", "longitudinal"): RELATIVE_SPEED,
     ("RelativeSpeedCondition", "lateral"): RELATIVE_SPEED,
+    ("RelativeClearanceCondition", "of boxes"): CLEARANCE_OF_BOXES,
     ("RandomRouteAction", "used"): "The turns are drawn by a generator of our own.",
     ("Road network", "an offset in the header"): HEADER_OFFSET,
 }

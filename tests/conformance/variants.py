@@ -191,7 +191,9 @@ def _conditions() -> Iterator[Variant]:
         yield Variant("RelativeAngleCondition", angle, f"//RelativeAngleCondition[@angleType='{angle}']")
     yield from _plain("ReachPositionCondition", "TraveledDistanceCondition", "StandStillCondition")
     yield Variant("ReachPositionCondition", "turned", "//ReachPositionCondition/Position/*[@h or Orientation]")
-    yield from _plain("EndOfRoadCondition", "OffroadCondition", "RelativeClearanceCondition")
+    yield from _plain("EndOfRoadCondition", "OffroadCondition")
+    for name, boxes in (("of reference points", "false"), ("of boxes", "true")):
+        yield Variant("RelativeClearanceCondition", name, f"//RelativeClearanceCondition[@freeSpace='{boxes}']")
     yield Variant("CollisionCondition", "with an entity", "//CollisionCondition/EntityRef")
     yield Variant("CollisionCondition", "with a kind", "//CollisionCondition/ByType")
     yield from _plain("SimulationTimeCondition", "ParameterCondition", "VariableCondition", "TimeOfDayCondition")

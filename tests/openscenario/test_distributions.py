@@ -210,3 +210,123 @@ def test_unknown_parameters_are_reported_at_their_places(file: Path) -> None:
     sink = Diagnostics()
     compile_target(file, {}, sink)
     assert [(one.code.id, one.place.file) for one in sink] == [("SC211", str(file))]
+
+
+BINS = "<Bin weight='{}'><Range lowerLimit='0' upperLimit='3'/></Bin><Bin weight='1'><Range {}/></Bin>"
+LATER = "lowerLimit='3' upperLimit='4'"
+
+
+@pytest.mark.parametrize(
+    ("inside", "fault"),
+    [
+        (f"<UniformDistribution>{LIMITS.replace('4', '0')}</UniformDistribution>", "whose upper limit is not below"),
+        ("<NormalDistribution expectedValue='1' variance='0'/>", "its variance must be above 0"),
+        ("<LogNormalDistribution expectedValue='0' variance='1'/>", "its expected value and its variance"),
+        ("<LogNormalDistribution expectedValue='1e-4' variance='1'/>", "too great for its expected value"),
+        ("<PoissonDistribution expectedValue='-1'/>", "its expected value must be above 0"),
+        (
+            "<PoissonDistribution expectedValue='2'><Range lowerLimit='1.2' upperLimit='1.8'/></PoissonDistribution>",
+            "its range contains no whole number",
+        ),
+        (f"<Histogram>{BINS.format(1, LATER.replace('3', '2'))}</Histogram>", "its bins overlap below 3"),
+        (f"<Histogram>{BINS.format(-1, LATER)}</Histogram>", "its weights must not be below 0"),
+        (
+            "<ProbabilityDistributionSet><Element value='1' weight='-1'/><Element value='2' weight='2'/>"
+            "</ProbabilityDistributionSet>",
+            "its weights must not be below 0",
+        ),
+    ],
+)
+def test_the_reason_is_given_once(file: Path, inside: str, fault: str) -> None:
+    _write(file, f"<Stochastic numberOfTestRuns='1'>{_drawn('v', inside)}</Stochastic>")
+    sink = Diagnostics()
+    assert read_source(file, sink) is not None
+    (message,) = (one.message for one in sink if one.code.id == "SC755")
+    assert fault in message
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        _single("v", VALUES) + _single("v", RANGE),
+        _sets("v=1 n=2", "v=2") + _single("n", VALUES),
+        _sets("v=1 n=2", "v=2") + _sets("w=1", "n=3"),
+    ],
+)
+def test_a_parameter_that_is_varied_twice_is_reported_at_its_second_place(file: Path, inside: str) -> None:
+    _write(file, f"<Deterministic>{inside}</Deterministic>".replace("><", ">\n<"))
+    sink = Diagnostics()
+    read_source(file, sink)
+    text = file.read_text(encoding="utf-8").splitlines()
+    (found,) = sink
+    assert (found.code.id, found.place.file) == ("SC755", str(file))
+    assert "is varied twice" in found.message
+    assert found.place.line > len(text) / 2
+
+
+def _listed(*values: str) -> str:
+    return "<DistributionSet>" + "".join(f"<Element value='{one}'/>" for one in values) + "</DistributionSet>"
+
+
+@pytest.mark.parametrize(
+    ("inside", "reported"),
+    [
+        (_single("v", _listed("1", "x", "2.5")), ["'x', a value of 'v', is not of the type double"]),
+        (_single("n", _listed("1", "1.5")), ["'1.5', a value of 'n', is not of the type integer"]),
+        (_single("name", _listed("1", "x")), []),
+        (_sets("n=2 name=y", "n=x"), ["'x', a value of 'n', is not of the type integer"]),
+        (_single("n", RANGE), ["'n' is of the type integer, which needs whole numbers"]),
+        (_single("n", RANGE.replace("0.1", "1").replace("1.3", "4")), []),
+        (_single("name", RANGE), ["'name' is of the type string, which only a list of values varies"]),
+    ],
+)
+def test_values_of_another_type_than_the_parameter_are_reported(file: Path, inside: str, reported: list[str]) -> None:
+    _write(file, f"<Deterministic>{inside}</Deterministic>")
+    sink = Diagnostics()
+    read_source(file, sink)
+    assert [one.message for one in sink] == reported
+    assert all((one.code.id, one.place.file) == ("SC755", str(file)) for one in sink)
+
+
+def test_draws_of_fractions_for_an_integer_are_reported(file: Path) -> None:
+    uniform, poisson = (
+        f"<UniformDistribution>{LIMITS}</UniformDistribution>",
+        "<PoissonDistribution expectedValue='2'/>",
+    )
+    for inside, reported in ((uniform, ["SC755"]), (poisson, [])):
+        _write(file, f"<Stochastic numberOfTestRuns='4'>{_drawn('n', inside)}</Stochastic>")
+        sink = Diagnostics()
+        read_source(file, sink)
+        assert [one.code.id for one in sink] == reported
+
+
+def test_a_value_s_faults_are_reported_in_the_file_that_gives_it(file: Path) -> None:
+    _write(file, f"<Deterministic>{_single('n', _listed('x', '2'))}</Deterministic>")
+    sink = Diagnostics()
+    compile_target(file, {}, sink)
+    assert [one.place.file for one in sink if one.code.id == "SC743"] == [str(file)]
+    sink = Diagnostics()
+    compile_target(file, {"n": "y"}, sink)
+    assert [one.place.file for one in sink if one.code.id == "SC743"] == ["--set"]
+
+
+def test_faults_of_the_structure_are_warnings_in_a_run(file: Path) -> None:
+    drawn = _drawn("w", f"<UniformDistribution>{LIMITS}</UniformDistribution>")
+    _write(
+        file,
+        f"<Deterministic>{_single('v', VALUES)}</Deterministic><Stochastic numberOfTestRuns='-4'>{drawn}</Stochastic>",
+    )
+    sink = Diagnostics()
+    assert compile_target(file, {}, sink) is not None
+    structure = {(one.code.id, one.severity.value) for one in sink if one.place.file == str(file)}
+    assert structure == {("SC704", "warning"), ("SC705", "warning")}
+
+
+def test_the_whole_part_of_a_seed_is_used(file: Path) -> None:
+    drawn = _drawn("w", f"<UniformDistribution>{LIMITS}</UniformDistribution>")
+    for written, seed, reported in (("3.7", 3, ["SC750"]), ("3.0", 3, []), ("-2", -2, [])):
+        _write(file, f"<Stochastic numberOfTestRuns='1' randomSeed='{written}'>{drawn}</Stochastic>")
+        sink = Diagnostics()
+        vary = variation_of(file, {}, sink)
+        assert vary is not None
+        assert (vary.seed, [one.code.id for one in sink]) == (seed, reported)

@@ -15,7 +15,7 @@ from scenario_compiler.openscenario.export.files import export_files
 from scenario_compiler.vocabulary.actions import KeepsVehicles
 from scenario_compiler.vocabulary.scenario import Scenario
 from scenario_compiler.vocabulary.traversal import walk
-from tests.openscenario.made import CAR, expanded, scenario_text
+from tests.openscenario.made import CAR, expanded, found, scenario_text
 
 TARGETS = Path(__file__).parents[1] / "engine" / "traffic_actions.xml"
 
@@ -111,3 +111,26 @@ def test_what_was_exported_runs_as_before(name: str, tmp_path: Path) -> None:
     for one, other in zip(before, after, strict=True):
         for x, again in zip(one[0] + one[1], other[0] + other[1], strict=True):
             assert x == pytest.approx(again, abs=1e-6)
+
+
+RANGE = '<InitialSpeedRange lowerLimit="{}" upperLimit="{}"/>'
+STOP = '<GlobalAction><TrafficAction trafficName="{}"><TrafficStopAction/></TrafficAction></GlobalAction>'
+
+
+def places(init: str) -> list[tuple[str, str, int]]:
+    """Return the findings on a file with actions on traffic: the code, the severity and the line."""
+    _, sink = found(scenario_text(init=init), Path("made.xosc"), {})
+    return [(one.code.id, one.severity.value, one.place.line) for one in sink]
+
+
+@pytest.mark.parametrize(("limits", "reported"), [((9, 5), ["SC263"]), ((5, 5), [])])
+def test_a_range_of_speeds_that_ends_below_its_start_is_reported(limits: tuple[int, int], reported: list[str]) -> None:
+    findings = places(SWARM.format(definition=RANGE.format(*limits)))
+    assert [code for code, _, _ in findings] == reported
+    assert all(line > 1 for _, _, line in findings)
+
+
+@pytest.mark.parametrize(("name", "reported"), [("t", []), ("nobody", [("SC293", "warning")])])
+def test_an_end_of_traffic_that_does_not_exist_is_reported(name: str, reported: list[tuple[str, str]]) -> None:
+    findings = places(SWARM.format(definition="") + STOP.format(name))
+    assert [(code, severity) for code, severity, _ in findings] == reported

@@ -135,7 +135,7 @@ class ProgramDraft(Protocol):
         program: The columns so far.
         numbers: Every number, by its slot.
         entities: Index of each entity, by its id.
-        texts: Index of every text that is compared, in the order of the texts.
+        texts: Index of every text that is compared: those that are numbers, in their order, and then the others.
         variables: Index and word of each variable, by its name.
         controllers: Index of each traffic signal controller, by its name.
         messages: Number of messages so far.
@@ -188,6 +188,10 @@ class ProgramDraft(Protocol):
 
     def variable_value(self, variable: Variable, text: str) -> float:
         """Return the number that represents a variable's value, given as a text."""
+        ...
+
+    def order_of_texts(self, rule: int, text: str) -> tuple[int, float]:
+        """Return the RULE_... code and the limit for the number of a variable that is compared with a text by order."""
         ...
 
     def members(self, values: Iterable[int]) -> int:

@@ -1,4 +1,4 @@
-"""Variables of the scenario, all of them numbers; a text is represented by its index in the list of texts."""
+"""Variables of the scenario, all of them numbers; a text is represented by its place in the list of texts."""
 
 from __future__ import annotations
 

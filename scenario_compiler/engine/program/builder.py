@@ -29,7 +29,7 @@ class ProgramBuilder:
         numbers: Every number, by its slot.
         entities: Index of each entity, by its id.
         elements: The storyboard's elements, by their kind and name; see `note`.
-        texts: Index of every text that is compared, in the order of the texts.
+        texts: Index of every text that is compared: those that are numbers, in their order, and then the others.
         variables: Index and word of each variable, by its name.
         signals: Index of each traffic signal, by its id.
         controllers: Index of each traffic signal controller, by its name.

@@ -7,7 +7,7 @@ from scenario_compiler.engine.program.guides import add_goal, add_route
 from scenario_compiler.engine.program.positions import add_position
 from scenario_compiler.engine.program.run import add_failure, add_weather
 from scenario_compiler.engine.program.tracks import add_track
-from scenario_compiler.engine.program.world import variable_value
+from scenario_compiler.engine.program.world import order_of_texts, variable_value
 from scenario_compiler.plan.keeping import group_name
 from scenario_compiler.vocabulary.actions import (
     Failure,
@@ -59,6 +59,10 @@ class PlanBuilder(ProgramBuilder):
     def variable_value(self, variable: Variable, text: str) -> float:
         """Return the number that represents a variable's value, given as a text."""
         return variable_value(self, variable, text)
+
+    def order_of_texts(self, rule: int, text: str) -> tuple[int, float]:
+        """Return the RULE_... code and the limit for the number of a variable that is compared with a text by order."""
+        return order_of_texts(self, rule, text)
 
     def seconds_of(self, date_time: str) -> float:
         """Return a date and time as seconds since 1970."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping
 
 from scenario_compiler.engine.columns import opcodes as op
@@ -19,7 +20,7 @@ from scenario_compiler.vocabulary.conditions import (
     VariableCondition,
 )
 from scenario_compiler.vocabulary.traversal import walk
-from scenario_compiler.vocabulary.variables import Variable, VariableType, number_of
+from scenario_compiler.vocabulary.variables import Variable, VariableType, number_in, number_of
 
 LAMPS = ("red", "yellow", "green")
 """Lamps of a signal head from the top."""
@@ -34,7 +35,7 @@ ALL_LANES = (-1000, 1000)
 def add_world(draft: ProgramBuilder) -> None:
     """Append the variables, and the traffic signal controllers with their phases."""
     plan, p = draft.plan, draft.program
-    draft.texts = {text: k for k, text in enumerate(sorted(set(_texts(plan))))}
+    draft.texts = {text: k for k, text in enumerate(sorted(set(_texts(plan)), key=_numbers_first))}
     draft.variables = {one.name: (k, one) for k, one in enumerate(plan.variables)}
     for one in plan.variables:
         p.variable_const.append(draft.block(variable_value(draft, one, one.value)))
@@ -97,17 +98,39 @@ LEFT_OUT: Mapping[VariableType, str] = {"boolean": "false", "dateTime": "1970-01
 
 
 def variable_value(draft: ProgramBuilder, variable: Variable, text: str) -> float:
-    """Return the number that represents a variable's value: for a text its index among all texts, which are sorted.
+    """Return the number that represents a variable's value.
+
+    It is the index among all texts for a text that is a number, and -1 minus its index for any other text.
 
     Raises:
         ValueError: The text is not a value of the variable's type.
     """
     if variable.type == "string":
-        return float(draft.texts[text])
+        return float(draft.texts[text] if number_in(text) is not None else -1 - draft.texts[text])
     number = number_of(variable.type, text or LEFT_OUT.get(variable.type, "0"))
     if number is None:
         raise ValueError(f"'{text}' is not a value of the variable '{variable.name}'")
     return number
+
+
+def order_of_texts(draft: ProgramBuilder, rule: int, text: str) -> tuple[int, float]:
+    """Return the RULE_... code and the limit for the number of a variable that is compared with a text by order.
+
+    Texts are compared as numbers. With a text that is not a number, the comparison is never true.
+    """
+    numbers = [number for number in map(number_in, draft.texts) if number is not None]
+    limit = number_in(text)
+    if limit is None:
+        return op.RULE_GREATER_OR_EQUAL, 1.0 * len(numbers)
+    beside = bisect_left if rule in (op.RULE_LESS, op.RULE_GREATER_OR_EQUAL) else bisect_right
+    less = rule in (op.RULE_LESS, op.RULE_LESS_OR_EQUAL)
+    return op.RULE_LESS if less else op.RULE_GREATER_OR_EQUAL, 1.0 * beside(numbers, limit)
+
+
+def _numbers_first(text: str) -> tuple[bool, float, str]:
+    """Return a key that sorts the texts that are numbers by these, before all others."""
+    number = number_in(text)
+    return number is None, number or 0.0, text
 
 
 def _texts(plan: Plan) -> Iterator[str]:

@@ -1,4 +1,8 @@
-"""Relative clearance: whether the lanes around an entity are free of other entities within a range."""
+"""Relative clearance: whether the lanes around an entity are free of other entities within a range.
+
+The range begins at the entity's reference point: "longitudinal distance in front of reference point of the entity to be
+checked" (distanceForward, ASAM OpenSCENARIO). esmini begins at the entity's box if the boxes of others count.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +15,12 @@ from scenario_compiler.engine.columns.rows import ConditionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.ahead import row_on_way
 from scenario_compiler.engine.motion.beside import neighbour_lane
-from scenario_compiler.engine.motion.distances import along_roads, road_distance_between
+from scenario_compiler.engine.motion.distances import along_or_beside, along_roads, reach_there
 from scenario_compiler.engine.story.entry import Condition
 from scenario_compiler.forms.declaration import Allowed, Of
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable
-from scenario_compiler.roads.lanes import lane_direction, lane_type
+from scenario_compiler.roads.lanes import lane_borders, lane_direction, lane_type, section_at
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
@@ -25,10 +29,9 @@ if TYPE_CHECKING:
 
 CLEARANCE_FREESPACE = 1
 CLEARANCE_OPPOSITE = 2
-"""Bits of a clearance condition's flags: boxes count instead of reference points; lanes of the opposite direction
-count.
+"""Bits of a clearance condition's flags: boxes of others count instead of reference points; lanes of the opposite
+direction count.
 """
-
 
 MOST_LANES = 16
 """Number of lanes on each side that are checked."""
@@ -89,25 +92,65 @@ def lane_over(n: RoadTables, st: State, i: int, road: int, s: float, ahead: floa
 
 
 @compiled
+def lane_counts(n: RoadTables, p: Program, c: int, road: int, own: int, lane: int, direction: int) -> int:
+    """Return 1 if a clearance condition refers to a lane of a road; `own` is the one there that continues i's own."""
+    if in_ranges(p, p.condition_other[c] + 1, lanes_between(own, lane, direction)) == 0:
+        return 0
+    same = lane_direction(n, road, own) == lane_direction(n, road, lane)
+    return 1 if same or p.condition_flags[c] & CLEARANCE_OPPOSITE != 0 else 0
+
+
+@compiled
+def point_in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> int:
+    """Return 1 if the reference point of entity j is in the area of a clearance condition of entity i."""
+    road = st.road[j]
+    if road < 0:
+        return 0
+    ahead, _, direction = along_roads(n, st, i, road, st.s[j], st.t[j], st.x[j], st.y[j])
+    base = p.condition_const[c]
+    if ahead < -p.const[base + slot.C_BACKWARD] or ahead > p.const[base + slot.C_FORWARD]:
+        return 0
+    own = lane_over(n, st, i, road, st.s[j], ahead)
+    return lane_counts(n, p, c, road, own, st.lane[j], direction)
+
+
+@compiled
+def box_in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> int:
+    """Return 1 if a part of entity j's box is in the area of a clearance condition of entity i.
+
+    "If false, then entityRefs are only considered to be on the lane if their reference point is within the checked
+    area; otherwise the whole bounding box is considered" (freeSpace, ASAM OpenSCENARIO).
+    """
+    ahead, left, direction, road, s = along_or_beside(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+    if road < 0 or ahead >= op.FAR:
+        return 0
+    own = lane_over(n, st, i, road, s, ahead)
+    base = p.condition_const[c]
+    middle, reach = reach_there(n, p, st, i, j, road, s, left, direction, op.FRAME_ROAD, op.MEASURE_ALONG)
+    middle = ahead + middle
+    if middle + reach < -p.const[base + slot.C_BACKWARD] or middle - reach > p.const[base + slot.C_FORWARD]:
+        return 0
+    middle, reach = reach_there(n, p, st, i, j, road, s, left, direction, op.FRAME_ROAD, op.MEASURE_ACROSS)
+    t = direction * (left + st.facing[i] * st.t[i] + middle)
+    section = section_at(n, road, s)
+    for row in range(n.section_lane[section], n.section_lane[section + 1]):
+        lane = n.lane_id[row]
+        if lane == 0 or lane_counts(n, p, c, road, own, lane, direction) == 0:
+            continue
+        left_border, right_border = lane_borders(n, road, lane, s)
+        if min(t + reach, left_border) - max(t - reach, right_border) > op.TOLERANCE:
+            return 1
+    return 0
+
+
+@compiled
 def in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> int:
     """Return 1 if entity j prevents a clearance condition of entity i from being true."""
-    if st.road[i] < 0 or st.road[j] < 0 or is_member(p, p.condition_other[c], j) == 0:
+    if st.road[i] < 0 or is_member(p, p.condition_other[c], j) == 0:
         return 0
-    ahead, _, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
-    if ahead >= op.FAR:
-        return 0
-    own = lane_over(n, st, i, st.road[j], st.s[j], ahead)
-    away = lanes_between(own, st.lane[j], direction)
-    if in_ranges(p, p.condition_other[c] + 1, away) == 0:
-        return 0
-    same = lane_direction(n, st.road[j], own) == lane_direction(n, st.road[j], st.lane[j])
-    if not same and p.condition_flags[c] & CLEARANCE_OPPOSITE == 0:
-        return 0
-    gap = ahead
     if p.condition_flags[c] & CLEARANCE_FREESPACE != 0:
-        gap = road_distance_between(n, p, st, i, j, op.FRAME_ROAD, op.MEASURE_ALONG, 1)
-    base = p.condition_const[c]
-    return 1 if -p.const[base + slot.C_BACKWARD] <= gap <= p.const[base + slot.C_FORWARD] else 0
+        return box_in_the_way(n, p, st, c, i, j)
+    return point_in_the_way(n, p, st, c, i, j)
 
 
 @compiled

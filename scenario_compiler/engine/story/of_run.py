@@ -37,6 +37,9 @@ ANY_ELEMENT = 1
 FIRST_TRANSITION = 2
 """Mode of a condition on elements: all states must match, or any; from the third on, a transition to wait for."""
 
+TEXT_IS_NUMBER = 1
+"""Mode of a condition on a variable that only texts which are numbers satisfy; those of others are below 0."""
+
 SIDES = {"both": op.SIDE_BOTH, "either": op.SIDE_EITHER, "left": op.SIDE_LEFT, "right": op.SIDE_RIGHT}
 STATES = {
     "automated": op.TAKEOVER_AUTOMATED,
@@ -174,7 +177,10 @@ def takeover_state_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -
 def variable_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
     """Return 1 if a variable satisfies the condition."""
     del n, i
-    return compared(p, st, c, st.variable[p.condition_other[c]])
+    value = st.variable[p.condition_other[c]]
+    if p.condition_mode[c] == TEXT_IS_NUMBER and value < 0.0:
+        return 0
+    return compared(p, st, c, value)
 
 
 @compiled
@@ -251,7 +257,11 @@ def time_of_day_row(draft: ProgramDraft, word: TimeOfDayCondition) -> ConditionR
 def variable_row(draft: ProgramDraft, word: VariableCondition) -> ConditionRow:
     """Return the row of a condition on a variable."""
     at, variable = draft.variables[word.variable]
-    return ConditionRow(RULES[word.rule], draft.variable_value(variable, word.value), other=at)
+    rule = RULES[word.rule]
+    if variable.type == "string" and rule not in (op.RULE_EQUAL, op.RULE_NOT_EQUAL):
+        rule, place = draft.order_of_texts(rule, word.value)
+        return ConditionRow(rule, place, other=at, mode=TEXT_IS_NUMBER)
+    return ConditionRow(rule, draft.variable_value(variable, word.value), other=at)
 
 
 def user_value_row(draft: ProgramDraft, word: UserDefinedValueCondition) -> ConditionRow:

@@ -131,7 +131,9 @@ def _read_swarm(node: Node) -> TrafficSwarmAction | None:
         opposite=1.0 if directions is None else directions.float("opposite"),
         speeds=None
         if range_of is None
-        else SpeedRange.model_construct(low=range_of.float("lowerLimit"), high=range_of.float("upperLimit")),
+        else SpeedRange.model_construct(low=range_of.float("lowerLimit"), high=range_of.float("upperLimit")).written_at(
+            range_of.origin
+        ),
         kinds=read_kinds(node),
     ).written_at(node.origin)
 

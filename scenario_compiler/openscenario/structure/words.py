@@ -93,8 +93,8 @@ KINDS = {
         blanks=True,
     ),
     "Double": Kind("a number", _or_expression(lambda text, _: is_number(text)), blanks=True),
-    "Int": Kind("an integer", _integer(-(2**31), 2**31 - 1), blanks=True),
-    "UnsignedInt": Kind("an integer of at least 0", _integer(0, 2**32 - 1), blanks=True),
+    "Int": Kind("an integer from -2147483648 to 2147483647", _integer(-(2**31), 2**31 - 1), blanks=True),
+    "UnsignedInt": Kind("an integer from 0 to 4294967295", _integer(0, 2**32 - 1), blanks=True),
     "UnsignedShort": Kind("an integer from 0 to 65535", _integer(0, 2**16 - 1), blanks=True),
 }
 """Name and test of each type."""

@@ -33,8 +33,8 @@ WITHOUT_EFFECT = Code(
     "An action or an attribute has no effect: an <activate_controller> or an <environment> that changes nothing, the "
     "`deceleration` of an automation that does not slow down, a pedal beyond its limit or a speed "
     "above the greatest one of the vehicle (`maxSpeed`), which acts as the limit, a "
-    "<timing> of a trajectory without times, a rate of 0, which acts as a step, or a swarm whose `inner_radius` "
-    "contains its whole ellipse, so that no vehicle appears.\n\n"
+    "<timing> of a trajectory without times, a rate of 0, which acts as a step, a swarm whose `inner_radius` "
+    "contains its whole ellipse, so that no vehicle appears, or one whose directions both have the weight 0.\n\n"
     '    <automation after="follow" deceleration="2"/>     only after="slow_down" uses it\n'
     '    <override_controller input="throttle" active="true" value="5"/>     acts as 1, full throttle',
     Severity.WARNING,
@@ -127,6 +127,9 @@ def _check_swarm(word: TrafficSwarmAction, values: Mapping[str, Value], sink: Di
             f"`inner_radius` is {inner:g} m"
         )
         sink.add(WITHOUT_EFFECT, message, word.place_of("inner_radius"))
+    if word.same <= 0.0 and word.opposite <= 0.0:
+        message = f"no direction of travel has a weight above 0: all vehicles come towards '{word.entity}'"
+        sink.add(WITHOUT_EFFECT, message, word.place_of("same"))
 
 
 def farthest_in_ellipse(along: float, across: float, ahead: float) -> float:

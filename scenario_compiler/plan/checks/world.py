@@ -32,10 +32,19 @@ from scenario_compiler.vocabulary.conditions import (
     VariableCondition,
 )
 from scenario_compiler.vocabulary.conditions.by_value import ELEMENT_KINDS
+from scenario_compiler.vocabulary.conditions.measuring import ORDERS
 from scenario_compiler.vocabulary.signals import SignalState
 from scenario_compiler.vocabulary.storyboard import TriggerCondition
 from scenario_compiler.vocabulary.traversal import walk
-from scenario_compiler.vocabulary.variables import NUMBERS, VariableType, is_value, number_of, seconds_of
+from scenario_compiler.vocabulary.variables import (
+    NUMBERS,
+    Variable,
+    VariableType,
+    is_value,
+    number_in,
+    number_of,
+    seconds_of,
+)
 from scenario_compiler.vocabulary.word import Word
 
 UNKNOWN_VARIABLE = Code(
@@ -52,6 +61,16 @@ WRONG_VALUE = Code(
     "sum of a number and a text.\n\n"
     '    <variable name="open" type="boolean" value="false"/>\n'
     '    <do><set_variable variable="open" value="yes"/></do>     booleans are true or false',
+)
+UNORDERED = Code(
+    "SC299",
+    "unordered-texts",
+    "A condition asks whether a text is less or greater than another one, and one of them is not a number, so it is "
+    "never true. Texts have no order; only those that are numbers are compared, as numbers.\n\n"
+    '    <variable name="weather" type="string" value="rain"/>\n'
+    '    <when><variable variable="weather" rule="lessThan" value="snow"/> <do>...</do></when>\n\n'
+    "Compare texts with equalTo or notEqualTo, or give the variable the type of its values.",
+    Severity.WARNING,
 )
 UNKNOWN_PHASE = Code(
     "SC277",
@@ -167,6 +186,20 @@ def _check_variable(plan: Plan, word: Any, sink: Diagnostics) -> None:
     elif not _fits(variable.type, word):
         message = f"'{word.value}' is not a value of '{variable.name}', which is of the type {variable.type}"
         sink.add(WRONG_VALUE, message, word.place_of("value"))
+    elif isinstance(word, VariableCondition) and variable.type == "string" and word.rule in ORDERS:
+        _check_order(plan, word, variable, sink)
+
+
+def _check_order(plan: Plan, word: VariableCondition, variable: Variable, sink: Diagnostics) -> None:
+    """Report a condition that asks for the order of texts if they are never both numbers."""
+    actions = (one for one in walk(plan.storyboard) if isinstance(one, SetVariableAction))
+    values = [variable.value, *(one.value for one in actions if one.variable == variable.name)]
+    if number_in(word.value) is None:
+        message = f"'{word.value}' is not a number, and texts have no order, so this is never true"
+        sink.add(UNORDERED, message, word.place_of("value"))
+    elif all(number_in(one) is None for one in values):
+        message = f"no value of '{variable.name}' is a number, and texts have no order, so this is never true"
+        sink.add(UNORDERED, message, word.place_of("variable"))
 
 
 def _fits(kind: VariableType, word: SetVariableAction | VariableCondition) -> bool:

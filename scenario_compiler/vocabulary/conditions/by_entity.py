@@ -191,10 +191,14 @@ class RelativeClearanceCondition(Word):
     word: Literal["clearance"] = "clearance"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    forward: Number = attribute("Range ahead, m.", default=0.0, quantity="length", minimum=0)
-    backward: Number = attribute("Range behind, m.", default=0.0, quantity="length", minimum=0)
+    forward: Number = attribute("Range ahead of the reference point, m.", default=0.0, quantity="length", minimum=0)
+    backward: Number = attribute("Range behind the reference point, m.", default=0.0, quantity="length", minimum=0)
     opposite_lanes: bool = attribute("Whether lanes of the opposite direction count.", default=False)
-    freespace: bool = attribute(FREESPACE, default=False)
+    freespace: bool = attribute(
+        "Whether the other entities' whole boxes count, also in the lanes into which they reach, instead of their "
+        "reference points.",
+        default=False,
+    )
     of: tuple[str, ...] = attribute(
         "Ids of the other entities; any entity if left out.", default=(), names="entity", separated=True
     )

@@ -93,7 +93,9 @@ class VariableCondition(Word):
     word: Literal["variable"] = "variable"
 
     variable: str = attribute("Name of the variable.", names="variable")
-    rule: Rule = attribute("Comparison.", default="equalTo")
+    rule: Rule = attribute(
+        "Comparison. A text is less or greater than another one only if both are numbers.", default="equalTo"
+    )
     value: str = attribute("The value.")
 
 

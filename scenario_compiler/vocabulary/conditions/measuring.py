@@ -5,6 +5,9 @@ from typing import Literal, get_args
 Rule = Literal["lessThan", "lessOrEqual", "greaterThan", "greaterOrEqual", "equalTo", "notEqualTo"]
 """Comparison of a measured value."""
 
+ORDERS: tuple[Rule, ...] = ("lessThan", "lessOrEqual", "greaterThan", "greaterOrEqual")
+"""The rules that need an order of the values."""
+
 CoordinateSystem = Literal["entity", "lane", "road", "trajectory", "world"]
 COORDINATE_SYSTEMS: tuple[CoordinateSystem, ...] = get_args(CoordinateSystem)
 """Coordinate systems in which a distance is measured."""

@@ -373,11 +373,119 @@ def test_an_offset_that_is_drifted_to_does_not_change_distances_along_the_road(t
     assert seen(tmp_path, gap("RelativeDistanceCondition", more, 30.0), drift, **B_AHEAD) == pytest.approx(2.1)
 
 
+def clear(folder: Path, attributes: str, other: Actor, lanes: str = 'from="0" to="0"') -> bool:
+    """Return whether the lanes beside A, which stands in lane -2 at x = 200 m, are clear of another car.
+
+    The box of a car goes from 1 m behind its reference point to 4 m ahead of it, and is 2 m wide.
+    """
+    word = f"<RelativeClearanceCondition {attributes}><RelativeLaneRange {lanes}/></RelativeClearanceCondition>"
+    actors = {"A": Actor(lane=-2, s=200.0, speed=0.0), "B": replace(other, speed=0.0), "W": W}
+    run = play(folder, actors, [Event("W", speed(DONE), of_entity("A", word))], 1.0)
+    return run.acts("W", DONE) == 0.0
+
+
+BOXES = 'freeSpace="true" oppositeLanes="false" distanceForward="20" distanceBackward="20"'
+POINTS = BOXES.replace("true", "false", 1)
+
+
+@pytest.mark.law("RelativeClearanceCondition", "of boxes")
+@pytest.mark.parametrize(
+    ("s", "of_points", "of_boxes"),
+    [
+        (222.0, True, True),
+        (220.5, True, False),
+        (219.5, False, False),
+        (180.5, False, False),
+        (179.0, True, False),
+        (176.5, True, False),
+        (175.5, True, True),
+    ],
+)
+def test_a_clearance_begins_at_the_reference_point_and_ends_at_points_or_boxes(
+    tmp_path: Path, s: float, of_points: bool, of_boxes: bool
+) -> None:
+    other = Actor(lane=-2, s=s)
+    assert (clear(tmp_path, POINTS, other), clear(tmp_path, BOXES, other)) == (of_points, of_boxes)
+
+
+@pytest.mark.law("RelativeClearanceCondition", "of boxes")
+@pytest.mark.parametrize(
+    ("lane", "offset", "opposite", "away", "of_points", "of_boxes"),
+    [
+        (-1, -0.5, False, 0, True, True),
+        (-1, -1.0, False, 0, True, False),
+        (-1, -1.0, False, 1, False, False),
+        (-1, -1.0, False, -1, True, True),
+        (-1, 1.0, True, 2, True, False),
+        (1, -1.0, False, 1, True, False),
+        (1, 0.5, False, 1, True, True),
+    ],
+)
+def test_a_box_counts_in_every_lane_into_which_it_reaches(
+    tmp_path: Path, lane: int, offset: float, opposite: bool, away: int, of_points: bool, of_boxes: bool
+) -> None:
+    """Lanes are 3.5 m wide: a car 1 m beside the centre of its lane reaches 0.25 m into the next one."""
+    other, lanes = Actor(lane=lane, s=210.0, offset=offset), f'from="{away}" to="{away}"'
+    ways = (one.replace('oppositeLanes="false"', f'oppositeLanes="{str(opposite).lower()}"') for one in (POINTS, BOXES))
+    assert tuple(clear(tmp_path, one, other, lanes) for one in ways) == (of_points, of_boxes)
+
+
 def test_a_time_that_has_come(tmp_path: Path) -> None:
     for rule, wanted in (("greaterOrEqual", 1.05), ("greaterThan", 1.1), ("equalTo", 1.05), ("notEqualTo", 0.0)):
         told = condition(f'<SimulationTimeCondition value="1" rule="{rule}"/>')
         run = play(tmp_path, {"W": W}, [Event("W", speed(DONE), told)], seconds=3.0)
         assert run.acts("W", DONE) == pytest.approx(wanted)
+
+
+@pytest.mark.law("VariableCondition", "used")
+@pytest.mark.parametrize(
+    ("kind", "value", "rule", "limit", "wanted"),
+    [
+        ("integer", "10", "greaterThan", "9", True),
+        ("dateTime", "2026-01-01T01:00:00+01:00", "lessThan", "2026-01-01T00:30:00Z", True),
+        ("boolean", "true", "notEqualTo", "0", True),
+        ("string", "10", "greaterThan", "9", True),
+        ("string", "9", "lessThan", "10", True),
+        ("string", "5", "lessOrEqual", "5.0", True),
+        ("string", "5", "lessThan", "5.0", False),
+        ("string", "5", "equalTo", "5.0", False),
+        ("string", "a", "lessThan", "b", False),
+        ("string", "a", "greaterOrEqual", "a", False),
+        ("string", "a", "greaterThan", "5", False),
+        ("string", "", "lessThan", "5", False),
+        ("string", "-5", "lessThan", "x", False),
+    ],
+)
+def test_a_variable_is_compared_by_its_type_and_a_text_by_the_number_that_it_is(
+    tmp_path: Path, kind: str, value: str, rule: str, limit: str, wanted: bool
+) -> None:
+    """Texts have no order of their own.
+
+    "Less and greater operator will only be supported if the value given as string can unambiguously be converted into
+    a scalar value" (ParameterCondition, ASAM OpenSCENARIO).
+    """
+    told = condition(f'<VariableCondition variableRef="it" rule="{rule}" value="{limit}"/>')
+    declared = f'<VariableDeclaration name="it" variableType="{kind}" value="{value}"/>'
+    text = document({"W": W}, [Event("W", speed(DONE), told)], 1.0)
+    text = text.replace("<CatalogL", f"<VariableDeclarations>{declared}</VariableDeclarations><CatalogL")
+    assert (play_text(tmp_path, text, 1.0).acts("W", DONE) == 0.0) == wanted
+
+
+def test_a_text_that_becomes_a_number_is_compared_as_one(tmp_path: Path) -> None:
+    changes = [
+        Event(
+            "",
+            f'<GlobalAction><VariableAction variableRef="it"><SetAction value="{value}"/></VariableAction>'
+            "</GlobalAction>",
+            time,
+        )
+        for time, value in ((1.0, "1e1"), (2.0, "word"), (3.0, "-0.5"))
+    ]
+    told = condition('<VariableCondition variableRef="it" rule="lessThan" value="9"/>')
+    text = document({"W": W}, [*changes, Event("W", speed(DONE), told)], 4.0)
+    declared = '<VariableDeclaration name="it" variableType="string" value="none"/>'
+    text = text.replace("<CatalogL", f"<VariableDeclarations>{declared}</VariableDeclarations><CatalogL")
+    assert play_text(tmp_path, text, 4.0).acts("W", DONE) == pytest.approx(3.05)
 
 
 def test_only_present_entities_count_as_triggering_entities(tmp_path: Path) -> None:
