@@ -194,7 +194,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("detector", "digest"),
     [
-        ("classical", "f6c47d6614ea13f57429ce2b75c7a1b034a63cb3bb46bc44c3559f649b95e801"),
+        ("classical", "6d385f069769b847d23b83fcd20ef11d994f68b442f54b788c56cc6480d913d9"),
         ("learned", "5c429b0ad3a8424df1285a6f29fc91e955fc934eebb369a1f803bf3c550914e5"),
     ],
 )
