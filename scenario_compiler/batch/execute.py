@@ -376,7 +376,7 @@ def _run_owned(
         if say is not None:
             say(describe(sweep, count, scheduler))
         execute(sweep, store, executor, progress)
-        store.merge(sweep.parts)
+    store.merge(sweep.parts)
     if (report or spec.traces) and sweep.sampler.total <= PRESENTED:
         present(sweep, folder, report=report, progress=progress)
     elif say is not None and (report or spec.traces):

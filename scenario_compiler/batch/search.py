@@ -151,8 +151,7 @@ class Search:
 
     def finish(self) -> None:
         """Write the table of all runs."""
-        if not self.store.finished:
-            self.store.merge(self.count)
+        self.store.merge(self.count)
 
 
 def find_boundary(

@@ -19,7 +19,7 @@ Method = Literal["random", "grid", "latin", "sobol"]
 MOST_SEED = 2**62
 """Greatest seed of a sweep: the seeds of all its runs are numbers of 64 bits in its table."""
 
-MAY_CHANGE = frozenset(("traces", "time_limit", "trust"))
+MAY_CHANGE = frozenset(("traces", "time_limit"))
 """Options that may differ when a sweep is resumed; the others determine its rows."""
 
 
@@ -82,12 +82,17 @@ class SweepSpec:
 
     @property
     def of_rows(self) -> dict[str, Any]:
-        """The options that determine the rows, as JSON has them."""
-        return {
+        """The options that determine the rows, as JSON has them.
+
+        A variant whose code is not trusted is a row with an error. A trusted file has its name without its folder, so
+        that a sweep can be resumed from another one.
+        """
+        options = {
             name: list(value) if isinstance(value, tuple) else value
             for name, value in vars(self).items()
             if name not in MAY_CHANGE
         }
+        return {**options, "trust": sorted({Path(name).name for name in self.trust})}
 
     @property
     def overrides(self) -> Overrides:

@@ -45,7 +45,7 @@ def test_an_interrupted_search_is_resumed(conflict: Path, tmp_path: Path) -> Non
     whole = find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0)
     with pytest.raises(SweepError, match="--resume"):
         find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0)
-    with pytest.raises(SweepError, match="asked"):
+    with pytest.raises(SweepError, match="differs in what is searched for"):
         find_boundary(conflict, spec, tmp_path / "whole", when="collision", tolerance=1.0, resume=True)
     assert whole == find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0, resume=True)
 
