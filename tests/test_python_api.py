@@ -239,6 +239,12 @@ def test_maps_are_looked_for_in_the_folders_that_are_given(conflict: Path, tmp_p
     assert compile_scenario(conflict, maps=[str(folder)]).map.file == str(folder / "mine.xodr")
 
 
+def test_a_file_is_not_a_scenario_of_words(conflict: Path) -> None:
+    file: Any = str(conflict)
+    with pytest.raises(TypeError, match="scenario is a Scenario, not '"):
+        compile_built(file)
+
+
 def test_a_parameter_with_the_name_of_an_argument_is_refused(conflict: Path) -> None:
     with pytest.raises(TypeError, match="maps is a list of folders, not '3'"):
         compile_scenario(conflict, maps="3")

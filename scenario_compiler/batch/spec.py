@@ -11,6 +11,7 @@ from typing import Any, Literal, get_args
 from scenario_compiler.batch.distributions import Distribution, SweepError, parse_distribution
 from scenario_compiler.compiler import Overrides
 from scenario_compiler.files import split_target
+from scenario_compiler.randomness import whole_number
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.sensors import Perception
 
@@ -48,6 +49,7 @@ class SweepSpec:
 
     Raises:
         SweepError: The method is unknown, or a number is beyond its limits.
+        TypeError: An option has a value of another type.
     """
 
     vary: tuple[str, ...]
@@ -69,6 +71,14 @@ class SweepSpec:
     interpreted: bool = False
 
     def __post_init__(self) -> None:
+        for name in ("vary", "where", "trust", "errors", "allowed"):
+            texts = getattr(self, name)
+            if isinstance(texts, str) or not all(isinstance(text, str) for text in texts):
+                raise TypeError(f"{name} is a tuple of texts, not {texts!r}")
+        if not all(isinstance(text, str) for pair in self.settings.items() for text in pair):
+            raise TypeError(f"settings are texts by name, as on the command line, not {self.settings!r}")
+        for name in ("samples", "repeat", "seed"):
+            object.__setattr__(self, name, whole_number(name, getattr(self, name)))
         if self.method not in get_args(Method):
             raise SweepError(f"method is one of {', '.join(get_args(Method))}, not {self.method!r}")
         if self.samples < 1:
