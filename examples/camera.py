@@ -90,7 +90,8 @@ def coloured(drawing: Drawing) -> list[np.ndarray]:
 
 
 def main(folder: Path) -> None:
-    """Draw the pictures."""
+    """Draw the pictures into a folder, which is made if it does not exist."""
+    folder.mkdir(parents=True, exist_ok=True)
     network = load_network(find_map("town_grid"))
     scene = scene_of(network)
     pose = network.lane_pose("1", -1, 60.0)

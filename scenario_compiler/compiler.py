@@ -310,7 +310,10 @@ def compile_built(
 
     Raises:
         CompileError: The scenario has errors, which are in `diagnostics`.
+        TypeError: `scenario` is not a Scenario.
     """
+    if not isinstance(scenario, Scenario):
+        raise TypeError(f"scenario is a Scenario, not {scenario!r}")
     sink = Diagnostics() if sink is None else sink
     whole = completed(scenario, sink)
     nowhere = Document("<python>", "", etree.Element(Scenario.tag()))

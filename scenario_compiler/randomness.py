@@ -7,15 +7,24 @@ draws depend neither on the other variants nor on their order. A step uses no ge
 
 from __future__ import annotations
 
+import operator
 from functools import lru_cache
 from hashlib import blake2b
 from math import cos, log, sqrt, tau
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, SupportsIndex
 
 from scenario_compiler.marker import compiled
 
 if TYPE_CHECKING:
     from statistics import NormalDist
+
+
+def whole_number(name: str, value: SupportsIndex) -> int:
+    """Return a seed or a count of any type, such as NumPy's, as an int; TypeError for anything but a whole number."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is a whole number, not {value!r}") from None
 
 
 def hash_bits(seed: int, variant: int, stream: str) -> int:

@@ -190,8 +190,11 @@ class Record(metaclass=RecordClass):
         return made
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self:
-        """Return a copy with other values of some fields, which are not checked."""
+        """Return a copy with other values of some fields, which are not checked; TypeError for another name."""
         changes = update or {}
+        if not changes.keys() <= (known := _fields_of(type(self))).keys():
+            unknown = next(name for name in changes if name not in known)
+            raise TypeError(f"{type(self).__name__} has no field '{unknown}'")
         return self._made({**vars(self), **changes}, self.model_fields_set.union(changes))
 
     @property
@@ -243,10 +246,10 @@ class Record(metaclass=RecordClass):
         return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in vars(self).items())})"
 
     def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a {type(self).__name__} is frozen: make another one with model_copy")
+        raise AttributeError(f"{type(self).__name__} is frozen: make another one with model_copy")
 
     def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"a {type(self).__name__} is frozen: make another one with model_copy")
+        raise AttributeError(f"{type(self).__name__} is frozen: make another one with model_copy")
 
     def __setstate__(self, state: tuple[dict[str, Any], dict[str, Any]]) -> None:
         """Take the values and the slots of a record that was copied or came from another process."""

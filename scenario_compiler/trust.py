@@ -67,6 +67,10 @@ class Trust:
     named: tuple[str, ...] = ()
     beside: Path | None = None
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.named, tuple):
+            raise TypeError(f"named is a tuple of texts, such as ('our_lab',), not {self.named!r}")
+
     def allows(self, code: CodeName, named_in: str) -> bool:
         """Return whether code may be imported.
 

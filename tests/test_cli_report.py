@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from importlib.util import find_spec
 from pathlib import Path
 
 import cv2
@@ -90,6 +91,16 @@ def test_a_run_is_filmed_and_exported(run_folder: Path, tmp_path: Path, capsys: 
     assert call("export-run", run_folder, "--mcap", tmp_path / "it.mcap") == 0
     assert (tmp_path / "it.mcap").read_bytes()[:5] == b"\x89MCAP"
     assert "it.mcap" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(find_spec("rerun") is not None, reason="the extra rerun is installed")
+def test_nothing_is_exported_if_one_of_the_formats_lacks_its_extra(
+    run_folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mcap = tmp_path / "it.mcap"
+    assert call("export-run", run_folder, "--mcap", mcap, "--rerun", tmp_path / "it.rrd") == 2
+    assert "this needs rerun" in capsys.readouterr().err
+    assert not mcap.exists()
 
 
 ALONE = """\

@@ -269,8 +269,57 @@ def test_another_weighing_of_warnings_does_not_resume_a_sweep(capsys: pytest.Cap
     vary = ("--vary", "model=values(vehicle.audi.tt, vehicle.tesla.model3)")
     assert sweep(*vary) == 0
     assert sweep(*vary, "--resume", "--error", "SC513") == 2
-    assert "holds another sweep: it differs in spec" in capsys.readouterr().err
+    assert "holds another sweep: it differs in --error\n" in capsys.readouterr().err
     assert sweep(*vary, "--resume") == 0
+
+
+STEERED = """\
+<scenarios version="1">
+  <scenario name="steered" map="town_grid" duration="0.2">
+    <parameter name="who" type="text" default="lane_detection"/>
+    <ego speed="9"><start><lane road="1" lane="-1" s="20"/></start><controller model="$who"/></ego>
+  </scenario>
+</scenarios>
+"""
+
+STRAIGHT = """\
+from scenario_compiler import Control, ControllerModel
+
+
+class Straight(ControllerModel):
+    def control(self, sensor_data, speed, vehicle):
+        return Control(throttle=0.0, steer=0.0, brake=0.0)
+"""
+
+
+def test_another_trust_does_not_resume_a_sweep(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A variant whose code is not trusted is a row with an error."""
+    Path("steered.xml").write_text(STEERED, encoding="utf-8")
+    Path("straight.py").write_text(STRAIGHT, encoding="utf-8")
+    vary = ("--vary", "who=values(lane_detection, straight.py:Straight)", "--no-report")
+    assert call("sweep", "steered.xml", *vary, "-o", "untrusted") == 0
+    assert "1 passed, 0 failed, 1 broken off" in capsys.readouterr().out
+    trusted = ("--trust", "straight.py", "--resume")
+    assert call("sweep", "steered.xml", *vary, *trusted, "-o", "untrusted") == 2
+    assert "holds another sweep: it differs in --trust\n" in capsys.readouterr().err
+    assert call("sweep", "steered.xml", *vary, *trusted, "-o", "trusted") == 0
+    assert "2 passed, 0 failed, 0 broken off" in capsys.readouterr().out
+    Path("elsewhere").mkdir()
+    monkeypatch.chdir("elsewhere")
+    elsewhere = ("--trust", "../straight.py", "--resume")
+    assert call("sweep", "../steered.xml", *vary, *elsewhere, "-o", "../trusted") == 0
+
+
+def test_a_lost_codebook_of_a_finished_sweep_is_written_again() -> None:
+    vary = ("--vary", "speed=values(8, 12)")
+    assert sweep(*vary) == 0
+    codebook = Path("out/codebook.csv")
+    before = codebook.read_bytes()
+    codebook.unlink()
+    assert sweep(*vary, "--resume") == 0
+    assert codebook.read_bytes() == before
 
 
 def test_the_commands_of_a_report_name_the_folders_of_maps_and_templates(repository: Path) -> None:

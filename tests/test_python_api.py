@@ -19,12 +19,15 @@ from scenario_compiler import (
     Parameter,
     SweepSpec,
     Takeover,
+    Uniform,
+    Vary,
     compile_built,
     compile_scenario,
     load_network,
     open_world,
     run,
     run_sweep,
+    weather_preset,
 )
 from scenario_compiler.batch.search import find_boundary
 from scenario_compiler.compiler import compile_target
@@ -138,6 +141,46 @@ def test_empty_names_are_reported() -> None:
     }
 
 
+def test_faults_of_parameters_and_of_their_variation_are_reported_at_once() -> None:
+    scenario = Scenario(
+        name="varied",
+        map="town_grid",
+        duration=5.0,
+        ego=Ego(speed=5.0, start=LanePositionWord(road="9", lane=-2, s=30.0)),
+        parameters=(
+            Parameter(name="gap", type="length", default="far"),
+            Parameter(name="speed", type="speed", default="9", min=10.0),
+            Parameter(name="speed", type="speed", default="12"),
+            Parameter(name="budget", type="time"),
+            Parameter(name="distance", type="length", default="50", max=100.0),
+        ),
+        vary=Vary(
+            axes=(
+                Uniform(parameter="gap", least=40.0, greatest=15.0),
+                Uniform(parameter="distance", least=40.0, greatest=150.0),
+                Uniform(parameter="distanc", least=1.0, greatest=2.0),
+            )
+        ),
+    )
+    with pytest.raises(CompileError) as raised:
+        compile_built(scenario)
+    assert {(one.code.id, one.message) for one in raised.value.diagnostics} == {
+        ("SC111", "'far' is not a number in m, which the parameter 'gap' holds"),
+        ("SC112", "speed is 9, but must be at least 10"),
+        ("SC216", "the parameter 'speed' is declared twice"),
+        ("SC214", "the parameter 'budget' has neither a default nor a value"),
+        ("SC250", "greatest must not be below least"),
+        ("SC250", "distance may become 150, but must be at most 100"),
+        ("SC210", "there is no parameter 'distanc' here"),
+    }
+
+
+def test_the_weather_is_that_of_a_file_by_default() -> None:
+    start = LanePositionWord(road="9", lane=-2, s=30.0)
+    scenario = Scenario(name="clear", map="town_grid", duration=5.0, ego=Ego(speed=5.0, start=start))
+    assert compile_built(scenario, perception="ideal").plan.weather == weather_preset("ClearNoon")
+
+
 def test_warnings_of_a_scenario_that_compiles_are_in_the_sink() -> None:
     """Lane 0 is the line between left and right: ASAM allows it, but nothing drives there."""
     scenario = Scenario(
@@ -237,6 +280,12 @@ def test_maps_are_looked_for_in_the_folders_that_are_given(conflict: Path, tmp_p
         compile_scenario(conflict)
     assert "unknown-map" in {one.code.name for one in raised.value.diagnostics}
     assert compile_scenario(conflict, maps=[str(folder)]).map.file == str(folder / "mine.xodr")
+
+
+def test_a_file_is_not_a_scenario_of_words(conflict: Path) -> None:
+    file: Any = str(conflict)
+    with pytest.raises(TypeError, match="scenario is a Scenario, not '"):
+        compile_built(file)
 
 
 def test_a_parameter_with_the_name_of_an_argument_is_refused(conflict: Path) -> None:

@@ -103,6 +103,11 @@ def test_copies_are_equal_and_changes_are_made_in_them_alone() -> None:
         assert made.model_fields_set == CART.model_fields_set
 
 
+def test_a_copy_with_an_unknown_field_is_refused() -> None:
+    with pytest.raises(TypeError, match="Part has no field 'wrod'"):
+        CART.model_copy(update={"wrod": "whole"})
+
+
 def test_equal_records_have_equal_hashes() -> None:
     assert hash(Part(inner=Part())) == hash(Part(inner=Part()))
     assert repr(Part()) == "Part(word='part', wheels=(), inner=None)"

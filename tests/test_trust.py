@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -732,6 +733,13 @@ def test_a_package_covers_its_modules_and_no_other_names_with_the_same_prefix() 
     assert not trust.allows(labour, "x.xml")
     assert not Trust(("lab.steering:Other",)).allows(lab, "x.xml")
     assert not Trust(("",)).allows(lab, "x.xml")
+
+
+def test_one_name_in_place_of_a_tuple_is_refused() -> None:
+    """It would be a tuple of letters, so that nothing was trusted without a reason."""
+    name: Any = "lab.steering"
+    with pytest.raises(TypeError, match=r"named is a tuple of texts, .* not 'lab.steering'"):
+        Trust(name)
 
 
 def test_a_configuration_is_read_only_where_code_is_named(tmp_path: Path, no_configuration: Path) -> None:

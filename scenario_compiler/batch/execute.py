@@ -313,7 +313,7 @@ def execute(sweep: Sweep, store: ResultStore, executor: Executor, progress: OnPr
 def run_sweep(
     target: str | Path,
     spec: SweepSpec,
-    folder: Path,
+    folder: str | Path,
     *,
     resume: bool = False,
     progress: OnProgress | None = None,
@@ -346,7 +346,7 @@ def run_sweep(
         OSError: Nothing more could be written; `resume` finishes the sweep.
     """
     sweep = prepare(target, spec, Diagnostics() if sink is None else sink, maps)
-    store = sweep.store(folder)
+    store = sweep.store(Path(folder))
     store.check(resume=resume)
     with store.owned():
         return _run_owned(sweep, store, resume, progress, scheduler, workers, report, say)
@@ -376,7 +376,7 @@ def _run_owned(
         if say is not None:
             say(describe(sweep, count, scheduler))
         execute(sweep, store, executor, progress)
-        store.merge(sweep.parts)
+    store.merge(sweep.parts)
     if (report or spec.traces) and sweep.sampler.total <= PRESENTED:
         present(sweep, folder, report=report, progress=progress)
     elif say is not None and (report or spec.traces):

@@ -50,6 +50,22 @@ def schema_of(columns: Sequence[Column]) -> pa.Schema:
     return pa.schema({one.column: _TYPES[one.kind] for one in columns})
 
 
+_NAMES = {
+    "allowed": "--allow",
+    "asked": "what is searched for",
+    "digest": "the plan",
+    "errors": "--error",
+    "format": "the format of its files",
+    "interpreted": "the form of the engine",
+    "part_size": "the size of its parts",
+    "settings": "--set",
+    "step": "--dt",
+    "target": "the scenario's file",
+    "variants": "the number of variants",
+    "version": "the version of scenario-compiler",
+}
+"""What messages call the parts of a manifest; the others are options of the command."""
+
 _TAKEOVER = list(schema_of(takeover_columns()))[1:]
 """The fields of a takeover in the parts, where they belong to the row of their variant."""
 
@@ -203,9 +219,11 @@ class ResultStore:
             return equal_reasons((variant, error) for variant, error in every if error)
 
     def merge(self, parts: int) -> None:
-        """Write the table from all parts, in order, with its codebook, and delete the parts."""
+        """Write the codebook; write the tables from all parts, in order, and delete the parts, unless this was done."""
         columns = takeover_columns()
         write_whole(self.folder / CODEBOOK, codebook_text({TABLE: self._columns, TAKEOVER_TABLE: columns}))
+        if self.finished:
+            return
         schema = schema_of(columns)
         with (
             whole_file(self.table) as sink,
@@ -304,5 +322,12 @@ def _writer(sink: Any, schema: pa.Schema, *, lasting: bool = True) -> pq.Parquet
 def _difference(found: Any, wanted: Mapping[str, Any]) -> str:
     if not isinstance(found, dict):
         return "its manifest cannot be read"
-    changed = sorted(key for key in {*found, *wanted} if found.get(key) != wanted.get(key))
-    return f"it differs in {', '.join(changed)}"
+    before, now = _by_option(found), _by_option(wanted)
+    changed = (key for key in {*before, *now} if before.get(key) != now.get(key))
+    return f"it differs in {', '.join(sorted(_NAMES.get(key, f'--{key}') for key in changed))}"
+
+
+def _by_option(manifest: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a manifest contains, with each option of the sweep by itself."""
+    options = manifest.get("spec")
+    return {**manifest, "spec": None, **(options if isinstance(options, dict) else {})}

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.distributions import Distribution, SweepError
@@ -74,7 +74,7 @@ class Search:
         self,
         target: str | Path,
         spec: SweepSpec,
-        folder: Path,
+        folder: str | Path,
         asked: str,
         maps: Sequence[Path] = (),
         sink: Diagnostics | None = None,
@@ -104,7 +104,7 @@ class Search:
         self.ranges = {name: _range_of(name, axis) for name, axis in spec.axes.items()}
         self.runner = Runner(self.sweep.form, trust=self.sweep.trust)
         manifest = {**self.sweep.manifest(), "asked": asked}
-        self.store = ResultStore(folder, self.sweep.parameters, manifest)
+        self.store = ResultStore(Path(folder), self.sweep.parameters, manifest)
         self.count = 0
         self.expected = 0
         self._progress = progress
@@ -151,14 +151,13 @@ class Search:
 
     def finish(self) -> None:
         """Write the table of all runs."""
-        if not self.store.finished:
-            self.store.merge(self.count)
+        self.store.merge(self.count)
 
 
 def find_boundary(
     target: str | Path,
     spec: SweepSpec,
-    folder: Path,
+    folder: str | Path,
     *,
     when: str,
     tolerance: float,
@@ -219,7 +218,7 @@ def find_boundary(
 def minimise(
     target: str | Path,
     spec: SweepSpec,
-    folder: Path,
+    folder: str | Path,
     *,
     measure: str,
     evaluations: int,
@@ -253,6 +252,8 @@ def minimise(
     measures = {one.name for one in MEASURES}
     if measure not in measures:
         raise SweepError(f"there is no measure '{measure}'{suggestion(measure, measures)}")
+    if optimizer not in get_args(Optimizer):
+        raise SweepError(f"optimizer is one of {', '.join(get_args(Optimizer))}, not {optimizer!r}")
     if evaluations < 1:
         raise SweepError(f"a search needs at least one run, not {evaluations}")
     search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps, sink, progress)

@@ -11,6 +11,7 @@ from typing import Any, Literal, get_args
 from scenario_compiler.batch.distributions import Distribution, SweepError, parse_distribution
 from scenario_compiler.compiler import Overrides
 from scenario_compiler.files import split_target
+from scenario_compiler.randomness import whole_number
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.sensors import Perception
 
@@ -19,7 +20,7 @@ Method = Literal["random", "grid", "latin", "sobol"]
 MOST_SEED = 2**62
 """Greatest seed of a sweep: the seeds of all its runs are numbers of 64 bits in its table."""
 
-MAY_CHANGE = frozenset(("traces", "time_limit", "trust"))
+MAY_CHANGE = frozenset(("traces", "time_limit"))
 """Options that may differ when a sweep is resumed; the others determine its rows."""
 
 
@@ -48,6 +49,7 @@ class SweepSpec:
 
     Raises:
         SweepError: The method is unknown, or a number is beyond its limits.
+        TypeError: An option has a value of another type.
     """
 
     vary: tuple[str, ...]
@@ -69,6 +71,14 @@ class SweepSpec:
     interpreted: bool = False
 
     def __post_init__(self) -> None:
+        for name in ("vary", "where", "trust", "errors", "allowed"):
+            texts = getattr(self, name)
+            if isinstance(texts, str) or not all(isinstance(text, str) for text in texts):
+                raise TypeError(f"{name} is a tuple of texts, not {texts!r}")
+        if not all(isinstance(text, str) for pair in self.settings.items() for text in pair):
+            raise TypeError(f"settings are texts by name, as on the command line, not {self.settings!r}")
+        for name in ("samples", "repeat", "seed"):
+            object.__setattr__(self, name, whole_number(name, getattr(self, name)))
         if self.method not in get_args(Method):
             raise SweepError(f"method is one of {', '.join(get_args(Method))}, not {self.method!r}")
         if self.samples < 1:
@@ -82,12 +92,17 @@ class SweepSpec:
 
     @property
     def of_rows(self) -> dict[str, Any]:
-        """The options that determine the rows, as JSON has them."""
-        return {
+        """The options that determine the rows, as JSON has them.
+
+        A variant whose code is not trusted is a row with an error. A trusted file has its name without its folder, so
+        that a sweep can be resumed from another one.
+        """
+        options = {
             name: list(value) if isinstance(value, tuple) else value
             for name, value in vars(self).items()
             if name not in MAY_CHANGE
         }
+        return {**options, "trust": sorted({Path(name).name for name in self.trust})}
 
     @property
     def overrides(self) -> Overrides:

@@ -24,7 +24,7 @@ from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from scenario_compiler.report.replay import Picture
     from scenario_compiler.report.run import Run
@@ -188,21 +188,23 @@ def export_command(options: argparse.Namespace) -> int:
     if options.mcap is None and options.rerun is None:
         raise WrongUse("name a file: --mcap FILE.mcap, --rerun FILE.rrd, or both")
     keep_inputs(read_files(options.folder), options.mcap, options.rerun)
+    writers: list[tuple[Callable[[Run, Path, tuple[Picture, ...]], None], Path]] = []
+    if options.mcap is not None:  # before the pictures, which may take long
+        with needing("mcap"):
+            from scenario_compiler.report.mcap_file import write_mcap
+        writers.append((write_mcap, options.mcap))
+    if options.rerun is not None:
+        with needing("rerun"):
+            from scenario_compiler.report.rerun_file import write_rerun
+        writers.append((write_rerun, options.rerun))
     sink = new_sink(options)
     run = stored_run(options.folder, options.maps, sink)
     if show(sink, options) or run is None:
         return AT_FAULT
     pictures = tuple(pictures_to_show(run, options))
-    if options.mcap is not None:
-        with needing("mcap"):
-            from scenario_compiler.report.mcap_file import write_mcap
-        write_mcap(run, options.mcap, pictures)
-        put(options.mcap, text_stream(options))
-    if options.rerun is not None:
-        with needing("rerun"):
-            from scenario_compiler.report.rerun_file import write_rerun
-        write_rerun(run, options.rerun, pictures)
-        put(options.rerun, text_stream(options))
+    for write, path in writers:
+        write(run, path, pictures)
+        put(path, text_stream(options))
     return FINE
 
 

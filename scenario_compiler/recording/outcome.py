@@ -69,8 +69,8 @@ class Outcome(Record):
     cause: str = field(default="", description="Cause of the first request; empty without a request.")
     collision_with: str | None = field(
         default=None,
-        description="Id of the first entity with which the ego vehicle collided; empty if the world's own physics "
-        "reported a collision with something that the scenario does not have.",
+        description="Id of the first entity with which the ego vehicle collided; null without a collision, and empty "
+        "if the world's own physics reported a collision with something that the scenario does not have.",
     )
     stands: StandingPlace = field(
         default="",

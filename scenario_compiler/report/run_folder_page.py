@@ -92,9 +92,10 @@ entity, are in the first row of each step, which is that of the first entity if 
 without an automated vehicle they have no meaning. A number that does not exist is NaN.
 """
 
-_OF_METADATA = """The file's metadata contains the following as JSON under `scenario-compiler`: `columns` (units and
-descriptions), `events`, `stop_reason`, `error`, `trajectory_hash` and `header`. It also contains the first-person
-pictures, as PNG in base64, under `frame.0`, `frame.1`, ... The header contains:
+_OF_METADATA = """The file's metadata contains the following as JSON under `scenario-compiler`: `format`, `columns`
+(units and descriptions), `roads` (the ids of the map's roads), `events`, `frames` (the time and the event of each
+first-person picture), `stop_reason`, `error`, `trajectory_hash` and `header`. The pictures themselves are PNG in base64
+under `frame.0`, `frame.1`, ... The header contains:
 """
 
 _OF_EVENTS = """Unless stated otherwise, `entity` is the automated vehicle, or the first entity. It is empty for

@@ -14,7 +14,12 @@ def wilson_interval(hits: int, count: int) -> tuple[float, float]:
 
     It is also valid for rates near 0 and 1 and for few runs, unlike the normal interval (Brown, Cai and DasGupta 2001).
     Without a run it is (0, 1).
+
+    Raises:
+        ValueError: `hits` is not from 0 to `count`.
     """
+    if not 0 <= hits <= count:
+        raise ValueError(f"hits is from 0 to count, {count}, not {hits}")
     if count == 0:
         return 0.0, 1.0
     z = NormalDist().inv_cdf(0.5 + LEVEL / 2)

@@ -152,7 +152,9 @@ def fixed(value: float) -> str:
 
 
 def decimal(value: float) -> str:
-    """Return a number with up to two decimals, without trailing zeros."""
+    """Return a number with up to two decimals, or with up to two digits below 0.1, without trailing zeros."""
+    if 0.0 < abs(value) < 0.1:
+        return f"{value:.2g}".replace("-", "−")
     return fixed(value).rstrip("0").rstrip(".")
 
 

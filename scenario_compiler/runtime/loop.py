@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import importlib
 import math
-import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, SupportsIndex
+from typing import TYPE_CHECKING
 
 from scenario_compiler.controllers.foreign import ControllerError
 from scenario_compiler.controllers.named import create_controller
@@ -23,6 +22,7 @@ from scenario_compiler.engine.reference_runs import avoided_by
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.randomness import whole_number
 from scenario_compiler.recording.break_off import BROKE_OFF, OF_ENTITIES, QUANTITIES, break_off_text
 from scenario_compiler.recording.names import SOURCES, STOP_REASONS, TAKEOVER_STATES, WISHES, EventKind, StopReason
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
@@ -154,14 +154,6 @@ def run(
     return execution.finish()
 
 
-def _whole(name: str, value: SupportsIndex) -> int:
-    """Return a whole number of any type, such as NumPy's, as an int; TypeError for anything else."""
-    try:
-        return operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} is a whole number, not {value!r}") from None
-
-
 def source_of(st: State, program: Program) -> int:
     """Return the source of the ego's commands, as a code of `SOURCES`."""
     if st.takeover_state[0] in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK):
@@ -190,7 +182,7 @@ class Execution:
             ValueError: The world has another map than the plan.
             TypeError: The seed or the variant is not a whole number.
         """
-        seed, variant = _whole("seed", seed), _whole("variant", variant)
+        seed, variant = whole_number("seed", seed), whole_number("variant", variant)
         if world.network.sha256 != plan.map.sha256:
             raise ValueError(f"the world's map, {world.network.path}, is not the plan's, {plan.map.file}")
         self.plan = plan

@@ -55,7 +55,7 @@ def picture_of(
         state=STATES.get(kind, kind),
         notes=notes,
         warnings=((said if kind == "warning" else []) + controller.warning_messages()) if asked else (),
-        alarms=((said if kind != "warning" else []) or controller.critical_messages()[:1]) if asked else (),
+        alarms=(said + controller.critical_messages()[:1]) if asked and kind != "warning" else (),
     )
     inset = controller.overlay_image(seen.image)
     path = camera_path(control, seen.camera, plan.ego.vehicle.center)

@@ -19,6 +19,8 @@ from scenario_compiler.source.expansion import (
     traffic_models,
     with_weather,
 )
+from scenario_compiler.source.parameters import Declared, bind_arguments, parameters_by_name
+from scenario_compiler.source.variation import check_variation
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static
 from scenario_compiler.vocabulary.grammar import empty_texts, limits_broken
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
@@ -30,14 +32,18 @@ def completed(scenario: Scenario, sink: Diagnostics) -> Scenario:
     """Return a scenario with everything that a file leaves to the library, and with its `whens` as a storyboard.
 
     Vehicles that the scenario does not define, and the driver, come from the library's catalogs. Unknown names of
-    entities, vehicles, drivers, presets and parameters are reported, and so are empty texts and numbers beyond their
-    limits.
+    entities, vehicles, drivers, presets and parameters are reported, and so are empty texts, numbers beyond their
+    limits, and faults of the parameters and of their variation.
     """
     catalogs = load_catalogs(library_folder() / "catalogs", sink)
     catalogs = catalogs.extended(Catalogs({one.name: one for one in scenario.vehicles}))
     entities = [*([] if scenario.ego is None else [scenario.ego]), *scenario.actors]
     _check_names(scenario, [one.id for one in entities], sink)
     _check_values(scenario, sink)
+    declared = Declared(parameters_by_name(scenario.parameters, sink))
+    bind_arguments(declared, {}, sink)
+    if scenario.vary is not None:
+        check_variation(scenario.vary, declared, sink)
     traffic = [traffic_models(one, catalogs, sink) for one in scenario.traffic]
     vehicles = {one.name: one for one in catalog_vehicles(entities, catalogs, sink)}
     vehicles.update((one.name, one) for _, models in traffic for one in models)

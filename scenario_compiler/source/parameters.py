@@ -43,14 +43,22 @@ class Declared(NamedTuple):
 
 def read_parameters(element: etree._Element, reading: ReadingContext) -> Declared:
     """Return the parameters that an element declares; report a name that is declared twice."""
-    known: dict[str, Parameter] = {}
+    read: list[Parameter] = []
     sink, before = reading.sink, reading.sink.reported
     declaring = reading._replace(environment=replace(reading.environment, declares=True))
     for child in element.iterchildren(Parameter.tag()):
         faults = sink.reported
         parameter = read_word(child, Parameter, declaring)
-        if parameter is None or sink.reported > faults:
-            continue
+        if parameter is not None and sink.reported == faults:
+            read.append(parameter)
+    known = parameters_by_name(read, sink)
+    return Declared(known, sink.reported == before and not misspelt(element, [Parameter.tag()]))
+
+
+def parameters_by_name(parameters: Iterable[Parameter], sink: Diagnostics) -> dict[str, Parameter]:
+    """Return declared parameters by their names; report faulty names and limits that no value meets."""
+    known: dict[str, Parameter] = {}
+    for parameter in parameters:
         if parameter.name in known:
             sink.add(
                 names.DUPLICATE_NAME,
@@ -65,7 +73,7 @@ def read_parameters(element: etree._Element, reading: ReadingContext) -> Declare
         if least is not None and greatest is not None and least > greatest:
             message = f"no value of '{parameter.name}' is at least {least:g} and at most {greatest:g}"
             sink.add(codes.OUT_OF_LIMITS, message, parameter.place_of("min" if parameter.min is not None else "max"))
-    return Declared(known, sink.reported == before and not misspelt(element, [Parameter.tag()]))
+    return known
 
 
 def report_reserved(name: str, place: Place, sink: Diagnostics) -> None:

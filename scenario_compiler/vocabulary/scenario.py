@@ -171,7 +171,7 @@ class Scenario(Word):
         default=1,
         minimum=1,
     )
-    weather: Weather = child("The weather.")
+    weather: Weather = child("The weather.", default_factory=lambda: Weather.model_construct(preset="ClearNoon"))
     parameters: tuple[Parameter, ...] = child("Parameters that the scenario's numbers depend on.", default=())
     limits: tuple[NumberLimit, ...] = child("Limits of the numbers that depend on parameters.", default=())
     vary: Vary | None = child("How a sweep varies the scenario.", default=None)

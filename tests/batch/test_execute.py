@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from _pytest.mark import ParameterSet
@@ -143,7 +144,7 @@ def test_an_interrupted_sweep_is_resumed_to_the_same_bytes(conflict: Path, tmp_p
     (kept[0].with_suffix(".parquet.tmp")).write_bytes(b"half a part")
     with pytest.raises(SweepError, match="--resume"):
         run_sweep(conflict, spec, tmp_path / "parts", workers=1, report=False)
-    with pytest.raises(SweepError, match="another sweep: it differs in spec"):
+    with pytest.raises(SweepError, match=r"another sweep: it differs in --seed$"):
         run_sweep(conflict, _spec(seed=2, interpreted=True), tmp_path / "parts", workers=1, resume=True, report=False)
     seen: list[Progress] = []
     run_sweep(conflict, spec, tmp_path / "parts", workers=1, resume=True, progress=seen.append, report=False)
@@ -284,6 +285,32 @@ def test_an_invalid_value_of_traces_is_refused(text: str) -> None:
 )
 def test_wilson_intervals(hits: int, count: int, low: float, high: float) -> None:
     assert wilson_interval(hits, count) == pytest.approx((low, high), abs=1e-4)
+
+
+def test_a_rate_above_one_has_no_interval() -> None:
+    with pytest.raises(ValueError, match="hits is from 0 to count, 10, not 11"):
+        wilson_interval(11, 10)
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("vary", "speed=uniform(1, 2)", r"vary is a tuple of texts, not 'speed=uniform\(1, 2\)'"),
+        ("where", "speed > 1", "where is a tuple of texts, not 'speed > 1'"),
+        ("trust", "our_lab", "trust is a tuple of texts, not 'our_lab'"),
+        ("settings", {"speed": 8}, "settings are texts by name, as on the command line, not {'speed': 8}"),
+        ("samples", 2.5, "samples is a whole number, not 2.5"),
+        ("seed", "1", "seed is a whole number, not '1'"),
+    ],
+)
+def test_an_option_of_another_type_is_refused(option: str, value: Any, message: str) -> None:
+    with pytest.raises(TypeError, match=message):
+        SweepSpec(**{"vary": (), option: value})
+
+
+def test_folders_and_numbers_of_other_types_are_read(conflict: Path, tmp_path: Path) -> None:
+    spec = _spec(samples=np.int64(2), seed=np.int64(3))
+    assert run_sweep(conflict, spec, str(tmp_path / "sweep"), workers=1, report=False).tally.runs == 2
 
 
 def test_the_memory_of_a_sweep_does_not_depend_on_how_long_its_runs_are(conflict: Path) -> None:

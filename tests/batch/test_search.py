@@ -40,12 +40,18 @@ def test_a_search_without_a_range_is_refused(conflict: Path, tmp_path: Path) -> 
         minimise(conflict, spec, tmp_path / "search", measure="takeover_time", evaluations=5)
 
 
+def test_an_unknown_optimizer_is_refused(conflict: Path, tmp_path: Path) -> None:
+    unknown: Any = "nelder_mead"
+    with pytest.raises(SweepError, match="optimizer is one of direct, nelder-mead, not 'nelder_mead'"):
+        minimise(conflict, _spec(), tmp_path / "search", measure="takeover_time", evaluations=5, optimizer=unknown)
+
+
 def test_an_interrupted_search_is_resumed(conflict: Path, tmp_path: Path) -> None:
     spec = _spec("distance=uniform(20, 200)", settings={"speed": "8"})
     whole = find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0)
     with pytest.raises(SweepError, match="--resume"):
         find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0)
-    with pytest.raises(SweepError, match="asked"):
+    with pytest.raises(SweepError, match="differs in what is searched for"):
         find_boundary(conflict, spec, tmp_path / "whole", when="collision", tolerance=1.0, resume=True)
     assert whole == find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0, resume=True)
 

@@ -51,9 +51,12 @@ def exported(folder: Path, vary: Vary, version: str = "1.3") -> Diagnostics:
         map="town_grid",
         duration=1.0,
         weather=Weather(preset="ClearNoon"),
-        parameters=(Parameter(name="gap", type="length", default="40"),),
+        parameters=(
+            Parameter(name="gap", type="length", default="40"),
+            Parameter(name="speed", type="speed", default="10"),
+        ),
         vary=vary,
-        ego=Ego(speed=10.0, start=LanePositionWord(road="9", lane=-2, s=30.0)),
+        ego=Ego(speed=parse_expression("$speed"), start=LanePositionWord(road="9", lane=-2, s=30.0)),
         actors=(Static(id="van", at=RelativeLanePosition(entity="ego", distance=parse_expression("$gap"))),),
     )
     done = compile_built(scenario, perception="ideal")
@@ -88,7 +91,7 @@ def test_equally_likely_values_have_one_weight(tmp_path: Path) -> None:
         (Vary(axes=(DRAWN[0],)), "1.0", "<ParameterValueDistribution> is not known before 1.1"),
         (Vary(axes=(DRAWN[3],)), "1.1", "<LogNormalDistribution> is not known before 1.2"),
         (Vary(axes=(Triangular(parameter="gap", least=1, likeliest=2, greatest=3),)), "1.3", "<triangular>"),
-        (Vary(axes=(DRAWN[0], LISTED[0])), "1.3", "either all drawn or all listed"),
+        (Vary(axes=(DRAWN[0], Values(parameter="speed", of=("8", "12")))), "1.3", "either all drawn or all listed"),
         (Vary(axes=(DRAWN[0],), constraints=(Constraint(holds="$gap > 35"),)), "1.3", "$gap > 35"),
     ],
 )

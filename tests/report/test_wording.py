@@ -14,7 +14,19 @@ from scenario_compiler.vocabulary.takeover import Cause
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(1.0, "1"), (2.504, "2.5"), (-0.001, "0"), (-1.25, "−1.25"), (120.0, "120"), (0.126, "0.13")]
+    ("value", "text"),
+    [
+        (1.0, "1"),
+        (2.504, "2.5"),
+        (-1.25, "−1.25"),
+        (120.0, "120"),
+        (0.126, "0.13"),
+        (0.0, "0"),
+        (-0.0, "0"),
+        (0.05, "0.05"),
+        (-0.003461, "−0.0035"),
+        (5.119e-05, "5.1e−05"),
+    ],
 )
 def test_numbers(value: float, text: str) -> None:
     assert decimal(value) == text
