@@ -235,9 +235,9 @@ the confidence decides what is remembered from one image to the next, and the me
 not know, and tables that are made in the same way do not show that.
 
 In the tables below, each town is seen and judged with a fit to the other maps. All aims are met on the towns together
-and on each alone, while driving and on single images, but for one bin of 193 single images of Town01 (0.092, @@FIRST@@).
-A flawless confidence would also miss this aim on single images of a town in one of four such measurements, and while
-driving in one of sixteen.
+and on each alone, while driving and on single images, but for one bin of 193 single images of Town01 (0.092), which is
+less than chance alone may give. A flawless confidence would also miss this aim on single images of a town in one of
+four such measurements, and while driving in one of sixteen.
 
 The errors on the towns also showed where the detector had to be corrected, and which roads are rare in road files.
 Usual lanes in sharp bends are, and so are level roads with bends of medium radius: a confidence without them in its fit
