@@ -70,7 +70,7 @@ def started(name: str) -> tuple[dict[str, float], list[list[float]]]:
         (
             "values",
             {
-                **{"tick": 1.0, "tock": 1.0, "green": 1.0, "sorted": 1.0, "more": 2.0, "noon": 6.0, "side_red": 2.5},
+                **{"tick": 1.0, "tock": 1.0, "green": 1.0, "more": 2.0, "noon": 6.0, "side_red": 2.5},
                 **{"caution": 3.0, "red": 4.0, "again": 5.0, "caution_again": 8.0, "dark": 6.0, "is_dark": 6.0},
                 **{"door": 1.0, "opening": 1.0, "opened": 3.0},
             },
