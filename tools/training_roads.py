@@ -307,12 +307,13 @@ def main() -> None:
     parser.add_argument("--repaint", type=Path, metavar="MAPS", help="folder with road files to repaint")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    for number in range(options.files):
-        made_up(options.out / f"made_up_{number:02d}.xodr", options.first + number)
-    for number in range(options.streets):
-        made_up(options.out / f"streets_{number:02d}.xodr", options.first + STREETS + number, TOWN)
-    for number in range(options.avenues):
-        made_up(options.out / f"avenues_{number:02d}.xodr", options.first + AVENUES + number, AVENUE)
+    for name, count, first, kind in (
+        ("made_up", options.files, options.first, COUNTRY),
+        ("streets", options.streets, options.first + STREETS, TOWN),
+        ("avenues", options.avenues, options.first + AVENUES, AVENUE),
+    ):
+        for number in range(count):
+            made_up(options.out / f"{name}_{number:02d}.xodr", first + number, kind)
     for seed, file in enumerate(sorted(options.repaint.glob("*.xodr")) if options.repaint else [], REPAINTED):
         repainted(file, options.out / f"{COPY}{file.stem}.xodr", seed)
 

@@ -17,13 +17,10 @@ from scenario_compiler.diagnostics import suggestion
 from scenario_compiler.expressions import WHOLE_BELOW, Value, format_value
 from scenario_compiler.vocabulary.grammar import outside
 from scenario_compiler.vocabulary.scenario import ParameterKind
-from scenario_compiler.vocabulary.variation import in_far_tail
+from scenario_compiler.vocabulary.variation import GREATEST_MEAN, in_far_tail
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
 ValueKind = Literal["number", "boolean", "text"]
-
-GREATEST_MEAN = 500.0
-"""Greatest mean of a Poisson distribution: its quantiles are summed up from exp(-mean)."""
 
 
 class SweepError(ValueError):
@@ -273,7 +270,7 @@ USAGE = {
     "normal": "normal(mean, deviation) or normal(mean, deviation, least, greatest), the deviation above 0",
     "lognormal": "lognormal(mu, sigma) of the logarithm, or with limits above 0: lognormal(mu, sigma, least, greatest)",
     "triangular": "triangular(least, most likely, greatest)",
-    "poisson": f"poisson(mean), the mean above 0 and at most {GREATEST_MEAN:g}",
+    "poisson": f"poisson(mean), the mean above 0 and at most {GREATEST_MEAN}",
     "histogram": "histogram(edge, weight, edge, weight, ..., edge) with rising edges",
     "choice": "choice(value, value, ...)",
     "values": "values(value, value, ...)",

@@ -21,6 +21,7 @@ from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.parameters import fits
 from scenario_compiler.openscenario.scope import Bound
 from scenario_compiler.vocabulary.variation import (
+    GREATEST_MEAN,
     Axis,
     Choice,
     Constraint,
@@ -40,9 +41,6 @@ SETS = "parameter_set"
 
 MOST_VALUES = 1_000_000
 """Greatest number of values of a range."""
-
-GREATEST_MEAN = 500.0
-"""Greatest expected value of a Poisson distribution."""
 
 NEGATIVE = "its weights must not be below 0"
 
@@ -272,7 +270,7 @@ def _lognormal(node: Node, name: str) -> Lognormal | str:
 def _poisson(node: Node, name: str) -> Poisson | str:
     mean = node.float("expectedValue")
     if not 0.0 < mean <= GREATEST_MEAN:
-        return f"its expected value must be above 0 and at most {GREATEST_MEAN:g}"
+        return f"its expected value must be above 0 and at most {GREATEST_MEAN}"
     limits = _limits(node)
     if limits is not None and math.ceil(limits[0]) > limits[1]:
         return "its range contains no whole number"

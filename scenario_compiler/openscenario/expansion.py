@@ -40,10 +40,7 @@ from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.structural import structural_parameters
 from scenario_compiler.vocabulary.traversal import parameters_in
 from scenario_compiler.vocabulary.variation import Vary
-from scenario_compiler.vocabulary.weather import Weather, weather_preset
-
-WEATHER = "ClearNoon"
-"""The weather until an action sets another one."""
+from scenario_compiler.vocabulary.weather import USUAL_WEATHER, Weather, weather_preset
 
 LONGEST = 600.0
 """Duration of a run that only a stop trigger ends, s, if the trigger never fires."""
@@ -61,9 +58,7 @@ def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | N
         return OpenScenario(document, {})
     distribution = root.child("ParameterValueDistribution")
     if distribution is not None:
-        structure = Diagnostics()
-        check_structure(document, structure, forgiving=True)
-        sink.take(replace(one, severity=Severity.WARNING) for one in structure)
+        sink.take(_structure_warnings(document))
         return _varied(distribution, Path(document.path).stem, sink)
     root.required("Storyboard", "Catalog", "ParameterValueDistribution")
     return None
@@ -125,12 +120,17 @@ def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str,
 
 def _with_structure(document: Document, found: Diagnostics) -> list[Diagnostic]:
     """Return the findings, with those on the structure of the file's version as warnings, once for each place."""
-    structure = Diagnostics()
-    check_structure(document, structure, forgiving=True)
     wrong = {_where(one) for one in found if one.severity is Severity.ERROR}
-    told = [replace(one, severity=Severity.WARNING) for one in structure if _where(one) not in wrong]
+    told = [one for one in _structure_warnings(document) if _where(one) not in wrong]
     places = {_where(one) for one in told}
     return told + [one for one in found if one.code is not NOT_READ or _where(one) not in places]
+
+
+def _structure_warnings(document: Document) -> list[Diagnostic]:
+    """Return the findings on the structure of the file's version, as warnings."""
+    structure = Diagnostics()
+    check_structure(document, structure, forgiving=True)
+    return [replace(one, severity=Severity.WARNING) for one in structure]
 
 
 def _where(one: Diagnostic) -> tuple[str, int, int]:
@@ -167,7 +167,7 @@ def _scenario(root: Node, name: str, given: Given, settled: Collection[str], var
         name=name,
         map=road,
         duration=LONGEST if storyboard.stop is not None else None,
-        weather=weather_preset(WEATHER) or Weather.model_construct(),
+        weather=weather_preset(USUAL_WEATHER) or Weather.model_construct(),
         actors=tuple(entities.actors),
         vehicles=tuple(entities.vehicles.values()),
         variables=variables_used,

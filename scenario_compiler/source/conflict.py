@@ -32,7 +32,7 @@ from scenario_compiler.vocabulary.storyboard import AnyOf, Do, When
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.variables import Variable
 from scenario_compiler.vocabulary.variation import Vary
-from scenario_compiler.vocabulary.weather import Weather
+from scenario_compiler.vocabulary.weather import USUAL_WEATHER, Weather
 from scenario_compiler.vocabulary.word import (
     ENTITY_ID,
     IDENTIFIER,
@@ -184,7 +184,7 @@ class ScenarioElement(Word):
     map: str = same_as(Scenario, "map")
     weather: str = attribute(
         "Name of a CARLA weather preset, or its index in alphabetical order.",
-        default="ClearNoon",
+        default=USUAL_WEATHER,
         names="weather",
     )
     duration: float | None = same_as(Scenario, "duration")

@@ -38,6 +38,7 @@ from scenario_compiler.vocabulary.structural import structural_parameters
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import AnyWord, entities_named, parameters_in, replaced, walk
 from scenario_compiler.vocabulary.weather import (
+    USUAL_WEATHER,
     WEATHER_PRESETS,
     AnyWeather,
     Weather,
@@ -181,7 +182,7 @@ class _Attempt:
         """
         element = self.part.element
         fields = read_attributes(element, ScenarioElement, self.reading)
-        preset = (fields or {}).pop("weather", "ClearNoon")
+        preset = (fields or {}).pop("weather", USUAL_WEATHER)
         self._read_children(element)
         catalogs = catalogs_of(self.around, self.expander)
         weather = self._weather(preset)

@@ -15,7 +15,7 @@ from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.variables import Variable
 from scenario_compiler.vocabulary.variation import Vary
-from scenario_compiler.vocabulary.weather import Weather
+from scenario_compiler.vocabulary.weather import USUAL_WEATHER, Weather
 from scenario_compiler.vocabulary.word import (
     IDENTIFIER,
     AttributeSpelling,
@@ -171,7 +171,7 @@ class Scenario(Word):
         default=1,
         minimum=1,
     )
-    weather: Weather = child("The weather.", default_factory=lambda: Weather.model_construct(preset="ClearNoon"))
+    weather: Weather = child("The weather.", default_factory=lambda: Weather.model_construct(preset=USUAL_WEATHER))
     parameters: tuple[Parameter, ...] = child("Parameters that the scenario's numbers depend on.", default=())
     limits: tuple[NumberLimit, ...] = child("Limits of the numbers that depend on parameters.", default=())
     vary: Vary | None = child("How a sweep varies the scenario.", default=None)

@@ -14,6 +14,9 @@ FARTHEST = 36.0
 The probability beyond it is below 1e-283, near the least numbers that can be computed with.
 """
 
+GREATEST_MEAN = 500
+"""Greatest mean of a Poisson distribution: its quantiles are summed up from exp(-mean)."""
+
 
 def in_far_tail(mean: float, deviation: float, limits: Sequence[float]) -> bool:
     """Return whether the limits of a normal distribution, if there are any, leave out nearly all of its probability."""
@@ -155,7 +158,7 @@ class Poisson(Axis):
 
     word: Literal["poisson"] = "poisson"
 
-    mean: float = attribute("Mean count.", minimum=0, exclusive=True, maximum=500)
+    mean: float = attribute("Mean count.", minimum=0, exclusive=True, maximum=GREATEST_MEAN)
 
     def arguments(self) -> Sequence[str]:
         """Return the mean."""

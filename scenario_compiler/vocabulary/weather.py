@@ -12,6 +12,9 @@ from scenario_compiler.vocabulary.word import Word, attribute
 CUSTOM = "custom"
 """Preset name of a weather that is not derived from a preset."""
 
+USUAL_WEATHER = "ClearNoon"
+"""Preset of a scenario that does not set the weather."""
+
 
 class Weather(Word):
     """The weather as CARLA's numbers, or as a preset with some numbers changed.

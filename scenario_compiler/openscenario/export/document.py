@@ -43,10 +43,7 @@ from scenario_compiler.vocabulary.positions import (
 )
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.storyboard import ConditionGroup, Trigger, TriggerCondition
-from scenario_compiler.vocabulary.weather import Weather, weather_numbers, weather_of, weather_preset
-
-USUAL_WEATHER = "ClearNoon"
-"""The weather if a file does not set one."""
+from scenario_compiler.vocabulary.weather import USUAL_WEATHER, Weather, weather_numbers, weather_of, weather_preset
 
 DESTINATION_TOLERANCE = 2.0
 """Distance from the destination at which the file's stop trigger ends a run, m."""

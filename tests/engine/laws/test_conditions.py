@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import hypot, pi
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from tests.engine.laws.told import (
     Actor,
     Event,
+    Played,
     after,
     by,
     condition,
@@ -437,6 +439,14 @@ def test_a_time_that_has_come(tmp_path: Path) -> None:
         assert run.acts("W", DONE) == pytest.approx(wanted)
 
 
+def play_with_variable(folder: Path, kind: str, value: str, events: Sequence[Event], seconds: float) -> Played:
+    """Return what W does in a story with a variable `it` of a type and a value."""
+    declared = f'<VariableDeclaration name="it" variableType="{kind}" value="{value}"/>'
+    text = document({"W": W}, events, seconds)
+    text = text.replace("<CatalogL", f"<VariableDeclarations>{declared}</VariableDeclarations><CatalogL")
+    return play_text(folder, text, seconds)
+
+
 @pytest.mark.law("VariableCondition", "used")
 @pytest.mark.parametrize(
     ("kind", "value", "rule", "limit", "wanted"),
@@ -465,10 +475,8 @@ def test_a_variable_is_compared_by_its_type_and_a_text_by_the_number_that_it_is(
     a scalar value" (ParameterCondition, ASAM OpenSCENARIO).
     """
     told = condition(f'<VariableCondition variableRef="it" rule="{rule}" value="{limit}"/>')
-    declared = f'<VariableDeclaration name="it" variableType="{kind}" value="{value}"/>'
-    text = document({"W": W}, [Event("W", speed(DONE), told)], 1.0)
-    text = text.replace("<CatalogL", f"<VariableDeclarations>{declared}</VariableDeclarations><CatalogL")
-    assert (play_text(tmp_path, text, 1.0).acts("W", DONE) == 0.0) == wanted
+    run = play_with_variable(tmp_path, kind, value, [Event("W", speed(DONE), told)], 1.0)
+    assert (run.acts("W", DONE) == 0.0) == wanted
 
 
 def test_a_text_that_becomes_a_number_is_compared_as_one(tmp_path: Path) -> None:
@@ -482,10 +490,8 @@ def test_a_text_that_becomes_a_number_is_compared_as_one(tmp_path: Path) -> None
         for time, value in ((1.0, "1e1"), (2.0, "word"), (3.0, "-0.5"))
     ]
     told = condition('<VariableCondition variableRef="it" rule="lessThan" value="9"/>')
-    text = document({"W": W}, [*changes, Event("W", speed(DONE), told)], 4.0)
-    declared = '<VariableDeclaration name="it" variableType="string" value="none"/>'
-    text = text.replace("<CatalogL", f"<VariableDeclarations>{declared}</VariableDeclarations><CatalogL")
-    assert play_text(tmp_path, text, 4.0).acts("W", DONE) == pytest.approx(3.05)
+    run = play_with_variable(tmp_path, "string", "none", [*changes, Event("W", speed(DONE), told)], 4.0)
+    assert run.acts("W", DONE) == pytest.approx(3.05)
 
 
 def test_only_present_entities_count_as_triggering_entities(tmp_path: Path) -> None:
