@@ -16,7 +16,6 @@ from scenario_compiler.engine.story.entry import RULES, Condition, compared
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
-from scenario_compiler.vocabulary.conditions.measuring import ORDERS
 
 if TYPE_CHECKING:
     from scenario_compiler.vocabulary.conditions import (
@@ -259,7 +258,7 @@ def variable_row(draft: ProgramDraft, word: VariableCondition) -> ConditionRow:
     """Return the row of a condition on a variable."""
     at, variable = draft.variables[word.variable]
     rule = RULES[word.rule]
-    if variable.type == "string" and word.rule in ORDERS:
+    if variable.type == "string" and rule not in (op.RULE_EQUAL, op.RULE_NOT_EQUAL):
         rule, place = draft.order_of_texts(rule, word.value)
         return ConditionRow(rule, place, other=at, mode=TEXT_IS_NUMBER)
     return ConditionRow(rule, draft.variable_value(variable, word.value), other=at)
