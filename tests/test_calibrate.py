@@ -151,7 +151,7 @@ def test_a_share_has_a_unit_and_a_number_that_does_not_exist_is_a_dash(tmp_path:
     rain = worth("rain", looks_of([0.05, 0.06], [1.0, 2.0]))
     sun = worth("sun", looks_of([0.9, 0.1], [0.1, 1.0]))
     figures = Figures((sun,), (sun,), (rain,), (Asked("straight", 0.5, 0.25, 0.125),), ())
-    measured = Measured("classical", "calibrate", 1.0, 2, ("made up",), clips=1, pictures=1)
+    measured = Measured("classical", "calibrate", 1.0, 2, "one clip of a made-up map", pictures=1)
     write_perception_page(figures, measured, tmp_path)
     lines = (tmp_path / "perception.md").read_text(encoding="utf-8").splitlines()
     assert [line for line in lines if line.startswith("| rain")] == [
@@ -195,7 +195,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
     ("detector", "digest"),
     [
         ("classical", "6d385f069769b847d23b83fcd20ef11d994f68b442f54b788c56cc6480d913d9"),
-        ("learned", "5c429b0ad3a8424df1285a6f29fc91e955fc934eebb369a1f803bf3c550914e5"),
+        ("learned", "24052b4a0bf3dab9e265de1ea383cf156cbc2f76893597a1031df0dd89521682"),
     ],
 )
 def test_the_pages_are_about_the_packaged_confidence(detector: DetectorName, digest: str) -> None:

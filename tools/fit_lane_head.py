@@ -1,12 +1,12 @@
-"""Fits the paint outputs of a trained lane network again, with lorries close ahead, and then the confidence.
+"""Fits the paint outputs of a trained lane network again, with lorries close ahead.
 
     python tools/fit_lane_head.py MAPS NETWORK OUT [--jobs 16]
 
 MAPS is a folder of road files, which are split and repainted as `train_lane_network` does it; NETWORK is the ONNX file
 that it wrote. Only the layers behind the last step of the encoder are fitted, to pictures with seeds of their own of
 the maps of the training: the longer the whole network is trained, the surer it is of the paint without being right.
-The tilt and the lane's width are kept as they were, and the rows have other layers. lane_network.onnx and
-learned_confidence.json are written to OUT. The packages `onnx`, `torch` and `xgboost` are needed.
+The tilt and the lane's width are kept as they were, and the rows have other layers. lane_network.onnx is written to
+OUT; the confidence is fitted afterwards (`fit_learned_confidence`). The packages `onnx` and `torch` are needed.
 """
 
 from __future__ import annotations
@@ -25,41 +25,18 @@ import torch
 from numpy.typing import NDArray
 from onnx import TensorProto, helper, numpy_helper
 from torch.nn import functional
-from train_lane_network import (
-    SEED,
-    TEST,
-    UNSEEN,
-    UNSEEN_SEED,
-    all_maps,
-    example,
-    is_unseen,
-    of_paint_alone,
-    texture_of,
-)
+from train_lane_network import SEED, TEST, all_maps, example, is_unseen
 
 from scenario_compiler.perception.calibration.bank import drawn_situation, picture
-from scenario_compiler.perception.calibration.collect import Looks, look_at_drawn, look_at_map
-from scenario_compiler.perception.calibration.figures import fitted_to
-from scenario_compiler.perception.calibration.gather import DRAWN_SEED
 from scenario_compiler.perception.calibration.maps import MapRoads
-from scenario_compiler.perception.confidence import confidence_text
-from scenario_compiler.perception.learned_detector import HEIGHT, NETWORK_FILE, WIDTH, LearnedLaneDetector
+from scenario_compiler.perception.learned_detector import HEIGHT, NETWORK_FILE, WIDTH
 from scenario_compiler.roads import load_network
 
-HEAD_SEED, OTHER_SEED = 404, 7
-"""Of the pictures for the paint; added to the seeds of `train_lane_network` for the fit of the confidence."""
+HEAD_SEED = 404
+"""Of the pictures for the paint."""
 
 CLIPS, SITUATIONS, LORRIES = 24, 2000, 0.3
 """Clips of each map for the paint, of which the first image is used; random situations; share of clips with a lorry."""
-
-FITTED, FIT_LORRIES = (0, 2, 3), 0.12
-"""Images of a clip to which the confidence is fitted, and the share of those clips with a lorry ahead."""
-
-ROUNDS, OFTEN = 6, "Town05"
-"""Number of times that `CLIPS` clips of each map are used for that, and the map of which there are three times more."""
-
-DRAWN = 2600
-"""Random situations for that besides those of `scenario-compiler calibrate --fit`."""
 
 STEPS, BATCH, RATE = 1500, 512, 2e-3
 DROPPED, PULL, KEEP = 0.2, 1e-4, 3.0
@@ -86,15 +63,15 @@ class Clips(NamedTuple):
 
 
 @lru_cache(maxsize=1)
-def _roads(path: str, texture: int, lorries: float) -> MapRoads:
-    return MapRoads(load_network(path, cache=False), texture=texture, lorries=lorries)
+def _roads(path: str, texture: int) -> MapRoads:
+    return MapRoads(load_network(path, cache=False), texture=texture, lorries=LORRIES)
 
 
 def pictures(job: Clips) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     """Return images (N, HEIGHT, WIDTH, 3) and their scaled paint, tilt and width (N, 4)."""
     found = []
     if job.path:
-        clips = _roads(job.path, job.texture, LORRIES).clips(job.seed, range(job.first, job.last))
+        clips = _roads(job.path, job.texture).clips(job.seed, range(job.first, job.last))
         found = [example(one.image, one.truth) for _, _, views in clips for one in islice(views, 1)]
     else:
         for number in range(job.first, job.last):
@@ -113,31 +90,6 @@ def jobs_of_paint(maps: list[Path]) -> list[Clips]:
     ]
     drawn = range(0, SITUATIONS, 100)
     return jobs + [Clips("", 1000 * HEAD_SEED + 900, 1000 * SEED, k, k + 100) for k in drawn]
-
-
-def jobs_of_confidence(maps: list[Path]) -> list[Clips]:
-    """Return the jobs for `looks`."""
-    jobs = []
-    for number, path in enumerate(maps):
-        if is_unseen(path.stem):
-            seed = 1000 * UNSEEN_SEED + number
-            texture = texture_of(UNSEEN_SEED if path.stem in UNSEEN else seed)
-            rounds = ROUNDS * (3 if path.stem == OFTEN else 1)
-            jobs += [
-                Clips(str(path), seed + 1000 * OTHER_SEED, texture, CLIPS * k, CLIPS * (k + 1)) for k in range(rounds)
-            ]
-    drawn = ((UNSEEN_SEED + OTHER_SEED, DRAWN), (DRAWN_SEED, 900))
-    return jobs + [Clips("", seed, 0, k, k + 100) for seed, count in drawn for k in range(0, count, 100)]
-
-
-def looks(job: tuple[Clips, bytes]) -> tuple[str, Looks]:
-    """Return the name of the map, if any, and what a network sees in the job's clips."""
-    clips, network = job
-    detector = LearnedLaneDetector(network=network, confidence=of_paint_alone())
-    numbers = range(clips.first, clips.last)
-    if clips.path:
-        return clips.path, look_at_map(_roads(clips.path, clips.texture, FIT_LORRIES), detector, clips.seed, numbers)
-    return "", look_at_drawn(detector, clips.seed, numbers)
 
 
 def pooled(network: onnx.ModelProto, images: NDArray[np.uint8]) -> NDArray[np.float32]:
@@ -208,7 +160,7 @@ def _begin() -> None:
 
 
 def main() -> None:
-    """Render, fit the paint, and fit the confidence."""
+    """Render and fit the paint."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("maps", type=Path)
     parser.add_argument("network", type=Path)
@@ -224,17 +176,8 @@ def main() -> None:
         features = np.concatenate([pooled(network, images), pooled(network, images[:, :, ::-1])])
         both = np.concatenate([truth, truth[:, [1, 0, 2, 3]]])
         layers = fit(torch.from_numpy(features), torch.from_numpy(both), layers_of(network))
-        data = with_layers(network, layers)
-        (options.out / NETWORK_FILE).write_bytes(data)
-        seen = pool.map(looks, [(job, data) for job in jobs_of_confidence(maps)], chunksize=1)
-    of_maps = Looks.joined([one for path, one in seen if path])
-    chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
-    drawn = Looks.joined([one for path, one in seen if not path])
-    text = confidence_text(fitted_to(chosen, drawn), LearnedLaneDetector.features)
-    (options.out / LearnedLaneDetector.confidence_file).write_text(text, encoding="utf-8")
-    print(
-        f"{len(images)} pictures for the paint, {len(chosen.error)} sides of maps and {len(drawn.error)} of situations"
-    )
+    (options.out / NETWORK_FILE).write_bytes(with_layers(network, layers))
+    print(f"{len(images)} pictures")
 
 
 if __name__ == "__main__":

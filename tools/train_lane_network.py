@@ -28,6 +28,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import torch
+from fit_learned_confidence import of_paint_alone
 from numpy.typing import NDArray
 from torch import nn
 from torch.nn import functional
@@ -40,12 +41,11 @@ from scenario_compiler.perception.calibration.figures import CONFIDENT, FITTED, 
 from scenario_compiler.perception.calibration.fit import area_under_curve
 from scenario_compiler.perception.calibration.maps import MapRoads
 from scenario_compiler.perception.calibration.truth import Truth, X
-from scenario_compiler.perception.confidence import Confidence, Tree, confidence_text
+from scenario_compiler.perception.confidence import Confidence, confidence_text
 from scenario_compiler.perception.lane_detector import LaneState
 from scenario_compiler.perception.learned_detector import (
     COLUMNS,
     HEIGHT,
-    LEARNED_FEATURES,
     NETWORK_FILE,
     PEAK,
     ROWS,
@@ -411,13 +411,6 @@ def train(data: Arrays, epochs: int, seconds: float, device: str, path: Path) ->
             export(averaged.folded(), path)
             exported = used
     return averaged.folded()
-
-
-def of_paint_alone() -> Confidence:
-    """Return a confidence that trusts what the network takes for painted, for looks to which another one is fitted."""
-    painted = LEARNED_FEATURES.index("painted")
-    tree = Tree([painted, -1, painted, -1, -1], [0.0, 0.5], [[-2.0] * 3, [1.0] * 3, [2.0] * 3])
-    return Confidence.of([0.0] * 3, [tree])
 
 
 def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.float64]]:

@@ -74,7 +74,7 @@ def add(commands: Commands) -> None:
 
 def calibrate_command(options: argparse.Namespace) -> int:
     """Measure the calibration, and write the page."""
-    from scenario_compiler.perception.calibration.cross_fit import seen_across, with_left_out
+    from scenario_compiler.perception.calibration.cross_fit import MORE, seen_across, with_left_out
     from scenario_compiler.perception.calibration.figures import figures_of, fitted
     from scenario_compiler.perception.calibration.gather import Gathered, gather_maps, gather_pictures
     from scenario_compiler.perception.confidence import confidence_text
@@ -112,9 +112,11 @@ def calibrate_command(options: argparse.Namespace) -> int:
         *([f"--detector {options.detector}"] if options.detector != "classical" else []),
     ]
     command = " ".join(["scenario-compiler calibrate", *given, "MAPS"])
-    names = tuple(sorted(gathered.maps))
-    measured = Measured(options.detector, command, minutes, options.workers, names, options.clips, options.pictures)
-    write_perception_page(figures, measured, options.output)
+    looks = f"{options.clips} clips of six images on each of {len(seen)} maps ({', '.join(sorted(seen))})"
+    if left_out:
+        looks += f", and {MORE * options.clips} on each of those that are left out of a fit"
+    measured = Measured(options.detector, command, minutes, options.workers, looks, options.pictures)
+    write_perception_page(figures, measured, options.output, confidence)
     if confidence is not None:
         detector = create_detector(named)
         text = confidence_text(confidence, detector.features)

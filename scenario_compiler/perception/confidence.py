@@ -246,13 +246,26 @@ def features(
             "other_painted": other.painted,
             "other_near": float((other.on_curve[_HALVES[0]] > STANDS_OUT).mean()),
         }
-        now = np.array([of_both[name] for name in LASTING])
         # What lies outside the image is no evidence against what was seen.
-        share = past.share * fit.in_view
-        lately = now if past.evidence is None else past.evidence + share * (now - past.evidence)
-        means = {name + LATELY: float(mean) for name, mean in zip(LASTING, lately, strict=True)}
+        means = running_means(LASTING, of_both, past.evidence, past.share * fit.in_view)
         rows.append(in_order(FEATURES, {**of_both, **means}))
     return rows[0], rows[1]
+
+
+def running_means(
+    names: tuple[str, ...], numbers: Mapping[str, float], before: Floats | None, share: float
+) -> dict[str, float]:
+    """Return the running means of features with one more image, by the names that the means have as features.
+
+    Args:
+        names: Names of the features.
+        numbers: The features of the new image.
+        before: (len(names),) means before it; None for the first image.
+        share: Weight of the new image.
+    """
+    now = np.array([numbers[name] for name in names])
+    lately = now if before is None else before + share * (now - before)
+    return {name + LATELY: float(mean) for name, mean in zip(names, lately, strict=True)}
 
 
 def in_order(names: tuple[str, ...], numbers: Mapping[str, float]) -> Floats:
@@ -266,9 +279,27 @@ def in_order(names: tuple[str, ...], numbers: Mapping[str, float]) -> Floats:
     return np.array([numbers[name] for name in names])
 
 
-def evidence(row: Floats) -> tuple[float, ...]:
-    """Return the features of a side that are kept for the next image: the running means at their end."""
-    return tuple(row[-len(LASTING) :].tolist())
+@dataclass(frozen=True)
+class Evidence:
+    """What a detector keeps of both sides for the next image besides the boundaries: running means of features.
+
+    Attributes:
+        names: Names of the features, which tell whose memory it is.
+        means: (len(names),) of the left and of the right side.
+    """
+
+    names: tuple[str, ...]
+    means: tuple[tuple[float, ...], tuple[float, ...]]
+
+    @staticmethod
+    def of(rows: tuple[Floats, Floats], names: tuple[str, ...]) -> Evidence:
+        """Return the evidence from the features of both sides, which end with the running means."""
+        left, right = (tuple(row[-len(names) :].tolist()) for row in rows)
+        return Evidence(names, (left, right))
+
+    def before(self, names: tuple[str, ...], side: int) -> Floats | None:
+        """Return the means of the left side, 0, or the right one, 1; None if another detector keeps others."""
+        return np.array(self.means[side]) if self.names == names else None
 
 
 def _of_side(
@@ -335,9 +366,14 @@ def _of_side(
         "noise": math.log1p(known.noise),
         "stray": fit.stray,
         "scatter": 10.0 * fit.scatter,
-        "junction": 0.1 * (WITHOUT_ROUTE if known.way is None else min(known.way.junction, JUNCTION_WITHIN)),
+        "junction": junction_ahead(known.way),
         **_continued(fit),
     }
+
+
+def junction_ahead(way: Course | None) -> float:
+    """Return the feature that says how far the next junction is along the route."""
+    return 0.1 * (WITHOUT_ROUTE if way is None else min(way.junction, JUNCTION_WITHIN))
 
 
 def _paint(fit: Fit, near: slice, brightness: float) -> dict[str, float]:

@@ -21,13 +21,14 @@ from scenario_compiler.perception.birds_eye import PITCH_STEP, X_FROM, BirdsEye,
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import (
     FEATURES,
+    LASTING,
     MIDDLE,
     NEWEST,
     PLACES,
     Before,
     Circumstances,
     Confidence,
-    evidence,
+    Evidence,
     features,
     load_confidence,
     noise_of,
@@ -152,7 +153,7 @@ class LaneResult:
         p_right: right.p * sensor_health.
         lane_width: Distance between the boundaries 10 m ahead, m.
         tilt: Tilt of the camera against the ground ahead, relative to its mounting.
-        evidence: The detector's memory of each side in addition to the boundary; None if it has none.
+        evidence: The detector's memory of the sides in addition to the boundaries; None if it has none.
     """
 
     left: Boundary
@@ -163,7 +164,7 @@ class LaneResult:
     p_right: float
     lane_width: float
     tilt: Tilt = LEVEL
-    evidence: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    evidence: Evidence | None = None
 
 
 @dataclass(frozen=True)
@@ -178,7 +179,7 @@ class LaneState:
         tilt: Tilt of the camera, relative to its mounting, against the ground ahead as the map has it; without a map,
             against the plane that the car stands on.
         last: Both boundaries of the last image, trusted or not.
-        evidence: The detector's memory of each side in addition to the boundary.
+        evidence: The detector's memory of the sides in addition to the boundaries.
         images: Number of images so far.
     """
 
@@ -188,7 +189,7 @@ class LaneState:
     way: Course | None = None
     tilt: Tilt = LEVEL
     last: tuple[Boundary, Boundary] | None = None
-    evidence: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    evidence: Evidence | None = None
     images: int = 0
 
     @property
@@ -292,7 +293,7 @@ class ClassicalLaneDetector:
             right.p * health,
             lane_width=_width(*fits),
             tilt=tilt,
-            evidence=(evidence(rows[0]), evidence(rows[1])),
+            evidence=Evidence.of(rows, LASTING),
         ), rows
 
     def examine(
@@ -377,7 +378,7 @@ def _before(state: LaneState, side: int) -> Before:
     return Before(
         None if middle is None else float(middle),
         None if state.last is None else _at(state.last[side], PLACES, state.way),
-        None if state.evidence is None else np.array(state.evidence[side]),
+        None if state.evidence is None else state.evidence.before(LASTING, side),
         max(NEWEST, 1.0 / (state.images + 1)),
     )
 

@@ -25,7 +25,17 @@ from numpy.typing import NDArray
 
 from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.confidence import PLACES, Confidence, in_order, load_confidence, noise_of
+from scenario_compiler.perception.confidence import (
+    NEWEST,
+    PLACES,
+    Confidence,
+    Evidence,
+    in_order,
+    junction_ahead,
+    load_confidence,
+    noise_of,
+    running_means,
+)
 from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.lane_detector import Boundary, LaneResult, LaneState
 from scenario_compiler.perception.road_plane import Tilt, tilt_of_widening
@@ -68,8 +78,16 @@ LEARNED_FEATURES = (
     *("other_painted", "other_present", "other_certain", "apart_slope", "apart_curvature"),
     *("noise", "remembered", "moved", "way"),
     *("lever", "deviation_tilt", "seen_off", "bend"),
+    *("junction", "off_route", "bent_off_route", "turn", "place", "heading"),
+    *("painted_lately", "certain_lately"),
 )
-"""Names of the features of its confidence."""
+"""Names of the features of its confidence; the last ones are running means of `LASTING`."""
+
+LASTING = ("painted", "certain")
+"""Features of which running means are features as well: paint that was there a moment ago is there."""
+
+NEAR, FAR = PLACES[0], PLACES[-1]
+"""Ends of the stretch on which a boundary has to be right, m."""
 
 TRAINED_FOR = Camera()
 
@@ -112,18 +130,19 @@ class LearnedLaneDetector:
         sigma_hat = noise_of(image)
         health = noise_health(sigma_hat)
         features = [
-            _features(side, other, tilt, seen_pitch, width, sigma_hat, before, state.way, sign)
-            for side, other, before, sign in (
-                (sides[0], sides[1], state.left, 1.0),
-                (sides[1], sides[0], state.right, -1.0),
-            )
+            _features(side, other, tilt, seen_pitch, width, sigma_hat, state, number)
+            for side, other, number in ((sides[0], sides[1], 0), (sides[1], sides[0], 1))
         ]
         left, right = (
             _boundary(side, *p) for side, p in zip(sides, self.confidence(np.stack(features)).tolist(), strict=True)
         )
         lane_width = float(left.y(10.0) - right.y(10.0))
-        result = LaneResult(left, right, health, sigma_hat, left.p * health, right.p * health, lane_width, tilt)
-        return result, (features[0], features[1])
+        both = features[0], features[1]
+        result = LaneResult(
+            left, right, health, sigma_hat, left.p * health, right.p * health, lane_width, tilt,
+            evidence=Evidence.of(both, LASTING),
+        )  # fmt: skip
+        return result, both
 
     def tell(self, image: Image) -> tuple[Floats, Floats, float, float]:
         """Return the network's output for an image.
@@ -263,51 +282,71 @@ def _features(
     seen_pitch: float,
     width: float,
     sigma: float,
-    before: Boundary | None,
-    way: Course | None,
-    sign: float,
+    state: LaneState,
+    number: int,
 ) -> Floats:
-    """Return the features of a side; `sign` is 1 for the left one and -1 for the right one."""
+    """Return the features of the left side, whose number is 0, or of the right one, 1."""
+    sign, way = 1.0 - 2.0 * number, state.way
+    trusted = (state.left, state.right)[number]
     x = np.array([12.0])
     off = abs(abs(side.curve[2] - other.curve[2]) - width)
     moved = 0.0
-    if before is not None:
-        moved = abs(float((np.vander(x, 3) @ np.array(side.curve))[0] - before.y(x)[0]))
-    return in_order(
-        LEARNED_FEATURES,
-        {
-            "painted": _logit(side.painted),
-            "present": side.present,
-            "certain": side.certain,
-            "spread": side.spread,
-            "alone": side.alone,
-            "residual": min(side.residual, 3.0),
-            "reach": side.reach[1] / 10.0,
-            "curvature": 80.0 * abs(side.curve[0]),
-            "offset": min(abs(abs(side.curve[2]) - 1.75), 1.5),
-            "tilt": 20.0 * abs(tilt.pitch),
-            "tilt_deviation": 60.0 * tilt.deviation,
-            "width_off": min(off, 1.0),
-            "other_painted": _logit(other.painted),
-            "other_present": other.present,
-            "other_certain": other.certain,
-            "apart_slope": min(20.0 * abs(side.curve[1] - other.curve[1]), 2.0),
-            "apart_curvature": min(100.0 * abs(side.curve[0] - other.curve[0]), 2.0),
-            "noise": math.log(sigma + 1.0),
-            "remembered": float(before is not None),
-            "moved": min(4.0 * moved, 2.0),
-            "way": float(way is not None),
-            "lever": side.lever / 20.0,
-            "deviation_tilt": math.log(side.lever * tilt.deviation / 0.1 + 0.1),
-            "seen_off": min(side.lever * abs(seen_pitch - tilt.pitch), 1.5),
-            "bend": 0.0 if way is None else 2.0 * sign * way.turn,
-        },
-    )
+    if trusted is not None:
+        moved = abs(float((np.vander(x, 3) @ np.array(side.curve))[0] - trusted.y(x)[0]))
+    numbers = {
+        "painted": _logit(side.painted),
+        "present": side.present,
+        "certain": side.certain,
+        "spread": side.spread,
+        "alone": side.alone,
+        "residual": min(side.residual, 3.0),
+        "reach": side.reach[1] / 10.0,
+        "curvature": 80.0 * abs(side.curve[0]),
+        "offset": min(abs(abs(side.curve[2]) - 1.75), 1.5),
+        "tilt": 20.0 * abs(tilt.pitch),
+        "tilt_deviation": 60.0 * tilt.deviation,
+        "width_off": min(off, 1.0),
+        "other_painted": _logit(other.painted),
+        "other_present": other.present,
+        "other_certain": other.certain,
+        "apart_slope": min(20.0 * abs(side.curve[1] - other.curve[1]), 2.0),
+        "apart_curvature": min(100.0 * abs(side.curve[0] - other.curve[0]), 2.0),
+        "noise": math.log(sigma + 1.0),
+        "remembered": float(trusted is not None),
+        "moved": min(4.0 * moved, 2.0),
+        "way": float(way is not None),
+        "lever": side.lever / 20.0,
+        "deviation_tilt": math.log(side.lever * tilt.deviation / 0.1 + 0.1),
+        "seen_off": min(side.lever * abs(seen_pitch - tilt.pitch), 1.5),
+        "bend": 0.0 if way is None else 2.0 * sign * way.turn,
+        "junction": junction_ahead(way),
+        **_off_route(side, way, sign),
+        "turn": 80.0 * sign * side.curve[0],
+        "place": min(max(sign * side.curve[2] - 1.75, -1.5), 1.5),
+        "heading": 10.0 * sign * side.curve[1],
+    }
+    before = None if state.evidence is None else state.evidence.before(LASTING, number)
+    means = running_means(LASTING, numbers, before, max(NEWEST, 1.0 / (state.images + 1)))
+    return in_order(LEARNED_FEATURES, numbers | means)
+
+
+def _off_route(side: _Side, way: Course | None, sign: float) -> dict[str, float]:
+    """Return by how much the boundary turns from the route on the judged stretch, and by how much more at its end."""
+    if way is None:
+        return {"off_route": 0.0, "bent_off_route": 0.0}
+    half, slope, _ = side.curve
+    ahead = np.array([NEAR, FAR])
+    begin, end = (sign * (np.arctan(2.0 * half * ahead + slope) - way.heading_at(ahead))).tolist()
+    return {"off_route": _within(5.0 * (begin + end)), "bent_off_route": _within(10.0 * (end - begin))}
 
 
 def _boundary(side: _Side, p_geom: float, p_paint: float, p: float) -> Boundary:
     curvature, slope, y0 = side.curve
     return Boundary(y0, slope, 2.0 * curvature, p_geom, p_paint, p, side.reach)
+
+
+def _within(number: float) -> float:
+    return min(max(number, -5.0), 5.0)
 
 
 def _logit(p: float) -> float:

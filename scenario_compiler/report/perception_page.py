@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scenario_compiler.perception.calibration.cross_fit import MORE
 from scenario_compiler.perception.calibration.figures import Asked, Figures, Worth
 from scenario_compiler.perception.calibration.montage import montage
+from scenario_compiler.perception.confidence import Confidence
 from scenario_compiler.perception.detectors import DetectorName
 from scenario_compiler.perception.machine import drawn_by
 from scenario_compiler.report.reliability_plot import write_reliability_plot
@@ -40,8 +40,7 @@ class Measured:
         command: The command that measured them.
         minutes: Duration of the measurement, min.
         processes: Number of cores.
-        maps: Names of the maps.
-        clips: Number of clips of each map.
+        looks: What was seen, as a part of a sentence.
         pictures: Number of pictures of each situation of the bank.
     """
 
@@ -49,27 +48,32 @@ class Measured:
     command: str
     minutes: float
     processes: int
-    maps: tuple[str, ...]
-    clips: int
+    looks: str
     pictures: int
 
 
-def write_perception_page(figures: Figures, measured: Measured, folder: Path) -> None:
-    """Write the detector's page and its pictures into a folder."""
+def write_perception_page(
+    figures: Figures, measured: Measured, folder: Path, confidence: Confidence | None = None
+) -> None:
+    """Write the detector's page and its pictures into a folder.
+
+    Args:
+        figures: The figures.
+        measured: How they were measured.
+        folder: The folder.
+        confidence: The confidence that is new, if the figures are not of the packaged one.
+    """
     stem = PAGES[measured.detector].removesuffix(".md").replace("-", "_")
     images = folder / "images"
     images.mkdir(parents=True, exist_ok=True)
     write_reliability_plot(figures, images / f"{stem}_reliability.png")
-    (images / f"{stem}_bank.jpg").write_bytes(montage(measured.detector, SHOWN))
+    (images / f"{stem}_bank.jpg").write_bytes(montage(measured.detector, SHOWN, confidence))
     (folder / PAGES[measured.detector]).write_text(_page(figures, measured, stem), encoding="utf-8")
 
 
 def _page(figures: Figures, measured: Measured, stem: str) -> str:
     left_out = figures.left_out
-    whose, more = "all maps", ""
-    if left_out:
-        whose = f"{', '.join(left_out)}: each judged by a fit to all other maps"
-        more = f", and {MORE * measured.clips} on each of those that are left out of a fit"
+    whose = f"{', '.join(left_out)}: each judged by a fit to all other maps" if left_out else "all maps"
     worst = sorted((one for one in figures.bank if one.misled > MISLEADING), key=lambda one: -one.misled)
     names = "; ".join(one.name for one in worst)
     misled = f"In {len(worst)} of them ({names})" if worst else "In none of them"
@@ -77,9 +81,9 @@ def _page(figures: Figures, measured: Measured, stem: str) -> str:
         INTRODUCTIONS[measured.detector],
         "## How far it can be trusted\n",
         f"Measured by `{measured.command}` in {measured.minutes:.0f} minutes on {measured.processes} cores, with "
-        f"OpenCV {drawn_by()['opencv']}: {measured.clips} clips of six images on each of {len(measured.maps)} maps "
-        f"({', '.join(measured.maps)}){more}. The tables show {whose}. *Single images* are detected without memory of "
-        "earlier ones; *driving* counts the images of a clip from the fourth on, detected with memory.\n",
+        f"OpenCV {drawn_by()['opencv']}: {measured.looks}. The tables show {whose}. *Single images* are detected "
+        "without memory of earlier ones; *driving* counts the images of a clip from the fourth on, detected with "
+        "memory.\n",
         f"![Reliability diagram](images/{stem}_reliability.png)\n",
         "Each image has two *sides*, the left and the right boundary. *Area* is the area under the receiver operating "
         "characteristic, *error* the expected calibration error over ten bins, *largest* the largest error of a bin "

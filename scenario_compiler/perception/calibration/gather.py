@@ -88,7 +88,11 @@ def gather_maps(
 
 
 def gather_pictures(
-    detector: DetectorName, pictures: int, processes: int, progress: Progress | None = None
+    detector: DetectorName,
+    pictures: int,
+    processes: int,
+    progress: Progress | None = None,
+    seen_with: Confidence | None = None,
 ) -> tuple[tuple[Looks, ...], Looks]:
     """Return the observations of each situation of the bank, and of random situations, all seen without memory.
 
@@ -97,10 +101,11 @@ def gather_pictures(
         pictures: Number of pictures of each situation of the bank; there are fifteen times as many random situations.
         processes: Number of worker processes.
         progress: Where progress is reported.
+        seen_with: The confidence with which they are seen, the packaged one if None.
     """
     jobs = [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
     jobs += [_Job(detector, "drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]
-    done = _done(jobs, processes, {}, progress)
+    done = _done(jobs, processes, {} if seen_with is None else {NO_MAP: seen_with}, progress)
     return tuple(done[: len(BANK)]), Looks.joined(done[len(BANK) :])
 
 
@@ -127,8 +132,12 @@ def _begin(seen_with: dict[str, Confidence]) -> None:
     _seen_with.update(seen_with)
 
 
+NO_MAP = ""
+"""Stands for a map's name where pictures are of none."""
+
+
 @lru_cache(maxsize=1)
-def _detector(name: DetectorName, on_map: str = "") -> CalibratedDetector:
+def _detector(name: DetectorName, on_map: str = NO_MAP) -> CalibratedDetector:
     return create_detector(name, confidence=_seen_with.get(on_map))
 
 

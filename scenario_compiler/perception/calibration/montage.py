@@ -9,15 +9,22 @@ import numpy as np
 
 from scenario_compiler.perception.calibration.bank import BANK, pictures
 from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.confidence import Confidence
 from scenario_compiler.perception.detectors import DetectorName, create_detector
 from scenario_compiler.perception.overlay import draw_lanes
 
 ACROSS, SCALE, SEED = 4, 0.75, 5
 
 
-def montage(name: DetectorName, situations: Sequence[str]) -> bytes:
-    """Return a JPEG with a picture of each situation, the detected boundaries, and the confidence in both sides."""
-    detector, tiles = create_detector(name), []
+def montage(name: DetectorName, situations: Sequence[str], confidence: Confidence | None = None) -> bytes:
+    """Return a JPEG with a picture of each situation, the detected boundaries, and the confidence in both sides.
+
+    Args:
+        name: Name of the detector.
+        situations: Names of the situations.
+        confidence: The detector's confidence, the packaged one if None.
+    """
+    detector, tiles = create_detector(name, confidence=confidence), []
     for called in situations:
         situation = next(one for one in BANK if one.name == called)
         image, _ = next(pictures(situation, SEED, 1))
