@@ -12,13 +12,22 @@ from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import (
     ActivateControllerAction,
     AtRate,
+    ConnectTrailerAction,
+    DisconnectTrailerAction,
     EnvironmentAction,
+    FollowPathAction,
     FollowTrajectoryAction,
     LaneChangeAction,
     LaneChangeToAction,
+    LaneOffsetAction,
+    LateralDistanceAction,
+    LimitedLaneOffsetAction,
+    LongitudinalDistanceAction,
     OverrideControllerAction,
     RelativeSpeedAction,
     SpeedAction,
+    SpeedProfileAction,
+    SynchronizeAction,
     TrafficSwarmAction,
 )
 from scenario_compiler.vocabulary.horizon import TOLERANCE
@@ -34,7 +43,8 @@ WITHOUT_EFFECT = Code(
     "`deceleration` of an automation that does not slow down, a pedal beyond its limit or a speed "
     "above the greatest one of the vehicle (`maxSpeed`), which acts as the limit, a "
     "<timing> of a trajectory without times, a rate of 0, which acts as a step, a swarm whose `inner_radius` "
-    "contains its whole ellipse, so that no vehicle appears, or one whose directions both have the weight 0.\n\n"
+    "contains its whole ellipse, so that no vehicle appears, one whose directions both have the weight 0, or an action "
+    "that would move a trailer which is towed in the whole scenario.\n\n"
     '    <automation after="follow" deceleration="2"/>     only after="slow_down" uses it\n'
     '    <override_controller input="throttle" active="true" value="5"/>     acts as 1, full throttle',
     Severity.WARNING,
@@ -46,6 +56,13 @@ SHARES = ("throttle", "brake", "clutch", "parking_brake")
 CHANGES = (SpeedAction, RelativeSpeedAction, LaneChangeAction, LaneChangeToAction)
 """Actions whose change may be given by its rate."""
 
+DRIVING = (
+    SpeedAction, RelativeSpeedAction, SpeedProfileAction, LongitudinalDistanceAction, SynchronizeAction,
+    LaneChangeAction, LaneChangeToAction, LaneOffsetAction, LimitedLaneOffsetAction, LateralDistanceAction,
+    FollowTrajectoryAction, FollowPathAction,
+)  # fmt: skip
+"""Actions that say how an entity drives, which a trailer does not while it is towed."""
+
 SWITCHES = ("longitudinal", "lateral", "lighting", "animation")
 
 
@@ -55,6 +72,7 @@ def check_effects(plan: Plan, network: Network, sink: Diagnostics) -> None:
     values = parameter_values(plan.parameters)
     _check_automation(plan.takeover.automation, sink)
     _check_speeds(plan, values, sink)
+    _check_towed(plan, sink)
     for word in walk(plan.storyboard):
         if isinstance(word, ActivateControllerAction):
             if all(getattr(word, name) is None for name in SWITCHES):
@@ -82,6 +100,21 @@ def _check_speeds(plan: Plan, values: Mapping[str, Value], sink: Diagnostics) ->
             if abs(speed) > fastest[actor] + TOLERANCE:
                 message = f"'{actor}' drives at most {fastest[actor]:g} m/s: {speed:g} m/s acts as that"
                 sink.add(WITHOUT_EFFECT, message, action.place_of("to"))
+
+
+def _check_towed(plan: Plan, sink: Diagnostics) -> None:
+    """Warn of actions that would move a trailer that is connected in the init and stays so."""
+    towing = {
+        initial.action.trailer: initial.entity
+        for initial in plan.storyboard.init
+        if isinstance(initial.action, ConnectTrailerAction)
+    }
+    changes = ConnectTrailerAction, DisconnectTrailerAction
+    changing = {actor for actor, action in plan.storyboard.story_actions() if isinstance(action, changes)}
+    for actor, action in plan.storyboard.story_actions():
+        if actor in towing and not changing and isinstance(action, DRIVING):
+            message = f"<{action.tag()}> does not move '{actor}', which '{towing[actor]}' tows in the whole scenario"
+            sink.add(WITHOUT_EFFECT, message, action.origin)
 
 
 def _check_automation(automation: Automation, sink: Diagnostics) -> None:
