@@ -111,7 +111,7 @@ def test_beside_one_broken_line_the_tilt_stays_near_the_estimate() -> None:
     reference = Reference([(160.0, 0.0, 0.0)])
     strips = [Strip(30.0, -30.0, Material.VERGE), Strip(5.6, -2.2)]
     farthest = []
-    for phase in np.arange(0.0, 12.0, 0.75):
+    for phase in np.arange(0.0, 12.0, 1.5):
         camera = RoadCamera(make_scene(reference, strips, [Line(1.75, 3.0, 9.0, float(phase))]))
         state, seen = LaneState(), []
         for frame in range(12):
