@@ -7,8 +7,9 @@ sides of a lane usually are parallel, so the tilt is estimated from their rows a
 combined (see `road_plane`). Rows are projected to the ground with the tilt, and a parabola is fitted to them, weighted
 by their certainty. The confidence is calibrated like that of the classical detector, on properties of the rows.
 
-It was trained for the default camera by `tools/train_lane_network.py` and `tools/fit_lane_head.py`; the picture of
-another camera is rectified to that camera. docs/perception-learned.md has its results.
+It was trained for the default camera by `tools/train_lane_network.py`, `tools/fit_lane_head.py` and
+`tools/fit_learned_confidence.py`; the picture of another camera is rectified to that camera. docs/perception-learned.md
+has its results.
 """
 
 from __future__ import annotations

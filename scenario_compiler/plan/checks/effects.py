@@ -104,15 +104,13 @@ def _check_speeds(plan: Plan, values: Mapping[str, Value], sink: Diagnostics) ->
 
 def _check_towed(plan: Plan, sink: Diagnostics) -> None:
     """Warn of actions that would move a trailer that is connected in the init and stays so."""
-    towing = {
-        initial.action.trailer: initial.entity
-        for initial in plan.storyboard.init
-        if isinstance(initial.action, ConnectTrailerAction)
-    }
-    changes = ConnectTrailerAction, DisconnectTrailerAction
-    changing = {actor for actor, action in plan.storyboard.story_actions() if isinstance(action, changes)}
-    for actor, action in plan.storyboard.story_actions():
-        if actor in towing and not changing and isinstance(action, DRIVING):
+    acting = list(plan.storyboard.story_actions())
+    if any(isinstance(action, (ConnectTrailerAction, DisconnectTrailerAction)) for _, action in acting):
+        return
+    init = plan.storyboard.init
+    towing = {one.action.trailer: one.entity for one in init if isinstance(one.action, ConnectTrailerAction)}
+    for actor, action in acting:
+        if actor in towing and isinstance(action, DRIVING):
             message = f"<{action.tag()}> does not move '{actor}', which '{towing[actor]}' tows in the whole scenario"
             sink.add(WITHOUT_EFFECT, message, action.origin)
 
