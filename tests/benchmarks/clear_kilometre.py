@@ -1,6 +1,6 @@
 """Drives lane detection over given maps at a clear noon, and counts takeover requests without a reason.
 
-    python tests/benchmarks/clear_kilometre.py [--metres 1000] [--jobs 2] MAP...
+    python tests/benchmarks/clear_kilometre.py [--metres 1000] [--jobs 2] [--detector learned] MAP...
 
 For each map: how many km of its lanes are painted on both sides, how far was driven on such, and the requests there,
 outside junctions (with none within 25 m ahead) and near them. Bends are driven at their own speed.
@@ -18,6 +18,7 @@ from typing import NamedTuple
 import cv2
 
 from scenario_compiler import compile_scenario, load_network, open_world, run
+from scenario_compiler.perception.detectors import DETECTORS, DetectorName
 from scenario_compiler.roads import LanePosition, Network
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_width
@@ -32,7 +33,7 @@ EVERY = 15
 SCENARIO = """<scenarios version="1"><scenario name="clear" map="{map}" weather="ClearNoon" duration="{duration}"
   summary="A clear drive" step="0.0333333333" control_every="2">
   <ego speed="{begin}"><start><lane road="{road}" lane="{lane}" s="{s}"/></start>
-    <controller model="lane_detection"/></ego>
+    <controller model="lane_detection"><detector model="{detector}"/></controller></ego>
   <takeover budget="7"><cause kind="lane_confidence"/><driver takeover_time="30"/></takeover>
 </scenario></scenarios>"""
 
@@ -88,7 +89,7 @@ def counts(network: Network, place: LanePosition) -> tuple[bool, bool]:
     return clear, near
 
 
-def drive(path: str, metres: float) -> Driven:
+def drive(path: str, metres: float, detector: DetectorName) -> Driven:
     """Drive on a map."""
     cv2.setNumThreads(1)
     network = load_network(path)
@@ -100,8 +101,9 @@ def drive(path: str, metres: float) -> Driven:
         bend = max(abs(network.curvature(start.road, start.s)), 1e-4)
         begin = min(SPEED, math.sqrt(2.5 / bend))
         text = SCENARIO.format(
-            map=path, duration=LONGEST / SPEED, begin=begin, road=start.road, lane=start.lane, s=start.s
-        )
+            map=path, duration=LONGEST / SPEED, begin=begin, road=start.road, lane=start.lane, s=start.s,
+            detector=detector,
+        )  # fmt: skip
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "clear.xml"
             file.write_text(text, encoding="utf-8")
@@ -131,7 +133,7 @@ def drive(path: str, metres: float) -> Driven:
     return Driven(total / 1000.0, driven, outside, near, places)
 
 
-def _drive(job: tuple[str, float]) -> tuple[str, Driven]:
+def _drive(job: tuple[str, float, DetectorName]) -> tuple[str, Driven]:
     return job[0], drive(*job)
 
 
@@ -140,9 +142,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--metres", type=float, default=1000.0)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--detector", choices=list(DETECTORS), default="classical")
     parser.add_argument("maps", nargs="+")
     options = parser.parse_args()
-    jobs = [(str(Path(one).resolve()), options.metres) for one in options.maps]
+    jobs = [(str(Path(one).resolve()), options.metres, options.detector) for one in options.maps]
     with multiprocessing.get_context("spawn").Pool(options.jobs) as pool:
         print("| map | painted on both sides, km | driven there, m | requests outside junctions | near them |")
         print("|---|---:|---:|---:|---:|")
