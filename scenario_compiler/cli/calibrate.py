@@ -28,6 +28,9 @@ from scenario_compiler.resources import maps_folder
 CLIPS, PICTURES = 480, 60
 """Clips of each map and pictures of each situation; the packaged maps take about three minutes on two cores."""
 
+DRAWN = 15
+"""Number of random situations for each picture of a situation of the bank."""
+
 
 def add(commands: Commands) -> None:
     """Declare the command."""
@@ -76,7 +79,7 @@ def calibrate_command(options: argparse.Namespace) -> int:
     """Measure the calibration, and write the page."""
     from scenario_compiler.perception.calibration.cross_fit import MORE, seen_across, with_left_out
     from scenario_compiler.perception.calibration.figures import figures_of, fitted
-    from scenario_compiler.perception.calibration.gather import Gathered, gather_maps, gather_pictures
+    from scenario_compiler.perception.calibration.gather import Gathered, gather_bank, gather_drawn, gather_maps
     from scenario_compiler.perception.confidence import confidence_text
     from scenario_compiler.report.perception_page import PAGES, Measured, write_perception_page
 
@@ -98,7 +101,9 @@ def calibrate_command(options: argparse.Namespace) -> int:
     if missing or not seen:
         complain(f"there is no driving lane in {', '.join(missing) or 'any map'}")
         return AT_FAULT
-    gathered = Gathered(seen, *gather_pictures(named, options.pictures, workers, progress), options.clips)
+    bank = gather_bank(named, options.pictures, workers, progress)
+    drawn = gather_drawn(named, DRAWN * options.pictures, workers, progress)
+    gathered = Gathered(seen, bank, drawn, options.clips)
     if options.fit or left_out:
         gathered = seen_across(named, maps, gathered, workers, left_out, progress)
     confidence = fitted(gathered) if options.fit else None

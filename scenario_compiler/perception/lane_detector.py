@@ -197,6 +197,15 @@ class LaneState:
         """Width of the lane by the map, or else as it was seen, m; None if neither is known."""
         return self.width if self.way is None or self.way.width is None else self.way.width
 
+    @property
+    def newest(self) -> float:
+        """Weight of the next image in running means."""
+        return max(NEWEST, 1.0 / (self.images + 1))
+
+    def lately(self, names: tuple[str, ...], side: int) -> Floats | None:
+        """Return the running means of features of the left side, 0, or the right one, 1 (see `Evidence.before`)."""
+        return None if self.evidence is None else self.evidence.before(names, side)
+
     def after(self, result: LaneResult) -> LaneState:
         """Return the state after one more image."""
         width = self.width
@@ -378,8 +387,8 @@ def _before(state: LaneState, side: int) -> Before:
     return Before(
         None if middle is None else float(middle),
         None if state.last is None else _at(state.last[side], PLACES, state.way),
-        None if state.evidence is None else state.evidence.before(LASTING, side),
-        max(NEWEST, 1.0 / (state.images + 1)),
+        state.lately(LASTING, side),
+        state.newest,
     )
 
 

@@ -27,7 +27,6 @@ from numpy.typing import NDArray
 from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import (
-    NEWEST,
     PLACES,
     Confidence,
     Evidence,
@@ -86,9 +85,6 @@ LEARNED_FEATURES = (
 
 LASTING = ("painted", "certain")
 """Features of which running means are features as well: paint that was there a moment ago is there."""
-
-NEAR, FAR = PLACES[0], PLACES[-1]
-"""Ends of the stretch on which a boundary has to be right, m."""
 
 TRAINED_FOR = Camera()
 
@@ -326,8 +322,7 @@ def _features(
         "place": min(max(sign * side.curve[2] - 1.75, -1.5), 1.5),
         "heading": 10.0 * sign * side.curve[1],
     }
-    before = None if state.evidence is None else state.evidence.before(LASTING, number)
-    means = running_means(LASTING, numbers, before, max(NEWEST, 1.0 / (state.images + 1)))
+    means = running_means(LASTING, numbers, state.lately(LASTING, number), state.newest)
     return in_order(LEARNED_FEATURES, numbers | means)
 
 
@@ -336,7 +331,7 @@ def _off_route(side: _Side, way: Course | None, sign: float) -> dict[str, float]
     if way is None:
         return {"off_route": 0.0, "bent_off_route": 0.0}
     half, slope, _ = side.curve
-    ahead = np.array([NEAR, FAR])
+    ahead = PLACES[[0, -1]]
     begin, end = (sign * (np.arctan(2.0 * half * ahead + slope) - way.heading_at(ahead))).tolist()
     return {"off_route": _within(5.0 * (begin + end)), "bent_off_route": _within(10.0 * (end - begin))}
 

@@ -42,6 +42,15 @@ def parts_of(names: Collection[str], left_out: Collection[str]) -> list[frozense
     return [*sorted(alone, key=min), *(frozenset().union(*others[k::PARTS]) for k in range(min(PARTS, len(others))))]
 
 
+def fits_to_others(gathered: Gathered, left_out: Collection[str]) -> dict[str, Confidence]:
+    """Return, by the name of each map, a confidence fitted to the other parts; there is none if there is one part."""
+    found: dict[str, Confidence] = {}
+    for part in parts_of(gathered.maps, left_out):
+        if len(part) < len(gathered.maps):
+            found |= dict.fromkeys(part, fitted(gathered, part))
+    return found
+
+
 def seen_across(
     detector: DetectorName,
     maps: Sequence[Path],
@@ -60,10 +69,7 @@ def seen_across(
         left_out: Names of maps that are a part of their own.
         progress: Where progress is reported.
     """
-    seen_with: dict[str, Confidence] = {}
-    for part in parts_of(gathered.maps, left_out):
-        if len(part) < len(gathered.maps):
-            seen_with |= dict.fromkeys(part, fitted(gathered, part))
+    seen_with = fits_to_others(gathered, left_out)
     return replace(gathered, maps=gather_maps(detector, maps, gathered.clips, processes, seen_with, progress))
 
 

@@ -51,6 +51,7 @@ class _Job(NamedTuple):
     which: str
     first: int
     last: int
+    lorries: float = 0.0
 
 
 Progress = Callable[[int, int], None]
@@ -64,6 +65,7 @@ def gather_maps(
     processes: int,
     seen_with: Mapping[str, Confidence] = MappingProxyType({}),
     progress: Progress | None = None,
+    lorries: float = 0.0,
 ) -> dict[str, Looks]:
     """Return the observations of clips, by the map's name.
 
@@ -75,11 +77,13 @@ def gather_maps(
         seen_with: The confidence with which the clips of a map are seen, by its name; it decides what is remembered.
             Other maps are seen with the packaged confidence.
         progress: Where progress is reported.
+        lorries: Share of the clips in which a lorry is close ahead.
 
     Raises:
         CompileError: A road file cannot be read.
     """
-    jobs = [_Job(detector, "map", str(path), k, min(k + PART, clips)) for path in maps for k in range(0, clips, PART)]
+    parts = [(k, min(k + PART, clips)) for k in range(0, clips, PART)]
+    jobs = [_Job(detector, "map", str(path), *part, lorries) for path in maps for part in parts]
     by_map: dict[str, list[Looks]] = {}
     for job, looks in zip(jobs, _done(jobs, processes, seen_with, progress), strict=True):
         if len(looks.error):
@@ -87,26 +91,36 @@ def gather_maps(
     return {name: Looks.joined(parts) for name, parts in by_map.items()}
 
 
-def gather_pictures(
+def gather_bank(
     detector: DetectorName,
     pictures: int,
     processes: int,
     progress: Progress | None = None,
     seen_with: Confidence | None = None,
-) -> tuple[tuple[Looks, ...], Looks]:
-    """Return the observations of each situation of the bank, and of random situations, all seen without memory.
+) -> tuple[Looks, ...]:
+    """Return the observations of each situation of the bank, seen without memory.
 
     Args:
         detector: Name of the detector.
-        pictures: Number of pictures of each situation of the bank; there are fifteen times as many random situations.
+        pictures: Number of pictures of each situation.
         processes: Number of worker processes.
         progress: Where progress is reported.
         seen_with: The confidence with which they are seen, the packaged one if None.
     """
     jobs = [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
-    jobs += [_Job(detector, "drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]
-    done = _done(jobs, processes, {} if seen_with is None else {NO_MAP: seen_with}, progress)
-    return tuple(done[: len(BANK)]), Looks.joined(done[len(BANK) :])
+    return tuple(_done(jobs, processes, {} if seen_with is None else {NO_MAP: seen_with}, progress))
+
+
+def gather_drawn(
+    detector: DetectorName,
+    count: int,
+    processes: int,
+    progress: Progress | None = None,
+    seen_with: Confidence | None = None,
+) -> Looks:
+    """Return the observations of `count` random situations, seen without memory (see `gather_bank`)."""
+    jobs = [_Job(detector, "drawn", "", k, min(k + PART, count)) for k in range(0, count, PART)]
+    return Looks.joined(_done(jobs, processes, {} if seen_with is None else {NO_MAP: seen_with}, progress))
 
 
 def _done(
@@ -142,8 +156,8 @@ def _detector(name: DetectorName, on_map: str = NO_MAP) -> CalibratedDetector:
 
 
 @lru_cache(maxsize=1)
-def _roads(path: str) -> MapRoads:
-    return MapRoads(load_network(path))
+def _roads(path: str, lorries: float) -> MapRoads:
+    return MapRoads(load_network(path), lorries=lorries)
 
 
 def _do(job: _Job) -> Looks:
@@ -152,7 +166,9 @@ def _do(job: _Job) -> Looks:
     if job.kind == "drawn":
         return look_at_drawn(_detector(job.detector), DRAWN_SEED, range(job.first, job.last))
     name = Path(job.which).stem
-    return look_at_map(_roads(job.which), _detector(job.detector, name), seed_of(name), range(job.first, job.last))
+    return look_at_map(
+        _roads(job.which, job.lorries), _detector(job.detector, name), seed_of(name), range(job.first, job.last)
+    )
 
 
 def seed_of(name: str) -> int:
