@@ -43,18 +43,8 @@ from scenario_compiler.perception.calibration.maps import MapRoads
 from scenario_compiler.perception.calibration.truth import Truth, X
 from scenario_compiler.perception.confidence import Confidence, confidence_text
 from scenario_compiler.perception.lane_detector import LaneState
-from scenario_compiler.perception.learned_detector import (
-    COLUMNS,
-    HEIGHT,
-    NETWORK_FILE,
-    PEAK,
-    ROWS,
-    TRAINED_FOR,
-    WIDTH,
-    LearnedLaneDetector,
-    Rows,
-    ground_of,
-)
+from scenario_compiler.perception.lane_rows import COLUMNS, PEAK, ROWS, TRAINED_FOR, Rows, ground_of
+from scenario_compiler.perception.learned_detector import HEIGHT, NETWORK_FILE, WIDTH, LearnedLaneDetector
 from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.roads import load_network

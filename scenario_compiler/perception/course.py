@@ -40,6 +40,9 @@ LEAST_SCALE = 0.2
 MOST_MOVED = 0.5
 """Motion across the route between two images from which they have other routes, m."""
 
+PLACED, PLACING_STEPS = np.arange(-2.0, 40.0, 0.5), 2
+"""Distances along the route among which the one nearest to a point is taken, m, and Newton's steps from there."""
+
 CROSSING_STEPS = 4
 """Steps of Newton's method to where a boundary crosses the route's normal."""
 
@@ -140,6 +143,23 @@ class Course:
         aside = np.where(1.0 - bend * aside > LEAST_SCALE, aside, np.nan)
         x, y = np.interp(s, self.s, self.x), np.interp(s, self.s, self.y)
         return x - aside * np.sin(heading), y + aside * np.cos(heading)
+
+    def place(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """Return s and t (n,) of points (n,), m, on the normal of the nearest point of the route up to `PLACED`."""
+        near = (x[:, None] - np.interp(PLACED, self.s, self.x)) ** 2 + (
+            y[:, None] - np.interp(PLACED, self.s, self.y)
+        ) ** 2
+        s = PLACED[near.argmin(axis=1)]
+        for _ in range(PLACING_STEPS):
+            heading, dx, dy = self._off(s, x, y)
+            s = s + dx * np.cos(heading) + dy * np.sin(heading)
+        heading, dx, dy = self._off(s, x, y)
+        aside = dy * np.cos(heading) - dx * np.sin(heading)
+        return s, aside / np.interp(s, self.s, self.scale) + self.aside
+
+    def _off(self, s: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the route's heading at s, and by how much points are off the route's point there."""
+        return self.heading_at(s), x - np.interp(s, self.s, self.x), y - np.interp(s, self.s, self.y)
 
     def _from_route(self, s: Floats, t: Floats) -> Floats:
         """Return the distance from the route to the left, m, at s and t, which broadcast."""

@@ -123,6 +123,18 @@ class Boundary:
         """Return the lateral position at x metres straight ahead of the camera (see `as_parabola`)."""
         return self.as_parabola().across(x)
 
+    def at(self, ahead: ArrayLike, way: Course | None) -> Floats | None:
+        """Return how far to the left it is at some distances ahead, along the route that is known now if one is, m.
+
+        It is None if the boundary does not cross the route's normal there.
+        """
+        if way is None:
+            return self.y(ahead)
+        if self.course is not None:
+            return self.across(ahead) + way.moved_since(self.course)
+        across = way.across(np.asarray(ahead, np.float64), (self.y0, self.slope, self.curvature))
+        return across if np.isfinite(across).all() else None
+
     def slope_at(self, x: float) -> float:
         """Return dy/dx at x metres ahead."""
         return self.slope + self.curvature * x
@@ -216,7 +228,7 @@ class LaneState:
             _remembered(self.right, result.right),
             width,
             self.way,
-            tilt=result.tilt.less(_grade_of(result.left.course)).later(),
+            tilt=result.tilt.less(grade_of(result.left.course)).later(),
             last=(result.left, result.right),
             evidence=result.evidence,
             images=self.images + 1,
@@ -312,7 +324,7 @@ class ClassicalLaneDetector:
         state = prior if prior is not None else LaneState()
         expected = state.expected_width
         width, spread = (USUAL_WIDTH, USUAL_SPREAD) if expected is None else (expected, KNOWN_SPREAD)
-        grade = _grade_of(state.way)
+        grade = grade_of(state.way)
         known = Circumstances(width, Tilt(0.0, 0.0), Tilt(0.0, 0.0), 0.0, self.camera.z, noise, state.way)
         before = _before(state, 0), _before(state, 1)
         if pitch is not None:
@@ -383,10 +395,10 @@ class ClassicalLaneDetector:
 
 def _before(state: LaneState, side: int) -> Before:
     trusted = (state.left, state.right)[side]
-    middle = None if trusted is None else _at(trusted, MIDDLE, state.way)
+    middle = None if trusted is None else trusted.at(MIDDLE, state.way)
     return Before(
         None if middle is None else float(middle),
-        None if state.last is None else _at(state.last[side], PLACES, state.way),
+        None if state.last is None else state.last[side].at(PLACES, state.way),
         state.lately(LASTING, side),
         state.newest,
     )
@@ -407,7 +419,8 @@ def _remembered(before: Boundary | None, now: Boundary) -> Boundary | None:
     return before if now.in_view < IN_VIEW else None
 
 
-def _grade_of(way: Course | None) -> float:
+def grade_of(way: Course | None) -> float:
+    """Return the tilt that the map gives the ground ahead, rad, 0 without a route (see `Course.grade`)."""
     return 0.0 if way is None else way.grade
 
 
@@ -416,24 +429,11 @@ def _width(left: Fit, right: Fit) -> float:
     return float((arc_y(left.curve, at) - arc_y(right.curve, at))[0])
 
 
-def _at(boundary: Boundary, ahead: Floats, way: Course | None) -> Floats | None:
-    """Return how far to the left a boundary is at some distances ahead, along the route if it is known, m.
-
-    It is None if the boundary does not cross the route's normal there.
-    """
-    if way is None:
-        return boundary.y(ahead)
-    if boundary.course is not None:
-        return boundary.across(ahead) + way.moved_since(boundary.course)
-    across = way.across(ahead, (boundary.y0, boundary.slope, boundary.curvature))
-    return across if np.isfinite(across).all() else None
-
-
 def _curve(boundary: Boundary | None, way: Course | None) -> Floats | None:
     """Return offset, slope and curvature of a boundary 5 m ahead; None if there is none along the route."""
     if boundary is None:
         return None
-    places = _at(boundary, PLACES, way)
+    places = boundary.at(PLACES, way)
     if places is None:
         return None
     half, slope, offset = np.polyfit(PLACES - X_FROM, places, 2)

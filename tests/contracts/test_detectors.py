@@ -5,20 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from scenario_compiler.controllers.detectors import detector_maker
 from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import look_at_bank
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import load_confidence
+from scenario_compiler.perception.course import Course
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.detectors import DETECTORS, DetectorName, create_detector
 from scenario_compiler.perception.lane_detector import LaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.trust import Trust, code_name
 from tests.pages import code_blocks
 from tests.perception.scenery import CLEAR, bend, two_lanes
@@ -117,6 +122,34 @@ def test_other_mountings_are_taken_into_account(make: Make, change: dict[str, fl
     found = make(camera).detect(image_of(camera))
     for boundary, y in ((found.left, 1.75), (found.right, -1.75)):
         assert np.abs(boundary.y(X) - y).max() < 0.3
+
+
+prepared = lru_cache(create_detector)
+TURNED = RoadCamera(two_lanes(bend(60.0))).frame(bend(60.0).pose(70.0), [], CLEAR, 0.0, 0)
+
+
+@pytest.mark.parametrize("name", DETECTORS)
+@settings(deadline=None, max_examples=30)
+@given(
+    radius=st.floats(2.0, 60.0),
+    side=st.sampled_from([-1.0, 1.0]),
+    aside=st.floats(-5.0, 5.0),
+    begin=st.floats(-6.0, 15.0),
+)
+def test_every_route_gives_numbers(name: DetectorName, radius: float, side: float, aside: float, begin: float) -> None:
+    angles = np.maximum(np.arange(-3.0, 36.0) - begin, 0.0) / radius
+    x = np.minimum(np.arange(-3.0, 36.0), begin) + radius * np.sin(angles)
+    y = aside + side * radius * (1.0 - np.cos(angles))
+    course, state = Course.along([WayPoint(*one) for one in zip(x.tolist(), y.tolist(), strict=True)]), LaneState()
+    detector = prepared(name)
+    for way in (None, course, course, None):
+        found, rows = detector.look(TURNED, replace(state, way=way))
+        state = state.after(found)
+        assert all(np.isfinite(row).all() for row in rows)
+        for one in (found.left, found.right):
+            assert np.isfinite([one.y0, one.slope, one.curvature, one.p_geom, one.p_paint, one.p]).all()
+        assert math.isfinite(found.tilt.pitch)
+        assert math.isfinite(found.tilt.deviation)
 
 
 @pytest.mark.parametrize("name", DETECTORS)

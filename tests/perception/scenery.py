@@ -2,10 +2,15 @@
 
 import math
 
+import numpy as np
+
 from scenario_compiler.perception.calibration.scenes import Fading, Line, Reference, Strip, make_scene
 from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.course import Course
+from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.perception.scene import Scene, joined_marks
 from scenario_compiler.roads.mesh import Material
+from scenario_compiler.roads.positions import Pose
 from scenario_compiler.vocabulary.weather import Weather, weather_preset
 
 EU_DASH, US_DASH, SOLID = (6.0, 12.0), (3.0, 9.0), (0.0, 0.0)
@@ -47,6 +52,19 @@ def two_lanes(
     ]
     strips = [Strip(30.0, -30.0, Material.VERGE), Strip(1.5 * width + 0.6, -0.5 * width - 0.6)]
     return make_scene(reference, strips, lines)
+
+
+def in_ground(points: np.ndarray, pose: Pose) -> np.ndarray:
+    """Points (n, 2) of a level world in the ground frame of the default camera of a car at a pose."""
+    flat = np.concatenate([points, np.zeros((len(points), 1))], axis=1)
+    return Camera().view(pose, 1.4).world_to_ground(flat)
+
+
+def route(reference: Reference, pose: Pose) -> Course | None:
+    """The planned route from there along a reference line."""
+    begin, _ = reference.offset(pose.x, pose.y)
+    ground = in_ground(reference.at(begin + np.arange(40.0)), pose)
+    return Course.along([WayPoint(float(x), float(y)) for x, y in ground])
 
 
 def fork(*branches: Reference) -> Scene:

@@ -92,3 +92,14 @@ def test_the_road_rises_along_the_route_and_to_its_side() -> None:
     assert course.height(S, np.full_like(S, 1.0)) == pytest.approx(-0.04 * S)
     assert course.height(S, np.full_like(S, 3.0)) == pytest.approx(-0.04 * S + 0.04)
     assert course.grade == pytest.approx(0.04)
+
+
+@pytest.mark.parametrize("radius", [-40.0, -12.0, 12.0, 40.0])
+@pytest.mark.parametrize("t", [-2.5, 0.0, 2.5])
+def test_points_have_the_place_along_the_route_at_which_they_are_seen(radius: float, t: float) -> None:
+    course = Course.along(arc(radius, 0.7))
+    assert course is not None
+    x, y = course.points(S, np.full_like(S, t))
+    back_s, back_t = course.place(x, y)
+    assert back_s == pytest.approx(S, abs=0.1)
+    assert back_t == pytest.approx(np.full_like(S, t), abs=0.03)

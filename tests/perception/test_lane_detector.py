@@ -1,11 +1,8 @@
-import math
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from scenario_compiler.perception.calibration.scenes import Fading, Line, Reference, Strip, make_scene
 from scenario_compiler.perception.calibration.truth import Truth
@@ -17,7 +14,7 @@ from scenario_compiler.perception.route_ahead import WayPoint
 from scenario_compiler.perception.scene import Scene
 from scenario_compiler.roads.mesh import Material
 from scenario_compiler.roads.positions import Pose
-from tests.perception.scenery import CLEAR, EU_DASH, SOLID, US_DASH, bend, fork, two_lanes, weather
+from tests.perception.scenery import CLEAR, EU_DASH, SOLID, US_DASH, bend, fork, in_ground, route, two_lanes, weather
 
 DETECTOR = ClassicalLaneDetector()
 X = np.arange(6.0, 18.5, 1.0)
@@ -32,17 +29,6 @@ def true_boundary(reference: Reference, pose: Pose, t: float) -> np.ndarray:
     ground = in_ground(reference.at(s, t), pose)
     ahead = (ground[:, 0] > 0.0) & (ground[:, 0] < 40.0)
     return np.asarray(np.interp(X, ground[ahead, 0], ground[ahead, 1]))
-
-
-def in_ground(points: np.ndarray, pose: Pose) -> np.ndarray:
-    flat = np.concatenate([points, np.zeros((len(points), 1))], axis=1)
-    return DETECTOR.camera.view(pose, 1.4).world_to_ground(flat)
-
-
-def route(reference: Reference, pose: Pose) -> Course | None:
-    begin, _ = reference.offset(pose.x, pose.y)
-    ground = in_ground(reference.at(begin + np.arange(40.0)), pose)
-    return Course.along([WayPoint(float(x), float(y)) for x, y in ground])
 
 
 @pytest.mark.parametrize("dash", [SOLID, US_DASH, EU_DASH], ids=["solid", "us", "eu"])
@@ -181,31 +167,6 @@ def test_the_route_adds_no_paint(way: tuple[float, float], quality: float) -> No
         assert float(np.abs(without.y([6.0, 18.0]) - with_way.y([6.0, 18.0])).max()) < 0.15
         assert with_way.p_geom < without.p_geom + 0.1
         assert way != AHEAD or with_way.p_geom == pytest.approx(without.p_geom, abs=0.1)
-
-
-TURNED = RoadCamera(two_lanes(bend(60.0))).frame(bend(60.0).pose(70.0), [], CLEAR, 0.0, 0)
-
-
-@settings(deadline=None, max_examples=30)
-@given(
-    radius=st.floats(2.0, 60.0),
-    side=st.sampled_from([-1.0, 1.0]),
-    aside=st.floats(-5.0, 5.0),
-    begin=st.floats(-6.0, 15.0),
-)
-def test_every_route_gives_numbers(radius: float, side: float, aside: float, begin: float) -> None:
-    angles = np.maximum(np.arange(-3.0, 36.0) - begin, 0.0) / radius
-    x = np.minimum(np.arange(-3.0, 36.0), begin) + radius * np.sin(angles)
-    y = aside + side * radius * (1.0 - np.cos(angles))
-    course, state = Course.along([WayPoint(*one) for one in zip(x.tolist(), y.tolist(), strict=True)]), LaneState()
-    for way in (None, course, course, None):
-        found, rows = DETECTOR.look(TURNED, replace(state, way=way))
-        state = state.after(found)
-        assert all(np.isfinite(row).all() for row in rows)
-        for one in (found.left, found.right):
-            assert np.isfinite([one.y0, one.slope, one.curvature, one.p_geom, one.p_paint, one.p]).all()
-        assert math.isfinite(found.tilt.pitch)
-        assert math.isfinite(found.tilt.deviation)
 
 
 def test_detection_depends_on_its_arguments_only() -> None:
