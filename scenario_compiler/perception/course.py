@@ -146,10 +146,8 @@ class Course:
 
     def place(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Return s and t (n,) of points (n,), m, on the normal of the nearest point of the route up to `PLACED`."""
-        near = (x[:, None] - np.interp(PLACED, self.s, self.x)) ** 2 + (
-            y[:, None] - np.interp(PLACED, self.s, self.y)
-        ) ** 2
-        s = PLACED[near.argmin(axis=1)]
+        dx, dy = x[:, None] - np.interp(PLACED, self.s, self.x), y[:, None] - np.interp(PLACED, self.s, self.y)
+        s = PLACED[(dx * dx + dy * dy).argmin(axis=1)]
         for _ in range(PLACING_STEPS):
             heading, dx, dy = self._off(s, x, y)
             s = s + dx * np.cos(heading) + dy * np.sin(heading)
