@@ -185,7 +185,6 @@ def lane_through(sides: tuple[Rows, Rows], expected: Expected) -> tuple[tuple[Li
     there = np.concatenate([one.there for one in sides])
     line, pitch = np.zeros(6), expected.tilt.pitch
     for number in range(ROUNDS):
-        means, deviations = _expectations(expected, line)
         seen, moved = (_Ground.of(sides, one, expected) for one in (pitch, pitch + STEP))
         used = _enough((there > 0.5) & (seen.s > LOOKED_AT[0]) & (seen.s < LOOKED_AT[1]))
         left, s, t, deviation = LEFT[used], seen.s[used], seen.t[used], seen.deviation[used]
@@ -195,20 +194,9 @@ def lane_through(sides: tuple[Rows, Rows], expected: Expected) -> tuple[tuple[Li
             weight /= np.maximum(np.abs(shape @ line - t) / np.hypot(deviation, ROUGH) / ASTRAY, 1.0)
         slope = _of_sides(_slope_of(s), left) @ line
         by_tilt = ((moved.t - seen.t)[used] - slope * (moved.s - seen.s)[used]) / STEP
-        system = np.concatenate(
-            [
-                np.column_stack([shape, -by_tilt]) * weight[:, None],
-                np.diag(1.0 / np.append(deviations, expected.tilt.deviation)),
-                np.array([[1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]) / expected.width_deviation,
-            ]
-        )
-        values = np.concatenate(
-            [
-                t * weight,
-                means / deviations,
-                [(expected.tilt.pitch - pitch) / expected.tilt.deviation, expected.width / expected.width_deviation],
-            ]
-        )
+        held, means = _expectations(expected, line, pitch)
+        system = np.concatenate([np.column_stack([shape, -by_tilt]) * weight[:, None], held])
+        values = np.concatenate([t * weight, means])
         found = np.linalg.lstsq(system, values, rcond=None)[0]
         line, pitch = found[:-1], min(max(pitch + float(found[-1]), -STEEPEST), STEEPEST)
         if number > 0 and abs(found[-1]) < SETTLED:
@@ -242,28 +230,33 @@ def _of_sides(shape: Floats, left: Mask) -> Floats:
     return np.asarray(np.where(left[:, None], shape @ TO_LEFT, shape @ TO_RIGHT))
 
 
-def _expectations(expected: Expected, line: Floats) -> tuple[Floats, Floats]:
-    """Return means and deviations of both offsets, the mean slope and curvature, and the differences of these.
+def _expectations(expected: Expected, line: Floats, pitch: float) -> tuple[Floats, Floats]:
+    """Return the equations of what is known before the rows, a matrix (8, 7) and values (8,), all with deviation 1.
 
+    The unknowns are both offsets, the mean slope and curvature, the differences of these, and a change of the tilt.
     Seen straight ahead, the inner boundary of a bend bends more: w sqrt(1 + y'**2) to the left of a line y, there is
     one that is parallel to it, and the second derivative of that distance is about w y''**2.
 
     Args:
         expected: What is known.
-        line: (6,) the latest estimate of these quantities.
+        line: (6,) the latest estimate of the unknowns but the tilt's.
+        pitch: The latest estimate of the tilt, rad.
     """
-    course = expected.course
+    course, width = expected.course, expected.width
     if course is None:
         (turned, bent), (slope, curvature) = ANYWHERE, line[2:4].tolist()
-        apart = [expected.width * slope * curvature, expected.width * curvature * curvature]
+        apart = [width * slope * curvature, width * curvature * curvature]
     else:
         turned, bent = OFF_ROUTE[0], math.hypot(OFF_ROUTE[1], OFF_ROUTE[2] * course.bend)
         apart = [0.0, 0.0]
     offsets, deviations = [], []
-    for remembered, usual in zip(expected.offsets, (0.5 * expected.width, -0.5 * expected.width), strict=True):
+    for remembered, usual in zip(expected.offsets, (0.5 * width, -0.5 * width), strict=True):
         offsets.append(usual if remembered is None else remembered)
         deviations.append(OFFSET_DEVIATION if remembered is None else MEMORY_DEVIATION)
-    return np.array([*offsets, 0.0, 0.0, *apart]), np.array([*deviations, turned, bent, *OFF_PARALLEL])
+    known = 1.0 / np.array([*deviations, turned, bent, *OFF_PARALLEL, expected.tilt.deviation])
+    means = known * np.array([*offsets, 0.0, 0.0, *apart, expected.tilt.pitch - pitch])
+    beside = np.array([[1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]) / expected.width_deviation
+    return np.concatenate([np.diag(known), beside]), np.append(means, width / expected.width_deviation)
 
 
 @dataclass(frozen=True, eq=False)
