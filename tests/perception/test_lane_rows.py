@@ -213,3 +213,33 @@ def test_an_error_of_the_tilt_moves_a_boundary_by_its_lever(curvature: float, kn
         moved = np.abs(after.at(STRETCH) - before.at(STRETCH)).max()
         if before.in_view == 1.0:
             assert moved / error == pytest.approx(before.lever, rel=0.35)
+
+
+@given(
+    seed=st.integers(0, 10_000),
+    curvature=st.one_of(st.none(), st.sampled_from([0.0, 0.01, -0.05, 0.1, -0.2, 0.4])),
+    rise=st.floats(-0.1, 0.1),
+    width=st.floats(0.5, 12.0),
+    scale=st.floats(0.3, 3.0),
+)
+@settings(max_examples=80, deadline=None)
+def test_all_rows_give_numbers(seed: int, curvature: float | None, rise: float, width: float, scale: float) -> None:
+    draw = np.random.default_rng(seed)
+    there = [draw.uniform(0.0, 1.0, ROWS) * draw.integers(0, 2) for _ in range(2)]
+    left, right = (
+        Rows(one, draw.uniform(0.0, COLUMNS - 1.0, ROWS), draw.uniform(0.0, 40.0, ROWS), draw.uniform(0.0, 1.0, ROWS))
+        for one in there
+    )
+    course = None
+    if curvature is not None:
+        ahead = np.arange(-2.0, 50.0)
+        points = zip(*bend(curvature, 0.3, ahead), ahead, strict=True)
+        course = Course.along([WayPoint(float(x), float(y), width, rise * float(s), rise) for x, y, s in points])
+    lines, tilt = lane_through((left, right), Expected(LEVEL, width, 0.25, (0.4, None), course, scale))
+    for line in lines:
+        assert np.isfinite([*line.curve, *line.s, *line.off, *line.deviation]).all()
+        assert math.isfinite(line.lever)
+        assert line.uncertain > 0.0
+        assert 0.0 <= line.in_view <= 1.0
+    assert abs(tilt.pitch) <= math.radians(4.0) + 1e-9
+    assert 0.0 < tilt.deviation <= LEVEL.deviation
