@@ -11,7 +11,7 @@ Parameter, Annals of Mathematical Statistics 35, 1964).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,7 +98,7 @@ length over which the road's grade is taken, m.
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """The rows of one side, (ROWS,) each.
+    """The rows of one side, (ROWS,) each, or of both, (2 ROWS,).
 
     Attributes:
         there: Probability that the boundary is in the row.
@@ -123,6 +123,15 @@ class Rows:
         peak = share * (np.abs(place - share.argmax(axis=1)[:, None]) <= PEAK)
         alone = peak.sum(axis=1)
         return Rows(there, peak @ place / np.maximum(alone, 1e-9), spread, alone)
+
+    @staticmethod
+    def joined(left: Rows, right: Rows) -> Rows:
+        """Return the rows of both sides, first those of the left one."""
+        return Rows(*(np.concatenate([getattr(side, one.name) for side in (left, right)]) for one in fields(Rows)))
+
+    def seen_at(self, s: Floats) -> Mask:
+        """Return which rows have a boundary on the stretch `LOOKED_AT`, if they lie at s, m."""
+        return (self.there > 0.5) & (s > LOOKED_AT[0]) & (s < LOOKED_AT[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +167,8 @@ class Line:
         off: (ROWS,) their distances from the line, m.
         deviation: (ROWS,) their standard deviations, m.
         uncertain: Standard deviation of the line at the end of the judged stretch, m.
-        lever: By how many metres an error of the tilt by one radian moves the line, where it moves most.
+        lever: By how many metres an error of the tilt by one radian moves what is seen of the line, where it moves it
+            most; the line itself moves less, because it is held parallel to the other one and to the route.
         in_view: Share of the judged stretch that lies in the picture.
     """
 
@@ -182,14 +192,14 @@ class Line:
 
 def lane_through(sides: tuple[Rows, Rows], expected: Expected) -> tuple[tuple[Line, Line], Tilt]:
     """Return the left and the right boundary of the lane, and the tilt of the camera (see `Expected.tilt`)."""
-    there = np.concatenate([one.there for one in sides])
+    rows = Rows.joined(*sides)
     line, pitch = np.zeros(6), expected.tilt.pitch
     for number in range(ROUNDS):
-        seen, moved = (_Ground.of(sides, one, expected) for one in (pitch, pitch + STEP))
-        used = _enough((there > 0.5) & (seen.s > LOOKED_AT[0]) & (seen.s < LOOKED_AT[1]))
+        seen, moved = (_Ground.of(rows, one, expected) for one in (pitch, pitch + STEP))
+        used = _enough(rows.seen_at(seen.s))
         left, s, t, deviation = LEFT[used], seen.s[used], seen.t[used], seen.deviation[used]
         shape = _of_sides(_shape_of(s), left)
-        weight = np.sqrt(there[used] / ALIKE_ROWS) / deviation
+        weight = np.sqrt(rows.there[used] / ALIKE_ROWS) / deviation
         if number > 0:
             weight /= np.maximum(np.abs(shape @ line - t) / np.hypot(deviation, ROUGH) / ASTRAY, 1.0)
         slope = _of_sides(_slope_of(s), left) @ line
@@ -268,10 +278,9 @@ class _Ground:
     deviation: Floats
 
     @staticmethod
-    def of(sides: tuple[Rows, Rows], pitch: float, expected: Expected) -> _Ground:
-        column = np.concatenate([one.column for one in sides])
+    def of(rows: Rows, pitch: float, expected: Expected) -> _Ground:
         pixels = TRAINED_FOR.width / COLUMNS
-        ahead, fall, right = rays((column + 0.5) * pixels - 0.5, np.concatenate([V, V]), pitch)
+        ahead, fall, right = rays((rows.column + 0.5) * pixels - 0.5, np.concatenate([V, V]), pitch)
         fall = np.maximum(fall, LEAST_FALL)
         height, course = expected.scale * TRAINED_FOR.z, expected.course
         far = height / fall
@@ -287,8 +296,9 @@ class _Ground:
                 if np.abs(onward)[s < LOOKED_AT[1]].max(initial=0.0) < MET:
                     break
             turned = np.cos(course.heading_at(s))
-        spread = np.concatenate([one.spread for one in sides]) + COLUMNS_OFF
-        return _Ground(s, t, np.hypot(spread * pixels * ahead * far * turned / TRAINED_FOR.focal, NEAREST_OFF))
+        return _Ground(
+            s, t, np.hypot((rows.spread + COLUMNS_OFF) * pixels * ahead * far * turned / TRAINED_FOR.focal, NEAREST_OFF)
+        )
 
 
 def rays(u: Floats, v: Floats, pitch: float) -> tuple[Floats, Floats, Floats]:

@@ -169,8 +169,7 @@ class _Side:
     """What the network says of one side, and its boundary."""
 
     def __init__(self, rows: Rows, painted: float, line: Line) -> None:
-        there, near, off = rows.there, line.judged, np.abs(line.off)
-        seen = (there > 0.5) & (line.s > LOOKED_AT[0]) & (line.s < LOOKED_AT[1])
+        there, near, off, seen = rows.there, line.judged, np.abs(line.off), rows.seen_at(line.s)
         self.painted, self.line = painted, line
         far = near & (line.s > MIDDLE)
         self.present = _mean(there, near)

@@ -108,7 +108,7 @@ def gather_bank(
         seen_with: The confidence with which they are seen, the packaged one if None.
     """
     jobs = [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
-    return tuple(_done(jobs, processes, {} if seen_with is None else {NO_MAP: seen_with}, progress))
+    return tuple(_done(jobs, processes, _of_no_map(seen_with), progress))
 
 
 def gather_drawn(
@@ -120,7 +120,11 @@ def gather_drawn(
 ) -> Looks:
     """Return the observations of `count` random situations, seen without memory (see `gather_bank`)."""
     jobs = [_Job(detector, "drawn", "", k, min(k + PART, count)) for k in range(0, count, PART)]
-    return Looks.joined(_done(jobs, processes, {} if seen_with is None else {NO_MAP: seen_with}, progress))
+    return Looks.joined(_done(jobs, processes, _of_no_map(seen_with), progress))
+
+
+def _of_no_map(seen_with: Confidence | None) -> dict[str, Confidence]:
+    return {} if seen_with is None else {NO_MAP: seen_with}
 
 
 def _done(
