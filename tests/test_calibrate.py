@@ -195,7 +195,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
     ("detector", "digest"),
     [
         ("classical", "6d385f069769b847d23b83fcd20ef11d994f68b442f54b788c56cc6480d913d9"),
-        ("learned", "70e49052536946198cd3e5ee3f70ba7b46fa92bb1b9bd330097521fd5769a205"),
+        ("learned", "4e33bcee545be0ddd9b7a4ada8fc76962e73290364827efe9dcb71d60dceab9b"),
     ],
 )
 def test_the_pages_are_about_the_packaged_confidence(detector: DetectorName, digest: str) -> None:

@@ -34,9 +34,9 @@ TOWNS, LEFT_OUT = ("Town03", "Town05"), ("Town03", "Town05", "soderleden")
 fit to all other files.
 """
 
-OF_TOWNS, FIRST, DRAWN, PICTURES = 2880, 48, 3500, 200
-"""Clips of a town or a map of the tables, and of each file at first; random situations; pictures of each situation of
-the bank.
+OF_TOWNS, OF_TABLES, FIRST, DRAWN, PICTURES = 2880, 8640, 48, 3500, 200
+"""Clips of a town for the fits, of a map of the tables, and of each file at first; random situations; pictures of each
+situation of the bank.
 """
 
 KINDS = {
@@ -106,15 +106,15 @@ def main() -> None:
     fits = fits_to_others(gathered, LEFT_OUT)
     figures = json.dumps(figures_of_others(gathered.maps, fits), indent=1)
     (options.out / "other_roads.json").write_text(figures + "\n", encoding="utf-8")
-    tables = gather_maps("learned", left_out, OF_TOWNS, jobs, fits)
+    tables = gather_maps("learned", left_out, OF_TABLES, jobs, fits)
     bank = gather_bank("learned", PICTURES, jobs, seen_with=confidence)
     sides = sum(len(one.error) for one in gathered.maps.values())
     print(f"{sides} sides on {len(gathered.maps)} files, and {len(drawn.error)} in random situations")
     minutes = (time.monotonic() - began) / 60.0
     command = "python tools/fit_learned_confidence.py MAPS OUT"
     seen = f"the fits saw {sides} sides on {len(files)} files"
-    looked = f"{OF_TOWNS} clips of six images on each of {len(tables)} maps; {seen}"
-    shown = figures_of(Gathered(tables, bank, drawn, OF_TOWNS), LEFT_OUT, None)
+    looked = f"{OF_TABLES} clips of six images on each of {len(tables)} maps; {seen}"
+    shown = figures_of(Gathered(tables, bank, drawn, OF_TABLES), LEFT_OUT, None)
     write_perception_page(shown, Measured("learned", command, minutes, jobs, looked, PICTURES), options.out, confidence)
 
 

@@ -316,6 +316,7 @@ def _of_side(
     y = arc_y(fit.curve, PLACES - X_FROM)
     moved = None if before.trusted is None else float(arc_y(fit.curve, MIDDLE - X_FROM)) - before.trusted
     nearer, farther = (float((fit.on_curve[rows] > STANDS_OUT).mean()) for rows in _HALVES)
+    nearby = fit.near_curve > STANDS_OUT
     inner, outer = (0.1 * (fit.support - rival) for rival in fit.rivals)
     return {
         "prominence": math.log(max(fit.prominence, 0.1)),
@@ -367,7 +368,7 @@ def _of_side(
         "stray": fit.stray,
         "scatter": 10.0 * fit.scatter,
         "junction": junction_ahead(known.way),
-        **_continued(fit),
+        **continued(nearby[: _BEYOND.start], nearby[_BEYOND]),
     }
 
 
@@ -386,22 +387,34 @@ def _paint(fit: Fit, near: slice, brightness: float) -> dict[str, float]:
         contrast = fit.contrast[near][marked]
         spread = float(np.log(np.maximum(contrast, 1.0)).std())
         uneven = min(float(fit.step[near][marked].mean()) / (float(contrast.mean()) + 1.0), 3.0)
-    gap, last = _longest_run(~shown[_JUDGED])
     return {
         "weber": math.log1p(10.0 * float(weber.mean())),
         "weber_spread": spread,
         "uneven": uneven,
         "beside": math.log(max(float(beside[near].mean()), 1.0)),
         "ground": brightness,
-        "gap": 0.25 * gap * X_STEP,
-        "gap_at": last / (_JUDGED.stop - _JUDGED.start),
+        **longest_gap(shown[_JUDGED]),
     }
 
 
-def _continued(fit: Fit) -> dict[str, float]:
-    """Return how the line goes on beyond the stretch on which it has to be right, and the gap around its end."""
-    shown = fit.near_curve > STANDS_OUT
-    before, after = shown[: _BEYOND.start][::-1], shown[_BEYOND]
+def longest_gap(shown: NDArray[np.bool_]) -> dict[str, float]:
+    """Return the features of the longest gap: its length, and where it ends on the stretch.
+
+    Args:
+        shown: (n,) where paint was seen on the stretch on which a boundary has to be right, in steps of `X_STEP`.
+    """
+    gap, last = _longest_run(~shown)
+    return {"gap": 0.25 * gap * X_STEP, "gap_at": last / len(shown)}
+
+
+def continued(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> dict[str, float]:
+    """Return the features of the line beyond the stretch on which it has to be right, and of the gap around its end.
+
+    Args:
+        before: (n,) where paint was seen up to the end of that stretch, in steps of `X_STEP`.
+        after: (n,) where it was seen from there on.
+    """
+    before = before[::-1]
     ends, resumes = (int(part.argmax()) if part.any() else len(part) for part in (before, after))
     return {"beyond": float(after.mean()), "ends": 0.1 * X_STEP * ends, "resumes": 0.1 * X_STEP * resumes}
 

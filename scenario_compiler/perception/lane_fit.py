@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.perception.birds_eye import X_FROM, Y_FROM, Y_STEP, BirdsEye, Ridges
+from scenario_compiler.perception.birds_eye import COMPARED, X_FROM, Y_FROM, Y_STEP, BirdsEye, Ridges
 from scenario_compiler.perception.route_ahead import LOOKED_AT
 
 Floats = NDArray[np.float64]
@@ -99,6 +99,9 @@ JUDGED = _shape_of(np.array([6.0, 18.0]) - X_FROM)
 
 LEFT, RIGHT = 0, 1
 
+SIDES = np.array([-COMPARED, COMPARED])
+"""Columns beside a ridge with which it is compared."""
+
 
 @dataclass(frozen=True, eq=False)
 class Fit:
@@ -168,7 +171,6 @@ class LaneFitter:
         self.x = birds_eye.x.astype(np.float64)
         self.d = self.x - X_FROM
         self._shape = _shape_of(self.d)
-        self._sides = np.array([-birds_eye.side, birds_eye.side])
         self.rows = np.arange(len(self.x))
         self.columns = len(birds_eye.y)
         offsets, headings, curvatures = (
@@ -425,7 +427,7 @@ class LaneFitter:
         around = np.clip(column[:, None] + np.arange(-1, 2), 0, self.columns - 1)
         inside = (column >= 0) & (column < self.columns)
         pick = (self.rows[:, None], around)
-        sides = np.clip(around[:, 1:2] + self._sides, 0, self.columns - 1)
+        sides = np.clip(around[:, 1:2] + SIDES, 0, self.columns - 1)
         left, right = ridges.ground[self.rows[:, None], sides].astype(np.float64).T
         return (
             np.where(inside, ridges.strength[pick].max(axis=1), 0.0).astype(np.float64),

@@ -4,7 +4,8 @@ The network (`lane_network.onnx`, run by cv2.dnn) receives the picture at 256 x 
 it returns a distribution over 128 columns and the case that the boundary is not there; its width is the row's
 uncertainty. It also returns whether either side is painted, the tilt of the camera and the width of the lane. The lane
 through the rows and the tilt are determined together (`lane_rows`), along the planned route if it is known. The
-confidence is calibrated like that of the classical detector, on properties of the rows.
+confidence is calibrated like that of the classical detector, on properties of the rows and of the paint along the lane
+(`stripe`), because a network also takes a boundary for painted where boundaries usually are.
 
 It was trained for the default camera by `tools/train_lane_network.py`, `tools/fit_lane_head.py` and
 `tools/fit_learned_confidence.py`; the picture of another camera is rectified to that camera. docs/perception-learned.md
@@ -23,14 +24,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.engine.ego.camera_health import noise_health
+from scenario_compiler.perception.birds_eye import bright_of
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import (
     MIDDLE,
     Confidence,
     Evidence,
+    continued,
     in_order,
     junction_ahead,
     load_confidence,
+    longest_gap,
     noise_of,
     running_means,
 )
@@ -54,6 +58,7 @@ from scenario_compiler.perception.lane_rows import (
     lane_through,
 )
 from scenario_compiler.perception.road_plane import Tilt
+from scenario_compiler.perception.stripe import AHEAD, BEYOND, FARTHER, JUDGED, NEARER, Stripe, stripe_along
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
@@ -74,9 +79,15 @@ LEARNED_FEATURES = (
     *("noise", "remembered", "moved", "way"),
     *("lever", "deviation_tilt", "seen_off", "bend"),
     *("junction", "turn", "place", "heading"),
+    *("stripe_near", "stripe_far", "weber_near", "weber_far", "contrast_spread", "contrast", "beside"),
+    *("gap", "gap_at", "beyond", "ends", "resumes"),
+    *("other_stripe_near", "other_stripe_far", "other_weber_near"),
     *("painted_lately", "certain_lately"),
 )
 """Names of the features of its confidence; the last ones are running means of `LASTING`."""
+
+DIM = 10.0
+"""Brightness of the ground below which the contrast of paint with it is not larger, grey levels."""
 
 LASTING = ("painted", "certain")
 """Features of which running means are features as well: paint that was there a moment ago is there."""
@@ -123,7 +134,9 @@ class LearnedLaneDetector:
                 self._scale,
             ),
         )
-        sides = [_Side(*one) for one in zip(rows, painted.tolist(), lines, strict=True)]
+        bright = bright_of(image)
+        stripes = [stripe_along(bright, self.camera, line.at(AHEAD), tilt.pitch, way) for line in lines]
+        sides = [_Side(*one) for one in zip(rows, painted.tolist(), lines, stripes, strict=True)]
         sigma_hat = noise_of(image)
         health = noise_health(sigma_hat)
         features = [
@@ -166,9 +179,9 @@ class LearnedLaneDetector:
 
 
 class _Side:
-    """What the network says of one side, and its boundary."""
+    """What the network says of one side, its boundary, and what the picture shows along that."""
 
-    def __init__(self, rows: Rows, painted: float, line: Line) -> None:
+    def __init__(self, rows: Rows, painted: float, line: Line, stripe: Stripe) -> None:
         there, near, off, seen = rows.there, line.judged, np.abs(line.off), rows.seen_at(line.s)
         self.painted, self.line = painted, line
         far = near & (line.s > MIDDLE)
@@ -179,6 +192,7 @@ class _Side:
         self.on_line = _mean(there * (off < NEAR), near)
         self.astray_near, self.astray_far = (_mean(line.off, there * part) for part in (near & ~far, far))
         self.residual = float(np.sqrt(np.mean((off / line.deviation)[seen] ** 2))) if seen.any() else 3.0
+        self.of_paint = _of_paint(stripe)
         self.reach = (float(line.s[seen].min()), float(line.s[seen].max())) if seen.any() else (LOOKED_AT[1],) * 2
 
 
@@ -235,11 +249,39 @@ def _features(
         "turn": 40.0 * sign * curvature,
         "place": min(max(sign * y0 - 1.75, -1.5), 1.5),
         "heading": 10.0 * sign * slope,
+        **side.of_paint,
+        **{"other_" + name: other.of_paint[name] for name in ("stripe_near", "stripe_far", "weber_near")},
     }
     # What lies outside the image is no evidence against what was seen.
     newest = state.newest * line.in_view
     means = running_means(LASTING, numbers, state.lately(LASTING, number), newest)
     return in_order(LEARNED_FEATURES, numbers | means)
+
+
+def _of_paint(stripe: Stripe) -> dict[str, float]:
+    """Return the features of what a picture shows along a line."""
+    shown, contrast = stripe.shown, stripe.contrast[JUDGED]
+    weber = stripe.contrast / np.maximum(stripe.beside, DIM)
+    marked = contrast[shown[JUDGED]]
+    nearer, farther = (
+        (float(shown[part].mean()), math.log1p(10.0 * _strongest(weber[part], 12))) for part in (NEARER, FARTHER)
+    )
+    return {
+        "stripe_near": nearer[0],
+        "stripe_far": farther[0],
+        "weber_near": nearer[1],
+        "weber_far": farther[1],
+        "contrast_spread": float(np.log(np.maximum(marked, 1.0)).std()) if len(marked) > 3 else 0.0,
+        "contrast": math.log1p(0.1 * _strongest(contrast, 20)),
+        "beside": math.log(max(float(stripe.beside[JUDGED].mean()), 1.0)),
+        **longest_gap(shown[JUDGED]),
+        **continued(shown[JUDGED], shown[BEYOND]),
+    }
+
+
+def _strongest(numbers: Floats, count: int) -> float:
+    """Return the mean of the largest numbers."""
+    return float(np.sort(numbers)[-count:].mean())
 
 
 def _beside(boundary: Boundary | None, way: Course | None) -> float | None:

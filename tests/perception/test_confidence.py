@@ -15,8 +15,10 @@ from scenario_compiler.perception.confidence import (
     Confidence,
     Tree,
     confidence_text,
+    continued,
     in_order,
     load_confidence,
+    longest_gap,
     noise_of,
 )
 from scenario_compiler.perception.course import Course
@@ -53,6 +55,26 @@ def test_a_confidence_is_read_as_it_was_written() -> None:
     again = Confidence.of(data["start"], [Tree(**one) for one in data["trees"]])
     rows = np.random.default_rng(2).normal(1.0, 1.0, (40, len(FEATURES)))
     assert np.array_equal(shipped(rows), again(rows))
+
+
+@pytest.mark.parametrize(
+    ("shown", "metres", "last"),
+    [("############", 0.0, 0), ("............", 3.0, 11), ("##...###....", 1.0, 11), ("#....###.##.", 1.0, 4)],
+)
+def test_the_longest_gap_is_measured_and_placed(shown: str, metres: float, last: int) -> None:
+    """A character is 0.25 m of the stretch."""
+    assert longest_gap(np.array([one == "#" for one in shown])) == {"gap": 0.25 * metres, "gap_at": last / 12}
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "beyond", "ends", "resumes"),
+    [("####", "####", 1.0, 0.0, 0.0), ("##..", "..##", 0.5, 0.5, 0.5), ("....", "#...", 0.25, 1.0, 0.0)],
+)
+def test_it_is_measured_where_a_line_ends_and_resumes(
+    before: str, after: str, beyond: float, ends: float, resumes: float
+) -> None:
+    found = continued(*(np.array([one == "#" for one in part]) for part in (before, after)))
+    assert found == pytest.approx({"beyond": beyond, "ends": 0.1 * ends, "resumes": 0.1 * resumes})
 
 
 def test_features_are_ordered_by_their_names() -> None:

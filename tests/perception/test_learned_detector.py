@@ -10,7 +10,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from scenario_compiler.perception.calibration.scenes import Reference
+from scenario_compiler.perception.calibration.scenes import Fading, Reference
 from scenario_compiler.perception.calibration.truth import Truth
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import PLACES
@@ -100,6 +100,24 @@ def test_paint_of_the_images_before_counts() -> None:
     assert means[2] == pytest.approx(np.mean(seen[:3]))
     assert seen[2] < means[2] < means[1]
     assert seen[4] < means[4] < means[3] < means[2]
+
+
+def test_the_confidence_sees_the_paint_along_each_boundary_and_beside_the_other_one() -> None:
+    """The left line is broken, and the right one wears away from 11 to 13 m ahead of the camera."""
+    road = two_lanes(bend(0.0), quality=Fading(1.0, 0.0, 73.0, 75.0))
+    image = RoadCamera(road).frame(bend(0.0).pose(60.0), [], CLEAR, 0.0, 0)
+    left, right = (
+        dict(zip(LEARNED_FEATURES, row.tolist(), strict=True)) for row in LearnedLaneDetector().look(image)[1]
+    )
+    assert right["stripe_near"] > 0.8 > left["stripe_near"] > 0.2
+    assert right["stripe_far"] < 0.3
+    assert right["beyond"] == 0.0
+    assert right["gap"] > 0.25 * 4.0
+    assert right["ends"] > 0.1 * 4.0
+    assert right["weber_near"] > right["weber_far"]
+    for mine, others in ((left, right), (right, left)):
+        for name in ("stripe_near", "stripe_far", "weber_near"):
+            assert mine["other_" + name] == others[name]
 
 
 @pytest.mark.parametrize("radius", [40.0, -40.0])
