@@ -86,11 +86,11 @@ LEARNED_FEATURES = (
 )
 """Names of the features of its confidence; the last ones are running means of `LASTING`."""
 
-DIM = 10.0
-"""Brightness of the ground below which the contrast of paint with it is not larger, grey levels."""
-
 LASTING = ("painted", "certain")
 """Features of which running means are features as well: paint that was there a moment ago is there."""
+
+DIM = 10.0
+"""Brightness that darker ground counts as where paint is compared with it, grey levels: there noise would be paint."""
 
 
 class LearnedLaneDetector:

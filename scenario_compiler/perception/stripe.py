@@ -16,6 +16,7 @@ from scenario_compiler.perception.birds_eye import (
     COMPARED,
     MEAN_OVER,
     STRONGEST,
+    X_STEP,
     Y_STEP,
     deviation_of,
     ground_lookup,
@@ -27,15 +28,15 @@ from scenario_compiler.perception.lane_fit import STANDS_OUT
 
 Floats = NDArray[np.float64]
 
-FROM, STEP = 6.0, 0.25
-AHEAD: Floats = np.asarray(FROM + STEP * (np.arange(96) + 0.5))
+FROM = 6.0
+AHEAD: Floats = np.asarray(FROM + X_STEP * (np.arange(96) + 0.5))
 """(96,) distances ahead at which the strip is looked at, m."""
 
 ASIDE: Floats = np.asarray(Y_STEP * np.arange(20.0, -20.5, -1.0))
 """(41,) distances to the left of the line at which it is looked at, m."""
 
 ON_LINE = np.abs(ASIDE) < 0.26
-"""(41,) which of them are on the line, of which nothing is known more precisely than where a boundary is right."""
+"""(41,) which of them are on the line: a boundary is right up to 0.25 m from the true one."""
 
 NEARER, FARTHER, JUDGED, BEYOND = slice(0, 24), slice(24, 48), slice(0, 48), slice(48, None)
 """The two halves of the stretch on which a boundary has to be right, this stretch, and what lies beyond it."""
