@@ -78,9 +78,10 @@ def stripe_along(bright: NDArray[np.uint8], camera: Camera, t: Floats, pitch: fl
     single = cv2.remap(bright, lookup.column, lookup.row, cv2.INTER_LINEAR).astype(np.float32)
     above = np.asarray(cv2.blur(single, MEAN_OVER), np.float32)
     curve, contrast = stands_out(above)
+    contrast *= lookup.seen
     scale = deviation_of(np.abs(curve) * lookup.seen, lookup.count)
     rows, first = np.arange(len(AHEAD)), int(ON_LINE.argmax())
-    place = first + (contrast * lookup.seen)[:, ON_LINE].argmax(axis=1)
-    most = contrast[rows, place] * lookup.seen[rows, place]
+    place = first + contrast[:, ON_LINE].argmax(axis=1)
+    most = contrast[rows, place]
     beside = 0.5 * (above[rows, place - COMPARED] + above[rows, place + COMPARED])
     return Stripe(*(one.astype(np.float64) for one in (np.minimum(most / scale, STRONGEST), most, beside)))

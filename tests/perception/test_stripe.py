@@ -65,7 +65,7 @@ def test_dashes_are_seen_with_their_gaps(dash: tuple[float, float], painted: flo
 
 
 def test_it_is_seen_where_paint_ends() -> None:
-    """The line wears away from full to none between 72 and 84 m, that is from 5 to 17 m ahead of the camera."""
+    """The car is at 66 m, and the line wears away from full to none between 74 and 78 m."""
     found = stripe(RIGHT, quality=Fading(1.0, 0.0, 74.0, 78.0))
     assert share(found.shown[NEARER]) > share(found.shown[FARTHER])
     assert share(found.shown[BEYOND]) < 0.1
