@@ -115,7 +115,13 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "rerun": ("report.rerun_file",),
     "scenariogeneration": (),
     "xmlschema": ("roads.xsd",),
-    "scipy": ("batch.sampling", "batch.search", "perception.calibration.fit", "study.effects"),
+    "scipy": (
+        "batch.sampling",
+        "batch.search",
+        "perception.calibration.fit",
+        "perception.calibration.lines",
+        "study.effects",
+    ),
     "starlette": ("live.server", "live.cockpit", "live.web", "study.server"),
     "uvicorn": ("live.web",),
 }

@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from scenario_compiler.perception.calibration.lines import JunctionLines, LinePlace, Lines
 from scenario_compiler.perception.calibration.truth import SEEN, Truth
 from scenario_compiler.perception.camera import Camera, vehicle_axes
 from scenario_compiler.perception.camera import View as CameraView
@@ -28,7 +28,7 @@ from scenario_compiler.perception.weather_look import look_of
 from scenario_compiler.roads import LanePosition, Network, Pose
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_borders, lane_direction
-from scenario_compiler.roads.mesh import Marks, road_marks, road_surface
+from scenario_compiler.roads.mesh import road_marks, road_surface
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_preset
 
 Floats = NDArray[np.float64]
@@ -53,9 +53,6 @@ LORRIES_AHEAD = (4.0, 14.0)
 
 NAVIGATED = 0.8
 """Share of the clips in which the automation knows the path; in the others the detector has nothing but the images."""
-
-GAP = 13.0
-"""Longest gap between two pieces of paint of the same line, m."""
 
 CLEAR_DAY = weather_preset("ClearNoon") or Weather()
 
@@ -121,7 +118,7 @@ class MapRoads:
         self.network, self.camera, self.texture = network, camera if camera is not None else Camera(), texture
         self._lorries = lorries
         self._surface, self._marks, self._beside = road_surface(network), road_marks(network), roadside_of(network)
-        self._lines = _Lines(self._marks)
+        self._in_junctions = JunctionLines(network, Lines(self._marks))
         n = network.tables
         rows = [row for row, lane in enumerate(n.lane_id) if lane != 0 and is_drivable(n.lane_type[row])]
         sections = [n.lane_section[row] for row in rows]
@@ -149,14 +146,14 @@ class MapRoads:
                 if found is not None:
                     yield number, *found
 
-    def _wear(self, seed: int, first: int) -> _Lines:
+    def _wear(self, seed: int, first: int) -> Lines:
         draw = np.random.default_rng([seed, first, 1])
         marks = self._marks
         key, index = np.unique(np.stack([marks.road, marks.lane]), axis=1, return_inverse=True)
         kind, level = draw.random(key.shape[1]), draw.random(key.shape[1])
         left = np.where(kind < 0.6, 1.0, np.where(kind < 0.7, 0.0, level))
         quality = marks.quality * left[index.ravel()]
-        return _Lines(replace(marks, quality=quality.astype(np.float32)))
+        return Lines(replace(marks, quality=quality.astype(np.float32)))
 
     def _place(self, draw: np.random.Generator) -> LanePosition:
         road, lane, start, end = self._lanes[int(np.searchsorted(self._share, draw.random()))]
@@ -164,7 +161,7 @@ class MapRoads:
         return LanePosition(self.network.road_ids[road], lane, s)
 
     def _clip(
-        self, draw: np.random.Generator, camera: RoadCamera, lines: _Lines
+        self, draw: np.random.Generator, camera: RoadCamera, lines: Lines
     ) -> tuple[Conditions, Iterator[View]] | None:
         way = self._way(self._place(draw))
         if way is None:
@@ -186,7 +183,7 @@ class MapRoads:
     def _views(
         self,
         camera: RoadCamera,
-        lines: _Lines,
+        lines: Lines,
         way: _Way,
         conditions: Conditions,
         boxes: list[Box],
@@ -207,7 +204,7 @@ class MapRoads:
             near = (distance >= LOOKED_AT[0]) & (distance <= LOOKED_AT[1])
             painted = [
                 float(np.mean(quality[near] * contrast > SEEN)) if near.any() else 0.0
-                for quality in (way.left_paint(lines), way.right_paint(lines))
+                for quality in (lines.along(border, way.distance) for border in (way.left_lines, way.right_lines))
             ]
             truth = Truth.of(view, way.left, way.right, (painted[0], painted[1]))
             meant: Sequence[WayPoint] = ()
@@ -229,34 +226,7 @@ class MapRoads:
             places.append(onward)
         if len(places) < REACH + BEHIND:
             return None
-        return _Way.along(network, places)
-
-
-class _Lines:
-    """Marks, and the quality of each line along its road."""
-
-    def __init__(self, marks: Marks) -> None:
-        self.marks = marks
-        order = np.lexsort((marks.s[:, 0], marks.lane, marks.road))
-        self._road, self._lane, self._s = marks.road[order], marks.lane[order], marks.s[order]
-        self._quality = marks.quality[order]
-        key = np.stack([self._road, self._lane])
-        changes = np.flatnonzero((np.diff(key, axis=1) != 0).any(axis=0)) + 1
-        bounds = np.concatenate([[0], changes, [len(order)]])
-        self._rows = {(int(self._road[a]), int(self._lane[a])): (a, b) for a, b in pairwise(bounds.tolist()) if b > a}
-
-    def paint(self, road: int, lane: int, s: float) -> float:
-        """Return the quality of the line on the outer border of a lane at s; 0 if there is none."""
-        found = self._rows.get((road, lane))
-        if found is None:
-            return 0.0
-        a, b = found
-        before = a + int(np.searchsorted(self._s[a:b, 0], s, side="right")) - 1
-        if before >= a and s <= self._s[before, 1] + 0.01:
-            return float(self._quality[before])
-        if before >= a and before + 1 < b and self._s[before + 1, 0] - self._s[before, 1] < GAP:
-            return float(self._quality[before])
-        return 0.0
+        return _Way.along(network, places, self._in_junctions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,8 +240,8 @@ class _Way:
         heading: (n,) rad.
         pitch: (n,) rad, positive downhill.
         roll: (n,) rad.
-        left_line: Road and lane whose outer border is the left border, for each place, and s.
-        right_line: The same for the right border.
+        left_lines: The lines on the left border for each place, that of its own road first.
+        right_lines: The same for the right border.
         crossing: (n,) whether it is in a junction there.
     """
 
@@ -281,31 +251,31 @@ class _Way:
     heading: Floats
     pitch: Floats
     roll: Floats
-    left_line: list[tuple[int, int, float]]
-    right_line: list[tuple[int, int, float]]
+    left_lines: list[tuple[LinePlace, ...]]
+    right_lines: list[tuple[LinePlace, ...]]
     crossing: NDArray[np.bool_]
 
     @staticmethod
-    def along(network: Network, places: list[LanePosition]) -> _Way:
+    def along(network: Network, places: list[LanePosition], in_junctions: JunctionLines) -> _Way:
         """Return the path through some places."""
         n = network.tables
         left, right, angles = [], [], []
-        left_line, right_line = [], []
+        left_lines, right_lines = [], []
         for place in places:
             road = network.road_index(place.road)
             sense = lane_direction(n, road, place.lane)
             borders = lane_borders(n, road, place.lane, place.s)
             points = [network.road_pose(place.road, place.s, t) for t in borders]
-            outer = (road, place.lane, place.s)
-            inner = (road, place.lane - 1 if place.lane > 0 else place.lane + 1, place.s)
+            outer = LinePlace(road, place.lane, place.s)
+            inner = outer._replace(lane=place.lane - 1 if place.lane > 0 else place.lane + 1)
             lines = [outer, inner] if place.lane > 0 else [inner, outer]
             if sense < 0:
                 points.reverse()
                 lines.reverse()
             left.append(points[0][:3])
             right.append(points[1][:3])
-            left_line.append(lines[0])
-            right_line.append(lines[1])
+            left_lines.append(in_junctions.with_others(lines[0], points[0]))
+            right_lines.append(in_junctions.with_others(lines[1], points[1]))
             pose = points[0]
             turned = 0.0 if sense > 0 else math.pi
             angles.append((pose.heading + turned, sense * pose.pitch, sense * pose.roll))
@@ -314,7 +284,7 @@ class _Way:
         crossing = np.array([n.road_junction[network.road_index(place.road)] >= 0 for place in places])
         gone = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(middle[:, :2], axis=0).T))])
         return _Way(
-            gone, np.array(left), np.array(right), np.unwrap(heading), pitch, roll, left_line, right_line, crossing
+            gone, np.array(left), np.array(right), np.unwrap(heading), pitch, roll, left_lines, right_lines, crossing
         )
 
     def junction_from(self, at: float) -> float:
@@ -352,14 +322,6 @@ class _Way:
         """Return the displacement of a vehicle that drives in the same way, m."""
         begin, end = self.pose(BEHIND, 0.0, 0.0), self.pose(BEHIND + distance, 0.0, 0.0)
         return end.x - begin.x, end.y - begin.y
-
-    def left_paint(self, lines: _Lines) -> Floats:
-        """Return the quality of the paint on the left border, (n,)."""
-        return np.array([lines.paint(*one) for one in self.left_line])
-
-    def right_paint(self, lines: _Lines) -> Floats:
-        """Return the quality of the paint on the right border, (n,)."""
-        return np.array([lines.paint(*one) for one in self.right_line])
 
 
 def _traffic(draw: np.random.Generator, way: _Way, curvature: float, lorries: float) -> tuple[list[Box], float, bool]:
