@@ -195,7 +195,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
     ("detector", "digest"),
     [
         ("classical", "6d385f069769b847d23b83fcd20ef11d994f68b442f54b788c56cc6480d913d9"),
-        ("learned", "4e33bcee545be0ddd9b7a4ada8fc76962e73290364827efe9dcb71d60dceab9b"),
+        ("learned", "046e63b5b997ac7cd8507210461821158c514569c4cc597c20301a3d2f34a7f3"),
     ],
 )
 def test_the_pages_are_about_the_packaged_confidence(detector: DetectorName, digest: str) -> None:

@@ -42,6 +42,7 @@ situation of the bank.
 KINDS = {
     COPY: ("repainted", 120),
     "avenues_": ("avenues", 120),
+    "crossings_": ("crossings", 160),
     "streets_": ("streets", 160),
     "made_up_": ("made-up", 160),
     "": ("road files", 240),

@@ -1,12 +1,14 @@
 """Roads for the training of a lane detector besides those of real maps: maps with repainted marks, and made-up roads.
 
-    python tools/training_roads.py OUT [--files 20] [--streets 12] [--avenues 24] [--first 9000] [--repaint MAPS]
+    python tools/training_roads.py OUT [--files 20] [--streets 12] [--avenues 24] [--crossings 20] [--first 9000]
+        [--repaint MAPS]
 
 writes files of made-up roads, `made_up_00.xodr` and so on, files of streets with bends as sharp as where one turns at a
-junction, `streets_00.xodr` and so on, and files of level roads with bends of medium radius, `avenues_00.xodr` and so
-on, to the folder OUT, and for each road file of the folder MAPS a copy with other lines, such as
-`repainted_town_grid.xodr`. The confidence of the classical detector is fitted to them too (docs/perception.md).
-`tools/train_lane_network.py` makes the files that it needs itself.
+junction, `streets_00.xodr` and so on, files of level roads with bends of medium radius, `avenues_00.xodr` and so on,
+and files of main streets with crossings, `crossings_00.xodr` and so on, to the folder OUT, and for each road file of
+the folder MAPS a copy with other lines, such as `repainted_town_grid.xodr`. The confidence is fitted to them, that of
+the classical detector without the crossings (docs/perception.md). `tools/train_lane_network.py` makes the files that it
+needs itself.
 
 The marks of a map follow its author's habits: some maps have no double line, some no line at the edge. Here all kinds
 of lines of OpenDRIVE are used, white and yellow, with common widths, dashes and gaps.
@@ -51,8 +53,10 @@ BESIDE = {
 REPAINTED = 5000
 """Seed of the lines in the copy of a folder's first road file."""
 
-STREETS, AVENUES = 1000, 2000
-"""What is added to the seed of the first made-up file for that of the first file of streets, and of avenues."""
+STREETS, AVENUES, CROSSED = 1000, 2000, 3000
+"""What is added to the seed of the first made-up file for that of the first file of streets, and of avenues, and for
+that of the first file's lines of crossings.
+"""
 
 ROADS, LENGTH = 4, 500.0
 """Number of roads in a made-up file, and the least length of each, m."""
@@ -298,11 +302,14 @@ def _elevation(draw: np.random.Generator, length: float, level: float) -> etree.
 
 def main() -> None:
     """Write the files of made-up roads and the repainted copies."""
+    from training_crossings import crossings  # needs the extra `maps`, which the other users of this module do not
+
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path)
     parser.add_argument("--files", type=int, default=20, help="number of files of winding roads")
     parser.add_argument("--streets", type=int, default=12, help="number of files of streets")
     parser.add_argument("--avenues", type=int, default=24, help="number of files of level roads with medium bends")
+    parser.add_argument("--crossings", type=int, default=20, help="number of files of main streets with crossings")
     parser.add_argument("--first", type=int, default=9000, help="seed of the first file")
     parser.add_argument("--repaint", type=Path, metavar="MAPS", help="folder with road files to repaint")
     options = parser.parse_args()
@@ -314,6 +321,10 @@ def main() -> None:
     ):
         for number in range(count):
             made_up(options.out / f"{name}_{number:02d}.xodr", first + number, kind)
+    for number in range(options.crossings):
+        file = options.out / f"crossings_{number:02d}.xodr"
+        crossings(file, options.first + number)
+        repainted(file, file, options.first + CROSSED + number)
     for seed, file in enumerate(sorted(options.repaint.glob("*.xodr")) if options.repaint else [], REPAINTED):
         repainted(file, options.out / f"{COPY}{file.stem}.xodr", seed)
 

@@ -14,17 +14,21 @@ from scenario_compiler import find_map, load_network
 from scenario_compiler.perception.calibration.maps import LORRIES_AHEAD, MapRoads
 from scenario_compiler.validation import validate_files
 
-TOOL = Path(__file__).parents[2] / "tools" / "training_roads.py"
+TOOLS = Path(__file__).parents[2] / "tools"
 
 
-@pytest.fixture(scope="module")
-def roads() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("training_roads", TOOL)
+def tool(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, TOOLS / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture(scope="module")
+def roads() -> ModuleType:
+    return tool("training_roads")
 
 
 def kinds_of(file: Path) -> set[int]:
@@ -42,6 +46,19 @@ def test_made_up_roads_are_valid_and_can_be_driven(kind: str, roads: ModuleType,
         seen = [next(views).truth for _, _, views in clips]
         assert len(seen) >= 4
         assert all(np.isfinite(truth.y(0, 6.0)) for truth in seen)
+
+
+def test_near_crossings_some_lines_end_and_others_go_on(roads: ModuleType, tmp_path: Path) -> None:
+    crossings, painted = tool("training_crossings").crossings, []
+    for seed in range(4):
+        file = tmp_path / f"crossings{seed}.xodr"
+        crossings(file, seed)
+        roads.repainted(file, file, seed)
+        assert [one for found in validate_files([file]) for one in found] == []
+        views = [next(views) for _, _, views in MapRoads(load_network(file)).clips(1, range(16))]
+        painted += [share for view in views if 0.0 < view.junction < 18.0 for share in view.truth.painted]
+    assert any(0.0 < share < 0.6 for share in painted)
+    assert any(share == 1.0 for share in painted)
 
 
 def test_lorries_are_close_ahead_in_the_clips_that_ask_for_them() -> None:
