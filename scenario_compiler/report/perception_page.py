@@ -310,7 +310,8 @@ eight of those with a lorry close ahead, and the two towns 2880 each; 3500 rando
 seen with a confidence that did not know its file, as for the classical detector. In the tables, each map is judged with
 a fit to all the other files. The command was run in parts, some of them on two cores; on 16 they would take 30 minutes
 together. In the packaged confidence and in the tables, what is remembered was decided by a fit to 48 clips of each
-other file, before the truth of the paint was corrected (see below), and for the crossings by the confidence before it.
+other file, those of the network's training included, before the truth of the paint was corrected (see below), and for
+the crossings by the confidence before it.
 
 The confidence before these was fitted to one town and few other files, and had no input for the next junction. On
 Town03 it was up to 0.18 off while driving: the network says that a side is painted if it sees paint, but near a
