@@ -110,11 +110,7 @@ class JunctionLines:
                 places.append(LinePlace(road, lane, s))
                 points.append(pose[:3])
                 directions.append((math.cos(pose.heading), math.sin(pose.heading)))
-        self._places, self._points, self._directions = (
-            places,
-            np.array(points).reshape(-1, 3),
-            np.array(directions).reshape(-1, 2),
-        )
+        self._places, self._points, self._directions = places, np.array(points), np.array(directions)
         self._tree = cKDTree(self._points) if places else None
 
     def with_others(self, own: LinePlace, border: Pose) -> tuple[LinePlace, ...]:

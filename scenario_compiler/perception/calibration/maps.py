@@ -191,6 +191,7 @@ class MapRoads:
     ) -> Iterator[View]:
         offset, drift, step = motion
         contrast = look_of(conditions.weather).contrast
+        paint = [lines.along(border, way.distance) for border in (way.left_lines, way.right_lines)]
         for number in range(IMAGES):
             at = BEHIND + number * step
             road = way.pose(at, offset + drift * number * step, drift)
@@ -202,10 +203,7 @@ class MapRoads:
             ahead = camera.box_offset + self.camera.x
             distance = way.distance - at - ahead
             near = (distance >= LOOKED_AT[0]) & (distance <= LOOKED_AT[1])
-            painted = [
-                float(np.mean(quality[near] * contrast > SEEN)) if near.any() else 0.0
-                for quality in (lines.along(border, way.distance) for border in (way.left_lines, way.right_lines))
-            ]
+            painted = [float(np.mean(quality[near] * contrast > SEEN)) if near.any() else 0.0 for quality in paint]
             truth = Truth.of(view, way.left, way.right, (painted[0], painted[1]))
             meant: Sequence[WayPoint] = ()
             if conditions.navigated:
