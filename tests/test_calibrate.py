@@ -194,7 +194,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("detector", "digest"),
     [
-        ("classical", "6d385f069769b847d23b83fcd20ef11d994f68b442f54b788c56cc6480d913d9"),
+        ("classical", "caa9cfaeba0868c04b2134983c598170c156383daaa8417a3ac36c01309fe5f4"),
         ("learned", "046e63b5b997ac7cd8507210461821158c514569c4cc597c20301a3d2f34a7f3"),
     ],
 )

@@ -6,7 +6,7 @@ MAPS is a folder of road files, which are split and repainted as `train_lane_net
 that it wrote. Only the layers behind the last step of the encoder are fitted, to pictures with seeds of their own of
 the maps of the training: the longer the whole network is trained, the surer it is of the paint without being right.
 The tilt and the lane's width are kept as they were, and the rows have other layers. lane_network.onnx is written to
-OUT; the confidence is fitted afterwards (`fit_learned_confidence`). The packages `onnx` and `torch` are needed.
+OUT; the confidence is fitted afterwards (`fit_confidence`). The packages `onnx` and `torch` are needed.
 """
 
 from __future__ import annotations

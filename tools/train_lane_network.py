@@ -28,7 +28,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import torch
-from fit_learned_confidence import of_paint_alone
+from fit_confidence import of_evidence
 from numpy.typing import NDArray
 from torch import nn
 from torch.nn import functional
@@ -409,7 +409,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
     A job is of clips of a map, of random situations or of a situation of the bank.
     """
     which, seed, first, last, network = job
-    detector = LearnedLaneDetector(network=network, confidence=of_paint_alone())
+    detector = LearnedLaneDetector(network=network, confidence=of_evidence("learned"))
     taker = Taker(detector)
     overlaps: list[tuple[float, ...]] = []
 

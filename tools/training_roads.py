@@ -6,9 +6,8 @@
 writes files of made-up roads, `made_up_00.xodr` and so on, files of streets with bends as sharp as where one turns at a
 junction, `streets_00.xodr` and so on, files of level roads with bends of medium radius, `avenues_00.xodr` and so on,
 and files of main streets with crossings, `crossings_00.xodr` and so on, to the folder OUT, and for each road file of
-the folder MAPS a copy with other lines, such as `repainted_town_grid.xodr`. The confidence is fitted to them, that of
-the classical detector without the crossings (docs/perception.md). `tools/train_lane_network.py` makes the files that it
-needs itself.
+the folder MAPS a copy with other lines, such as `repainted_town_grid.xodr`. The confidence is fitted to them
+(`fit_confidence`). `tools/train_lane_network.py` makes the files that it needs itself.
 
 The marks of a map follow its author's habits: some maps have no double line, some no line at the edge. Here all kinds
 of lines of OpenDRIVE are used, white and yellow, with common widths, dashes and gaps.

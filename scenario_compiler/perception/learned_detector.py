@@ -8,7 +8,7 @@ confidence is calibrated like that of the classical detector, on properties of t
 (`stripe`), because a network also takes a boundary for painted where boundaries usually are.
 
 It was trained for the default camera by `tools/train_lane_network.py`, `tools/fit_lane_head.py` and
-`tools/fit_learned_confidence.py`; the picture of another camera is rectified to that camera. docs/perception-learned.md
+`tools/fit_confidence.py`; the picture of another camera is rectified to that camera. docs/perception-learned.md
 has its results.
 """
 

@@ -11,6 +11,7 @@ machine learning, arXiv 1608.00060).
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -42,13 +43,20 @@ def parts_of(names: Collection[str], left_out: Collection[str]) -> list[frozense
     return [*sorted(alone, key=min), *(frozenset().union(*others[k::PARTS]) for k in range(min(PARTS, len(others))))]
 
 
-def fits_to_others(gathered: Gathered, left_out: Collection[str]) -> dict[str, Confidence]:
+def fits_to_others(gathered: Gathered, left_out: Collection[str], cores: int) -> dict[str, Confidence]:
     """Return, by the name of each map, a confidence fitted to the other parts; there is none if there is one part."""
-    found: dict[str, Confidence] = {}
-    for part in parts_of(gathered.maps, left_out):
-        if len(part) < len(gathered.maps):
-            found |= dict.fromkeys(part, fitted(gathered, part))
-    return found
+    parts = parts_of(gathered.maps, left_out)
+    return _fits_without([part for part in parts if len(part) < len(gathered.maps)], gathered, cores)
+
+
+def _fits_without(parts: Sequence[frozenset[str]], gathered: Gathered, cores: int) -> dict[str, Confidence]:
+    """Return, by the name of each map of the parts, a confidence fitted to all maps but those of its part.
+
+    XGBoost leaves the interpreter to other threads while it works, so as many fits as there are cores go on at a time.
+    """
+    with ThreadPoolExecutor(cores) as threads:
+        fits = list(threads.map(lambda part: fitted(gathered, part), parts))
+    return {name: fit for part, fit in zip(parts, fits, strict=True) for name in part}
 
 
 def seen_across(
@@ -69,7 +77,7 @@ def seen_across(
         left_out: Names of maps that are a part of their own.
         progress: Where progress is reported.
     """
-    seen_with = fits_to_others(gathered, left_out)
+    seen_with = fits_to_others(gathered, left_out, processes)
     return replace(gathered, maps=gather_maps(detector, maps, gathered.clips, processes, seen_with, progress))
 
 
@@ -85,7 +93,8 @@ def with_left_out(
 
     The arguments are those of `seen_across`.
     """
-    seen_with = {name: fitted(gathered, copies_of(name, gathered.maps)) for name in left_out}
+    parts = {copies_of(name, gathered.maps) for name in left_out}
+    seen_with = _fits_without(sorted(parts, key=min), gathered, processes)
     chosen = [path for path in maps if path.stem in left_out]
     seen = gather_maps(detector, chosen, MORE * gathered.clips, processes, seen_with, progress)
     return replace(gathered, maps={**gathered.maps, **seen})
