@@ -53,6 +53,9 @@ class DebugShapes:
         (kind, primitive), (red, green, blue), lasts, _ = wire
         if kind > BOX:
             return
+        if kind == BOX:  # its actor's number is not set by the client: it is whatever was in its memory
+            (middle, extent, *_), *rest = primitive
+            primitive = [[middle, extent], *rest]
         if any(abs(number) > FARTHEST for number in _numbers(primitive)):
             raise CallError("the shape is out of bounds")
         self._forget(time)
@@ -106,7 +109,7 @@ def _lines(kind: int, primitive: list[Any]) -> Iterator[tuple[list[float], list[
         for place in _barbs(np.array(begin, np.float64), np.array(end, np.float64), size):
             yield place, end, width
     else:
-        (middle, extent, *_), (pitch, yaw, roll), width = primitive
+        (middle, extent), (pitch, yaw, roll), width = primitive
         axes = np.array(carla_axes(pitch, yaw, roll)) * np.array(extent, np.float64)[:, None]
         corners = {signs: (np.array(middle) + np.array(signs) @ axes).tolist() for signs in product((-1, 1), repeat=3)}
         for one, other in product(corners, repeat=2):

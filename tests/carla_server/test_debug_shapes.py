@@ -146,3 +146,10 @@ def test_too_many_and_too_large_shapes_are_left_out() -> None:
     assert shapes.at(5.1) == []
     with pytest.raises(CallError, match="out of bounds"):
         shapes.add([[0, [[0.0, 0.0, 1e30], 0.1]], [1, 2, 3], 5.0, True], 0.0)
+
+
+def test_a_box_is_drawn_whatever_the_number_of_its_actor_is() -> None:
+    """CARLA's client leaves it as it was in memory."""
+    shapes = DebugShapes()
+    shapes.add([[3, [[[0.0] * 3, [1.0] * 3, [0.0] * 3, 4_294_967_295], [0.0] * 3, 0.1]], [1, 2, 3], 5.0, True], 0.0)
+    assert len(shapes.at(0.0)) == 12
