@@ -28,7 +28,7 @@ from scenario_compiler.perception.calibration.cross_fit import COPY, fits_to_oth
 from scenario_compiler.perception.calibration.figures import REMEMBERING, figures_of, fitted, judged, worth
 from scenario_compiler.perception.calibration.gather import Gathered, gather_bank, gather_drawn, gather_maps
 from scenario_compiler.perception.confidence import Confidence, Tree, confidence_text
-from scenario_compiler.perception.detectors import DETECTORS, DetectorName, create_detector
+from scenario_compiler.perception.detectors import DETECTORS, DetectorName, detector_class
 from scenario_compiler.report.perception_page import Measured, write_perception_page
 
 TOWNS = ("Town01", "Town03", "Town04", "Town05")
@@ -80,7 +80,7 @@ def kind_of(name: str) -> tuple[str, int]:
 def of_evidence(detector: DetectorName) -> Confidence:
     """Return a confidence that takes one feature as evidence, for looks to which another one is fitted."""
     name, threshold = RECIPES[detector].evidence
-    feature = create_detector(detector).features.index(name)
+    feature = detector_class(detector).features.index(name)
     return Confidence.of([0.0] * 3, [Tree([feature, -1, -1], [threshold], [[-2.0] * 3, [2.0] * 3])])
 
 
@@ -131,8 +131,8 @@ def main() -> None:
     fits = fits_to_others(Gathered(first, (), drawn, FIRST), left_out, jobs)
     gathered = Gathered(looks_at(detector, files, fits, jobs), (), drawn, OF_TOWNS)
     confidence = fitted(gathered)
-    created = create_detector(detector)
-    (out / created.confidence_file).write_text(confidence_text(confidence, created.features), encoding="utf-8")
+    of_class = detector_class(detector)
+    (out / of_class.confidence_file).write_text(confidence_text(confidence, of_class.features), encoding="utf-8")
     fits = fits_to_others(gathered, left_out, jobs)
     figures = json.dumps(figures_of_others(gathered.maps, fits, left_out), indent=1)
     (out / "other_roads.json").write_text(figures + "\n", encoding="utf-8")

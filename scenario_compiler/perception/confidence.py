@@ -171,7 +171,7 @@ def load_confidence(file: str, names: tuple[str, ...]) -> Confidence:
     """Return a packaged confidence from its file, which must have the features with these names."""
     data = json.loads(resources.files("scenario_compiler.perception").joinpath(file).read_text("utf-8"))
     if tuple(data["features"]) != names:
-        raise RuntimeError(f"{file} was made for other features; run `scenario-compiler calibrate --fit`")
+        raise RuntimeError(f"{file} was made for other features; fit it again with tools/fit_confidence.py")
     return Confidence.of(data["start"], (Tree(**one) for one in data["trees"]))
 
 

@@ -20,11 +20,15 @@ DETECTORS: dict[DetectorName, str] = {
 """Class of each detector, by name."""
 
 
+def detector_class(name: DetectorName) -> type[CalibratedDetector]:
+    """Return the class of a detector."""
+    module, _, attribute = DETECTORS[name].partition(":")
+    found: type[CalibratedDetector] = getattr(importlib.import_module(module), attribute)
+    return found
+
+
 def create_detector(
     name: DetectorName, camera: Camera | None = None, confidence: Confidence | None = None
 ) -> CalibratedDetector:
     """Return a detector for a camera, by default for the default camera and with the packaged confidence."""
-    module, _, attribute = DETECTORS[name].partition(":")
-    made = getattr(importlib.import_module(module), attribute)
-    detector: CalibratedDetector = made(camera, confidence=confidence)
-    return detector
+    return detector_class(name)(camera, confidence=confidence)

@@ -261,6 +261,9 @@ class CalibratedDetector(LaneDetector, Protocol):
     features: ClassVar[tuple[str, ...]]
     confidence_file: ClassVar[str]
 
+    def __init__(self, camera: Camera | None = None, *, confidence: Confidence | None = None) -> None:
+        """Prepare for one camera, by default the default one, and by default with the packaged confidence."""
+
     def look(
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
     ) -> tuple[LaneResult, tuple[Floats, Floats]]:
