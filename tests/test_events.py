@@ -176,8 +176,9 @@ def test_a_failure_that_only_pictures_show_is_ignored_with_ideal_perception_and_
 
 @pytest.mark.parametrize("kind", ["impulse_noise", "overexposure", "dead_rows"])
 def test_such_a_failure_takes_the_lane_from_the_camera(tmp_path: Path, kind: str) -> None:
+    """It takes up to a second, because lines that were seen a moment ago are remembered."""
     failure = f'<camera><failure kind="{kind}" onset="0.5"/></camera>'
-    recording, _ = played(compiled(tmp_path, "camera", camera=failure, duration=1.0))
+    recording, _ = played(compiled(tmp_path, "camera", camera=failure, duration=1.5))
     sides = np.fmax(recording.confidence_left, recording.confidence_right)
     assert sides[9] > 0.8
     assert sides[-1] < 0.3
