@@ -165,7 +165,7 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 _CLASSICAL = """\
-<!-- Written by `tools/fit_confidence.py`. -->
+<!-- Written by `scenario-compiler calibrate` or `tools/fit_confidence.py`. -->
 # Lane detection and its confidence
 
 A classical detector finds the lane in the images of the automation's camera. It transforms the image to a view of the
@@ -292,7 +292,7 @@ See also [how far it drives on clear roads](lane-keeping.md) and [the learned de
 """
 
 _LEARNED = """\
-<!-- Written by `tools/fit_confidence.py`. -->
+<!-- Written by `scenario-compiler calibrate` or `tools/fit_confidence.py`. -->
 # The learned lane detector
 
 `<detector model="learned"/>` in the [controller](language.md#Detector) uses a small network in place of the classical
