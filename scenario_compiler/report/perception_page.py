@@ -211,7 +211,7 @@ them. In one of five clips the automation does not know the route, and the detec
 
 On 240 other clips of each of 70 files of the fit (the towns, the road files and the winding roads), with a known route
 and in clear weather, this share of the painted boundaries is right; *before* is the detector that used the route's
-shape only, near junctions and in sharp bends:
+shape only, near junctions and in sharp bends. What counts as painted was not yet corrected (see below):
 
 | radius of the road, m | outside junctions | before | near junctions | before |
 |---|---:|---:|---:|---:|
