@@ -22,7 +22,7 @@ from scenario_compiler.perception.calibration.gather import Gathered, gather_map
 from scenario_compiler.perception.calibration.maps import IMAGES, MapRoads
 from scenario_compiler.perception.calibration.truth import Truth
 from scenario_compiler.perception.confidence import FEATURES, Confidence, Tree, confidence_text
-from scenario_compiler.perception.detectors import DetectorName, create_detector
+from scenario_compiler.perception.detectors import DetectorName, detector_class
 from scenario_compiler.perception.lane_detector import Boundary
 from scenario_compiler.report.perception_page import INTRODUCTIONS, LIMITS, PAGES, Measured, write_perception_page
 from scenario_compiler.resources import find_map
@@ -203,7 +203,7 @@ def test_the_pages_are_about_the_packaged_confidence(detector: DetectorName, dig
     page = (Path(__file__).parents[1] / "docs" / PAGES[detector]).read_text(encoding="utf-8")
     assert page.startswith(INTRODUCTIONS[detector])
     assert page.endswith(LIMITS)
-    file = resources.files("scenario_compiler.perception").joinpath(create_detector(detector).confidence_file)
+    file = resources.files("scenario_compiler.perception").joinpath(detector_class(detector).confidence_file)
     assert hashlib.sha256(file.read_bytes()).hexdigest() == digest
 
 

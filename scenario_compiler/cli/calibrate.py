@@ -22,7 +22,7 @@ from scenario_compiler.cli.terminal import complain, put, put_raw
 from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import CompileError, did_you_mean
 from scenario_compiler.files import files_in
-from scenario_compiler.perception.detectors import DETECTORS, create_detector
+from scenario_compiler.perception.detectors import DETECTORS, detector_class
 from scenario_compiler.resources import maps_folder
 
 CLIPS, PICTURES = 480, 60
@@ -123,7 +123,7 @@ def calibrate_command(options: argparse.Namespace) -> int:
     measured = Measured(options.detector, command, minutes, options.workers, looks, options.pictures)
     write_perception_page(figures, measured, options.output, confidence)
     if confidence is not None:
-        detector = create_detector(named)
+        detector = detector_class(named)
         text = confidence_text(confidence, detector.features)
         (options.output / detector.confidence_file).write_text(text, encoding="utf-8")
     driving = figures.driving[-1].outputs[-1]
