@@ -62,7 +62,9 @@ KINDS = {
     COPY: ("repainted", 120),
     "avenues_": ("avenues", 120),
     "crossings_": ("crossings", 160),
+    "motorways_": ("motorways", 160),
     "streets_": ("streets", 160),
+    "wide_": ("wide streets", 160),
     "made_up_": ("made-up", 160),
     "": ("road files", 240),
 }

@@ -1,11 +1,12 @@
 """Roads for the training of a lane detector besides those of real maps: maps with repainted marks, and made-up roads.
 
-    python tools/training_roads.py OUT [--files 20] [--streets 12] [--avenues 24] [--crossings 20] [--first 9000]
-        [--repaint MAPS]
+    python tools/training_roads.py OUT [--files 20] [--streets 12] [--wide 12] [--avenues 24] [--crossings 20]
+        [--motorways 20] [--first 9000] [--repaint MAPS]
 
 writes files of made-up roads, `made_up_00.xodr` and so on, files of streets with bends as sharp as where one turns at a
-junction, `streets_00.xodr` and so on, files of level roads with bends of medium radius, `avenues_00.xodr` and so on,
-and files of main streets with crossings, `crossings_00.xodr` and so on, to the folder OUT, and for each road file of
+junction, `streets_00.xodr` and so on, of such streets with wide lanes, `wide_00.xodr` and so on, files of level roads
+with bends of medium radius, `avenues_00.xodr` and so on, files of main streets with crossings, `crossings_00.xodr` and
+so on, and files of motorways with ramps, `motorways_00.xodr` and so on, to the folder OUT, and for each road file of
 the folder MAPS a copy with other lines, such as `repainted_town_grid.xodr`. The confidence is fitted to them
 (`fit_confidence`). `tools/train_lane_network.py` makes the files that it needs itself.
 
@@ -52,9 +53,9 @@ BESIDE = {
 REPAINTED = 5000
 """Seed of the lines in the copy of a folder's first road file."""
 
-STREETS, AVENUES, CROSSED = 1000, 2000, 3000
-"""What is added to the seed of the first made-up file for that of the first file of streets, and of avenues, and for
-that of the first file's lines of crossings.
+STREETS, AVENUES, CROSSED, WIDE_STREETS = 1000, 2000, 3000, 4000
+"""What is added to the seed of the first made-up file for that of the first file of streets, and of avenues, for that
+of the first file's lines of crossings, and for that of the first file of streets with wide lanes.
 """
 
 ROADS, LENGTH = 4, 500.0
@@ -71,6 +72,7 @@ class Kind(NamedTuple):
         angle: Least and greatest angle of a bend, rad.
         straight: Least and greatest length of the straight before it, m.
         level: Share of the roads without hills.
+        width: Least and greatest width of the driving lanes of a road, m, from which each differs by up to 0.2 m.
     """
 
     right: tuple[int, ...]
@@ -79,13 +81,16 @@ class Kind(NamedTuple):
     angle: tuple[float, float]
     straight: tuple[float, float]
     level: float = 0.35
+    width: tuple[float, float] = (2.7, 4.0)
 
 
 COUNTRY = Kind((1, 2, 3), (0, 1, 1, 2, 3), (16.0, 400.0), (0.25, 1.7), (5.0, 80.0))
 TOWN = Kind((1,), (0, 1), (10.0, 40.0), (0.4, 1.5), (4.0, 40.0))
+WIDE = Kind((1,), (0, 1), (14.0, 60.0), (0.4, 1.5), (4.0, 40.0), width=(4.0, 7.0))
 AVENUE = Kind((1, 2, 3, 4), (0, 1, 2, 2, 3, 4), (50.0, 250.0), (0.15, 1.6), (5.0, 60.0), level=0.9)
 """Winding roads; streets with usual lanes and sharp bends, which are rare in road files: a lane that bends so sharply
-there is often a wide one; and level roads with bends of medium radius.
+there is often a wide one; such streets with wide lanes, so that a wide lane is not only that of a junction; and level
+roads with bends of medium radius.
 """
 
 
@@ -199,7 +204,7 @@ def _road(draw: np.random.Generator, number: int, kind: Kind) -> etree._Element:
     section = etree.SubElement(etree.SubElement(road, "lanes"), "laneSection", s="0")
     styles = _Styles(draw)
     right, left = int(draw.choice(kind.right)), int(draw.choice(kind.left))
-    widths = float(draw.uniform(2.7, 4.0))
+    widths = float(draw.uniform(*kind.width))
     between = ["bidirectional"] if left and draw.random() < 0.2 else []
     sides = {
         "left": [*between, *["driving"] * left, *_beside(draw)],
@@ -302,13 +307,16 @@ def _elevation(draw: np.random.Generator, length: float, level: float) -> etree.
 def main() -> None:
     """Write the files of made-up roads and the repainted copies."""
     from training_crossings import crossings  # needs the extra `maps`, which the other users of this module do not
+    from training_motorways import motorway  # needs it too
 
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path)
     parser.add_argument("--files", type=int, default=20, help="number of files of winding roads")
     parser.add_argument("--streets", type=int, default=12, help="number of files of streets")
+    parser.add_argument("--wide", type=int, default=12, help="number of files of streets with wide lanes")
     parser.add_argument("--avenues", type=int, default=24, help="number of files of level roads with medium bends")
     parser.add_argument("--crossings", type=int, default=20, help="number of files of main streets with crossings")
+    parser.add_argument("--motorways", type=int, default=20, help="number of files of motorways with ramps")
     parser.add_argument("--first", type=int, default=9000, help="seed of the first file")
     parser.add_argument("--repaint", type=Path, metavar="MAPS", help="folder with road files to repaint")
     options = parser.parse_args()
@@ -316,6 +324,7 @@ def main() -> None:
     for name, count, first, kind in (
         ("made_up", options.files, options.first, COUNTRY),
         ("streets", options.streets, options.first + STREETS, TOWN),
+        ("wide", options.wide, options.first + WIDE_STREETS, WIDE),
         ("avenues", options.avenues, options.first + AVENUES, AVENUE),
     ):
         for number in range(count):
@@ -324,6 +333,8 @@ def main() -> None:
         file = options.out / f"crossings_{number:02d}.xodr"
         crossings(file, options.first + number)
         repainted(file, file, options.first + CROSSED + number)
+    for number in range(options.motorways):
+        motorway(options.out / f"motorways_{number:02d}.xodr", options.first + number)
     for seed, file in enumerate(sorted(options.repaint.glob("*.xodr")) if options.repaint else [], REPAINTED):
         repainted(file, options.out / f"{COPY}{file.stem}.xodr", seed)
 

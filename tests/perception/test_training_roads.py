@@ -36,7 +36,7 @@ def kinds_of(file: Path) -> set[int]:
     return set(tables.mark_type)
 
 
-@pytest.mark.parametrize("kind", ["COUNTRY", "TOWN", "AVENUE"])
+@pytest.mark.parametrize("kind", ["COUNTRY", "TOWN", "WIDE", "AVENUE"])
 def test_made_up_roads_are_valid_and_can_be_driven(kind: str, roads: ModuleType, tmp_path: Path) -> None:
     for seed in range(2):
         file = tmp_path / f"made{seed}.xodr"
@@ -59,6 +59,20 @@ def test_near_crossings_some_lines_end_and_others_go_on(roads: ModuleType, tmp_p
         painted += [share for view in views if 0.0 < view.junction < 18.0 for share in view.truth.painted]
     assert any(0.0 < share < 0.6 for share in painted)
     assert any(share == 1.0 for share in painted)
+
+
+def test_where_a_ramp_meets_a_motorway_its_lines_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(TOOLS)
+    motorway, painted = tool("training_motorways").motorway, []
+    for seed in range(4):
+        file = tmp_path / f"motorway{seed}.xodr"
+        motorway(file, seed)
+        assert [one for found in validate_files([file]) for one in found] == []
+        network = load_network(file)
+        assert network.tables.road_junction.count(-1) == len(network.road_ids) - 12
+        views = [next(views) for _, _, views in MapRoads(network).clips(1, range(16))]
+        painted += [share for view in views if 0.0 < view.junction < 18.0 for share in view.truth.painted]
+    assert np.mean([share == 1.0 for share in painted]) > 0.5
 
 
 def test_lorries_are_close_ahead_in_the_clips_that_ask_for_them() -> None:
@@ -87,6 +101,15 @@ def test_streets_bend_more_sharply_than_country_roads(roads: ModuleType, tmp_pat
         bends[kind] = float(np.median([conditions.curvature for _, conditions, _ in clips]))
     assert bends["TOWN"] > 1 / 40
     assert bends["TOWN"] > 3.0 * bends["COUNTRY"]
+
+
+def test_wide_streets_have_wider_lanes_than_other_streets(roads: ModuleType, tmp_path: Path) -> None:
+    for kind in (roads.TOWN, roads.WIDE):
+        roads.made_up(tmp_path / "street.xodr", 3, kind)
+        tree = etree.parse(str(tmp_path / "street.xodr"))
+        widths = [float(one.attrib["a"]) for one in tree.iterfind(".//lane[@type='driving']/width")]
+        assert kind.width[0] - 0.2 <= min(widths) <= max(widths) <= kind.width[1] + 0.2
+    assert roads.WIDE.width[0] >= roads.TOWN.width[1]
 
 
 def test_most_avenues_are_level_and_their_bends_are_of_medium_radius(roads: ModuleType, tmp_path: Path) -> None:
