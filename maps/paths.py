@@ -77,6 +77,12 @@ def end_of(start: Pose, path: Iterable[Piece]) -> Pose:
     return pose
 
 
+def start_of(end: Pose, path: Path) -> Pose:
+    """Where a path begins that ends at `end`."""
+    back = (replace(p, curvature_start=-p.curvature_end, curvature_end=-p.curvature_start) for p in reversed(path))
+    return end_of(end.turned(math.pi), back).turned(math.pi)
+
+
 def _end_of_piece(start: Pose, piece: Piece) -> Pose:
     length, k0, k1 = piece.known_length, piece.curvature_start, piece.curvature_end
     if k0 == k1 == 0.0:

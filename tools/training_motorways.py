@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from training_roads import DASHES, WIDTHS
 
 from maps.paths import Path as Line
-from maps.paths import Pose, bend, end_of, straight
+from maps.paths import Pose, bend, end_of, start_of, straight
 from maps.roads import Junction, Lane, Mark, Neighbour, Road, Section, opendrive
 
 JUNCTIONS = 6
@@ -165,9 +165,9 @@ def _ramp(
     of_ramp, of_joint = (Section((lane, verge), (), paint.edge),), (Section((met, verge)),)
     ramp, joint = RAMPS + number, JOINS + number
     if joins:
-        start = _backwards(meeting, beside)
+        start = start_of(meeting, beside)
         return [
-            _road(ramp, "ramp", _backwards(start, behind), behind, of_ramp, None, junction),
+            _road(ramp, "ramp", start_of(start, behind), behind, of_ramp, None, junction),
             _road(joint, "joint", start, beside, of_joint, Neighbour(ramp, "end"), Neighbour(2 + number, "start"),
                   junction.id),
         ]  # fmt: skip
@@ -176,13 +176,6 @@ def _ramp(
               junction.id),
         _road(ramp, "ramp", end_of(meeting, beside), behind, of_ramp, junction, None),
     ]  # fmt: skip
-
-
-def _backwards(end: Pose, line: Line) -> Pose:
-    """Return where a line begins that ends at a pose."""
-    mirrored = tuple(replace(piece, curvature_start=-piece.curvature_end, curvature_end=-piece.curvature_start)
-                     for piece in reversed(line))  # fmt: skip
-    return end_of(end.turned(math.pi), mirrored).turned(math.pi)
 
 
 def _road(

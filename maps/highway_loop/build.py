@@ -17,7 +17,7 @@ from pathlib import Path as File
 sys.path.insert(0, str(File(__file__).resolve().parents[2]))
 
 from maps.intersections import Arm, Intersection, connecting_roads
-from maps.paths import Path, Pose, bend, end_of, fitted, straight
+from maps.paths import Path, Pose, bend, end_of, fitted, start_of, straight
 from maps.roads import Junction, Lane, Mark, Neighbour, Road, Section, Wear, opendrive
 
 # --- What the map is
@@ -227,7 +227,7 @@ def ramps(roads: Mapping[int, Road]) -> list[Road]:
     nose = bend(-RAMP_ANGLE, NOSE_RADIUS)
     beside = -2.0 * LANE_WIDTH
     merged = roads[11].start.moved(0.0, beside)
-    merging = end_of(merged.turned(math.pi), bend(RAMP_ANGLE, NOSE_RADIUS)).turned(math.pi)
+    merging = start_of(merged, nose)
     entry_start = roads[21].start.moved(-SETBACK, SETBACK).turned(math.pi / 2.0)
     diverging = roads[12].end.moved(0.0, beside)
     exit_start = end_of(diverging, nose)
