@@ -194,7 +194,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("detector", "digest"),
     [
-        ("classical", "caa9cfaeba0868c04b2134983c598170c156383daaa8417a3ac36c01309fe5f4"),
+        ("classical", "58db07c3965fe35860762c664fbf9cbd7a3851c6eee2895e2d5f6d5d8f967e86"),
         ("learned", "046e63b5b997ac7cd8507210461821158c514569c4cc597c20301a3d2f34a7f3"),
     ],
 )

@@ -50,7 +50,7 @@ class Recipe(NamedTuple):
 
 
 RECIPES: Mapping[DetectorName, Recipe] = {
-    "classical": Recipe(TOWNS, 2880, ("prominence", 2.2)),
+    "classical": Recipe(TOWNS, 8640, ("prominence", 2.2)),
     "learned": Recipe(("Town03", "Town05", "soderleden"), 8640, ("painted", 0.5)),
 }
 
@@ -59,14 +59,14 @@ OF_TOWNS, FIRST, DRAWN, PICTURES = 2880, 24, 3500, 200
 """
 
 KINDS = {
-    COPY: ("repainted", 120),
-    "avenues_": ("avenues", 120),
-    "crossings_": ("crossings", 160),
-    "motorways_": ("motorways", 160),
-    "streets_": ("streets", 160),
-    "wide_": ("wide streets", 160),
-    "made_up_": ("made-up", 160),
-    "": ("road files", 240),
+    COPY: ("repainted", 60),
+    "avenues_": ("avenues", 60),
+    "crossings_": ("crossings", 84),
+    "motorways_": ("motorways", 108),
+    "streets_": ("streets", 84),
+    "wide_": ("wide streets", 108),
+    "made_up_": ("made-up", 84),
+    "": ("road files", 120),
 }
 """Kinds of files by the beginnings of their names, and the clips of a file of each; the first that fits."""
 

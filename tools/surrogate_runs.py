@@ -134,13 +134,14 @@ class Made:
     Attributes:
         case: The run.
         looks: (N, 9) one row a look until the driver drives: `LOOK_COLUMNS`.
-        commands: (M, 7) what the controller has told the engine at each control step: `COMMANDS`.
+        commands: (M, 7) what the controller has told the engine at each control step: `COMMANDS`; with single precision, a
+            repeated run can come to a standstill one step earlier.
         outcome: Measures by name, NaN where undefined; `cause` and `resolution` as texts.
     """
 
     case: Case
     looks: NDArray[np.float32]
-    commands: NDArray[np.float32]
+    commands: Floats
     outcome: dict[str, Any]
 
 
@@ -206,7 +207,7 @@ def run_case(case: Case, perception: Perception, *, looks: bool) -> Made | None:
     outcome: dict[str, Any] = {name: _number(row[name][0]) for name in KEPT}
     outcome |= {"cause": row["cause"][0], "resolution": row["resolution"][0], "result": row["result"][0]}
     outcome |= {"name": plan.name, "map": Path(plan.map.file).stem}
-    return Made(case, _table(rows, LOOK_COLUMNS), _table(commands, COMMANDS), outcome)
+    return Made(case, _table(rows, LOOK_COLUMNS).astype(np.float32), _table(commands, COMMANDS), outcome)
 
 
 def _has_enough(execution: Execution, case: Case) -> bool:
@@ -217,8 +218,8 @@ def _has_enough(execution: Execution, case: Case) -> bool:
     return case.number >= 0 and state in WITHOUT_LOOKS
 
 
-def _table(rows: Sequence[Sequence[float]], columns: Sequence[str]) -> NDArray[np.float32]:
-    return np.array(rows, np.float32).reshape(-1, len(columns))
+def _table(rows: Sequence[Sequence[float]], columns: Sequence[str]) -> Floats:
+    return np.array(rows, np.float64).reshape(-1, len(columns))
 
 
 def _number(value: Any) -> float:
