@@ -134,8 +134,8 @@ class Made:
     Attributes:
         case: The run.
         looks: (N, 9) one row a look until the driver drives: `LOOK_COLUMNS`.
-        commands: (M, 7) what the controller has told the engine at each control step: `COMMANDS`; with single precision,
-            a repeated run can come to a standstill one step earlier.
+        commands: (M, 7) what the controller has told the engine at each control step: `COMMANDS`; with single
+            precision, a repeated run can come to a standstill one step earlier.
         outcome: Measures by name, NaN where undefined; `cause` and `resolution` as texts.
     """
 
