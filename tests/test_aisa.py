@@ -147,7 +147,6 @@ def test_with_the_camera_the_request_comes_before_the_unmarked_turn_of_the_route
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="where a single dash is all that is seen, the confidence is 0.1 to 0.5", strict=True)
 def test_with_the_camera_no_request_comes_where_the_route_follows_the_paint(file: Path, maps: Path) -> None:
     recording, _ = _near_the_junction(file, maps)
     assert recording.x[-1, 0] > 213.76 + 120.0
