@@ -290,7 +290,7 @@ out of the fit at a time:
 * The twenty files of crossings: A 0.983, E 0.017, L 0.147, W 2.9 %; single images: A 0.984, E 0.015, L 0.043, W 3.4 %.
   There boundaries of medium confidence are right less often than it says: few of their lines go on.
 * The twenty files of motorways: A 0.988, E 0.014, L 0.050, W 1.2 %; single images: A 0.985, E 0.013, L 0.046, W 1.5 %.
-* The largest errors of the made-up files are those of a hundred to a few hundred sides, of which chance explains 0.1.
+* Chance alone explains 0.1 of the largest errors of made-up files: their bins have a hundred to a few hundred sides.
 * The worst of the road files: an S-shaped road with a superelevation of 0.75 rad (A 0.759, W 11 %), a map with lanes of
   6 m (0.910, W 0 %), a town on hills (0.933, W 15 %), cubetown (0.942, W 2 %), and a car park (0.945, W 18 %).
 
