@@ -40,22 +40,21 @@ class Recipe(NamedTuple):
 
     Attributes:
         left_out: The maps of the tables, each with a fit to all other files.
-        tables: Clips of each of them for the tables.
         evidence: The feature that is taken as evidence of paint at first, and the number from which on it is.
     """
 
     left_out: tuple[str, ...]
-    tables: int
     evidence: tuple[str, float]
 
 
 RECIPES: Mapping[DetectorName, Recipe] = {
-    "classical": Recipe(TOWNS, 8640, ("prominence", 2.2)),
-    "learned": Recipe(("Town03", "Town05", "soderleden"), 8640, ("painted", 0.5)),
+    "classical": Recipe(TOWNS, ("prominence", 2.2)),
+    "learned": Recipe(("Town03", "Town05", "soderleden"), ("painted", 0.5)),
 }
 
-OF_TOWNS, FIRST, DRAWN, PICTURES = 2880, 24, 3500, 200
-"""Clips of a town for the fits, and of each file at first; random situations; pictures of each situation of the bank.
+OF_TOWNS, OF_TABLES, FIRST, DRAWN, PICTURES = 2880, 8640, 24, 3500, 200
+"""Clips of a town for the fits, of each map for the tables, and of each file at first; random situations; pictures of
+each situation of the bank.
 """
 
 KINDS = {
@@ -125,7 +124,7 @@ def main() -> None:
     options = parser.parse_args()
     began, jobs, detector, out = time.monotonic(), options.jobs, options.detector, options.out
     out.mkdir(parents=True, exist_ok=True)
-    left_out, clips_of_tables, _ = RECIPES[detector]
+    left_out = RECIPES[detector].left_out
     files = sorted(options.maps.glob("*.xodr"))
     start = of_evidence(detector)
     drawn = gather_drawn(detector, DRAWN, jobs, seen_with=start)
@@ -139,15 +138,15 @@ def main() -> None:
     figures = json.dumps(figures_of_others(gathered.maps, fits, left_out), indent=1)
     (out / "other_roads.json").write_text(figures + "\n", encoding="utf-8")
     of_tables = [file for file in files if file.stem in left_out]
-    tables = gather_maps(detector, of_tables, clips_of_tables, jobs, fits)
+    tables = gather_maps(detector, of_tables, OF_TABLES, jobs, fits)
     bank = gather_bank(detector, PICTURES, jobs, seen_with=confidence)
     sides = sum(len(one.error) for one in gathered.maps.values())
     print(f"{sides} sides on {len(gathered.maps)} files, and {len(drawn.error)} in random situations")
     minutes = (time.monotonic() - began) / 60.0
     command = f"python tools/fit_confidence.py {detector} MAPS OUT"
     seen = f"the fits saw {sides} sides on {len(files)} files"
-    looked = f"{clips_of_tables} clips of six images on each of {len(tables)} maps; {seen}"
-    shown = figures_of(Gathered(tables, bank, drawn, clips_of_tables), left_out, None)
+    looked = f"{OF_TABLES} clips of six images on each of {len(tables)} maps; {seen}"
+    shown = figures_of(Gathered(tables, bank, drawn, OF_TABLES), left_out, None)
     write_perception_page(shown, Measured(detector, command, minutes, jobs, looked, PICTURES), out, confidence)
 
 
