@@ -195,7 +195,7 @@ def test_the_page_of_a_map(tmp_path: Path) -> None:
     ("detector", "digest"),
     [
         ("classical", "58db07c3965fe35860762c664fbf9cbd7a3851c6eee2895e2d5f6d5d8f967e86"),
-        ("learned", "046e63b5b997ac7cd8507210461821158c514569c4cc597c20301a3d2f34a7f3"),
+        ("learned", "2e1d48f5537ae1eb54d15d1275d372cdcfc9cb413538396ff28ff9c6d9f0beb5"),
     ],
 )
 def test_the_pages_are_about_the_packaged_confidence(detector: DetectorName, digest: str) -> None:

@@ -54,6 +54,11 @@ lines have 20 votes.
 NEIGHBOURS = np.array([0.25, 0.05, 0.005])
 """Greatest differences in offset, slope and curvature between neighbours: two steps of the grid."""
 
+ALIKE_SCORES = 6
+"""Decimal places to which scores are compared. In white dirt many arcs have equal votes; the last digits of their
+costs, which differ between processors, would choose among them.
+"""
+
 MOST_STEPS = 20
 """Greatest number of steps from an arc to better neighbours; the grid's whole width takes ten."""
 
@@ -279,12 +284,12 @@ class LaneFitter:
         off = (a[:, None, 0] - b[None, :, 0] - width) / width_sigma
         joint = left_score[:, None] + right_score[None, :] - 2.0 * np.minimum(off * off, 4.0)
         joint -= 25.0 * np.abs(a[:, None, 1] - b[None, :, 1]) + 150.0 * np.abs(a[:, None, 2] - b[None, :, 2])
-        i, j = np.unravel_index(int(np.argmax(joint)), joint.shape)
+        i, j = np.unravel_index(int(np.argmax(np.round(joint, ALIKE_SCORES))), joint.shape)
         return int(left[i]), int(right[j])
 
     def _best_of_bins(self, scores: Floats, side: int, on_course: bool) -> tuple[NDArray[np.int64], Floats]:
         """Return the best arc for each offset, and its score; of equal ones the first."""
-        score = scores - self._off_course[side] if on_course else scores
+        score = np.round(scores - self._off_course[side] if on_course else scores, ALIKE_SCORES)
         ends = pairwise(self._bins[side])
         best = np.array([first + int(np.argmax(score[first:end])) for first, end in ends])
         return best, score[best]
