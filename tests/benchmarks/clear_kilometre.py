@@ -3,7 +3,8 @@
     python tests/benchmarks/clear_kilometre.py [--metres 1000] [--jobs 2] [--detector learned] MAP...
 
 For each map: how many km of its lanes are painted on both sides, how far was driven on such, and the requests there,
-outside junctions (with none within 25 m ahead) and near them. Bends are driven at their own speed.
+outside junctions (with none within 25 m ahead) and near them. Bends are driven at their own speed, and a drive begins
+at the speed that the bends behind its start allow.
 """
 
 from __future__ import annotations
@@ -21,11 +22,16 @@ from scenario_compiler import compile_scenario, load_network, open_world, run
 from scenario_compiler.perception.detectors import DETECTORS, DetectorName
 from scenario_compiler.roads import LanePosition, Network
 from scenario_compiler.roads.lane_types import is_drivable
-from scenario_compiler.roads.lanes import lane_direction, lane_width
+from scenario_compiler.roads.lanes import lane_curvature, lane_direction, lane_row, lane_width
 
 STEP, AHEAD, LONGEST, SPEED = 5.0, 25, 300.0, 13.9
 """Distance between places that are looked at, how far ahead of a request paint has to be, the longest drive, m, and the
 speed where no bend is, m/s."""
+
+LATERAL, BRAKING, NEAR = 2.5, 2.0, 60.0
+"""Lateral acceleration in bends and comfortable braking before them, m/s2, which are those of `lane_detection`, and the
+distance behind a start within which bends limit the speed there, m: braking from `SPEED` takes 48 m.
+"""
 
 EVERY = 15
 """Steps after which it is looked again whether the way is clear."""
@@ -76,6 +82,20 @@ def stretches(network: Network) -> tuple[float, list[LanePosition]]:
     return metres, starts
 
 
+def allowed(network: Network, start: LanePosition) -> float:
+    """Return the greatest speed, m/s, from which comfortable braking suffices for the bends behind a start."""
+    n, at, square = network.tables, start, SPEED * SPEED
+    for k in range(math.ceil(NEAR)):
+        road = network.road_index(at.road)
+        bend = abs(lane_curvature(n, road, at.lane, lane_row(n, road, at.lane, at.s), at.s))
+        square = min(square, LATERAL / max(bend, 1e-4) + 2.0 * BRAKING * k)
+        following = network.next(at, 1.0)
+        if following is None:
+            break
+        at = following
+    return math.sqrt(square)
+
+
 def counts(network: Network, place: LanePosition) -> tuple[bool, bool]:
     """Return whether the lane is painted on both sides for 25 m from a place on, and whether a junction is there."""
     n, clear, near = network.tables, True, False
@@ -98,11 +118,9 @@ def drive(path: str, metres: float, detector: DetectorName) -> Driven:
     for start in starts[:: max(len(starts) // 24, 1)]:
         if driven >= metres:
             break
-        bend = max(abs(network.curvature(start.road, start.s)), 1e-4)
-        begin = min(SPEED, math.sqrt(2.5 / bend))
         text = SCENARIO.format(
-            map=path, duration=LONGEST / SPEED, begin=begin, road=start.road, lane=start.lane, s=start.s,
-            detector=detector,
+            map=path, duration=LONGEST / SPEED, begin=allowed(network, start), road=start.road, lane=start.lane,
+            s=start.s, detector=detector,
         )  # fmt: skip
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "clear.xml"
