@@ -334,11 +334,11 @@ with each of two kinds of dashes on one side, the better side has at least 0.44;
 0.80, and the dashes have 0.63 and 0.73.
 
 **The confidence** is fitted by `python tools/fit_confidence.py learned MAPS OUT`, trees like those of the classical
-one, to files on which the network was not trained: 2880 clips each of Town03 and Town05, and 13 824 clips of 176 other
-files, 60 to 120 of most: the 34 others of the road files of [lane detection](perception.md), 34 repainted copies, and
-108 made-up files of the same kinds as there. One in eight of these clips has a lorry close ahead. 3500 random
-situations are added. Each clip was seen with a confidence that did not know its file, as for the classical detector,
-and in the tables each map is judged with a fit to all the other files. All of it was made by one call of the command.
+one, to files on which the network was not trained: 2753 clips of Town03, 2880 of Town05, and 13 824 of 176 other files,
+60 to 120 of most: the 34 others of the road files of [lane detection](perception.md), 34 repainted copies, and 108
+made-up files of the same kinds as there. One in eight of these clips has a lorry close ahead. 3500 random situations
+are added. Each clip was seen with a confidence that did not know its file, as for the classical detector, and in the
+tables each map is judged with a fit to all the other files. All of it was made by one call of the command.
 
 An earlier confidence was fitted to one town and few other files, and had no input for the next junction. On
 Town03 it was up to 0.18 off while driving: the network says that a side is painted if it sees paint, but near a
