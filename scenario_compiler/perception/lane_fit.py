@@ -55,8 +55,9 @@ NEIGHBOURS = np.array([0.25, 0.05, 0.005])
 """Greatest differences in offset, slope and curvature between neighbours: two steps of the grid."""
 
 ALIKE_SCORES = 6
-"""Decimal places to which scores are compared. In white dirt many arcs have equal votes; the last digits of their
-costs, which differ between processors, would choose among them.
+"""Decimal places to which scores are compared. Neighbouring arcs run through the same cells where few rows show paint,
+and then have equal votes, and a step of the slope costs as much as one of the curvature (`LaneFitter.scores`). The last
+digits, which differ between processors, would choose among such arcs.
 """
 
 MOST_STEPS = 20

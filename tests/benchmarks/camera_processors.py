@@ -38,8 +38,6 @@ CONFLICTS = ("markings_missing", "obstacle_ahead", "ramp_blocked", "road_narrows
 
 OLD_PRODUCTS = {"OPENBLAS_CORETYPE": "Prescott"}
 
-Images = list[NDArray[np.uint8]]
-
 
 def seen(detectors: list[CalibratedDetector], images: Iterable[NDArray[np.uint8]]) -> NDArray[np.float64]:
     """Return by image, detector and side the confidence and the boundary's offset 10 m ahead; images are remembered."""
@@ -54,7 +52,7 @@ def seen(detectors: list[CalibratedDetector], images: Iterable[NDArray[np.uint8]
 def measured() -> dict[str, NDArray[np.generic]]:
     """Return the clips' pictures, what the detectors see in them and in the failing drives, and the runs' results."""
     detectors = [create_detector(name) for name in DETECTORS]
-    pictures: Images = []
+    pictures: list[NDArray[np.uint8]] = []
     clips = []
     for name in MAPS:
         roads = MapRoads(load_network(next((maps_folder() / name).glob("*.xodr"))))

@@ -9,7 +9,7 @@ from scenario_compiler.perception.lane_fit import LEFT, RIGHT
 
 @pytest.mark.parametrize("on_course", [False, True])
 def test_the_last_digits_of_equal_scores_choose_nothing(on_course: bool) -> None:
-    """Sums in another order, as on another processor, differ in their last digits: white ground has equal votes."""
+    """Sums in another order, as on another processor, differ in their last digits."""
     fitter, draw = ClassicalLaneDetector().fitter, np.random.default_rng(1)
     left, right = (np.full(len(fitter.curves[side]), 20.0) for side in (LEFT, RIGHT))
     chosen = fitter.pair((left, right), 3.5, 0.3, on_course)
