@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler import compile_scenario, load_network, open_world, run
+from scenario_compiler.batch.typical_sweeps import CONFLICTS
 from scenario_compiler.compiler import Overrides
 from scenario_compiler.perception.calibration.maps import MapRoads
 from scenario_compiler.perception.detectors import DETECTORS, create_detector
@@ -33,8 +34,6 @@ from tests.benchmarks.failure_curves import STATES, amounts_of, drive
 MAPS, CLIPS, SEED = ("town_grid", "highway_loop"), 40, 77
 FAILURE = 1
 """Index of the amount of a camera failure."""
-
-CONFLICTS = ("markings_missing", "obstacle_ahead", "ramp_blocked", "road_narrows", "sensor_failure")
 
 OLD_PRODUCTS = {"OPENBLAS_CORETYPE": "Prescott"}
 

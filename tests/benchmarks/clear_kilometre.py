@@ -28,7 +28,7 @@ STEP, AHEAD, LONGEST, SPEED = 5.0, 25, 300.0, 13.9
 """Distance between places that are looked at, how far ahead of a request paint has to be, the longest drive, m, and the
 speed where no bend is, m/s."""
 
-LATERAL, BRAKING, NEAR = 2.5, 2.0, 60.0
+LATERAL, BRAKING, NEAR = 2.5, 2.0, 60
 """Lateral acceleration in bends and comfortable braking before them, m/s2, which are those of `lane_detection`, and the
 distance behind a start within which bends limit the speed there, m: braking from `SPEED` takes 48 m.
 """
@@ -85,7 +85,7 @@ def stretches(network: Network) -> tuple[float, list[LanePosition]]:
 def allowed(network: Network, start: LanePosition) -> float:
     """Return the greatest speed, m/s, from which comfortable braking suffices for the bends behind a start."""
     n, at, square = network.tables, start, SPEED * SPEED
-    for k in range(math.ceil(NEAR)):
+    for k in range(NEAR):
         road = network.road_index(at.road)
         bend = abs(lane_curvature(n, road, at.lane, lane_row(n, road, at.lane, at.s), at.s))
         square = min(square, LATERAL / max(bend, 1e-4) + 2.0 * BRAKING * k)
