@@ -75,7 +75,7 @@ check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy $(CODE)
-	$(BIN)/pytest -q tests/test_python_api.py -k has_types
+	$(BIN)/pytest -q tests/test_python_api.py tests/test_camera_page.py -k has_types
 	$(BIN)/pytest -q -m "not slow" $(FRESH)
 
 format: setup

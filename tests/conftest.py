@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 from collections.abc import Callable, Iterator
@@ -29,6 +30,12 @@ def pytest_configure(config: pytest.Config) -> None:
     """Draw fewer examples for a property if the slow tests are left out; `make test-all` draws all."""
     if config.getoption("markexpr") == "not slow":
         settings.load_profile("quick")
+
+
+def pytest_collection_finish() -> None:
+    """Leave what is there for good, thousands of tests and all modules, out of every later collection of garbage."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

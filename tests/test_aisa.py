@@ -153,6 +153,7 @@ def test_with_the_camera_no_request_comes_where_the_route_follows_the_paint(file
     assert _first(recording, "request") is None
 
 
+@pytest.mark.slow
 def test_little_noise_does_no_harm_and_much_does(file: Path, maps: Path) -> None:
     little, _ = _played(f"{file}#sensornoise", maps, "camera", 2.0)
     much, _ = _played(f"{file}#sensornoise", maps, "camera", 1.5, sensor_noise="60")

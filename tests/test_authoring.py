@@ -249,6 +249,7 @@ def ways_on(network: Network, plan: Plan) -> Iterator[tuple[Plan, LanePosition]]
             yield plan.model_copy(update={"route": legs}), start
 
 
+@pytest.mark.slow
 def test_every_lane_of_a_town_has_a_path_ahead_without_gaps(repository: Path) -> None:
     """Also where a route changes lanes at the border of two lane sections that number their lanes differently."""
     for file in road_files(repository):

@@ -22,7 +22,9 @@ def test_code_of_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
     assert f"It prints `{printed}`" in PAGE
 
 
+@pytest.mark.slow
 def test_code_of_the_page_has_types(tmp_path: Path) -> None:
+    """Run by `make check`, where mypy has just read the package."""
     file = tmp_path / "page.py"
     file.write_text(PROGRAM, encoding="utf-8")
     command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", str(file)]

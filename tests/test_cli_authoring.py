@@ -127,6 +127,7 @@ def test_a_file_of_the_toolkit_is_converted(corpus: Path, monkeypatch: pytest.Mo
     assert call("convert", LIBRARY / "conflicts" / "obstacle_ahead.xml", "-o", "no.xml") == 2
 
 
+@pytest.mark.slow
 def test_a_sweep_leaves_a_table_and_a_report(capsys: pytest.CaptureFixture[str]) -> None:
     target = LIBRARY / "conflicts" / "obstacle_ahead.xml"
     command = ("sweep", target, "--perception", "ideal", "--duration", "6", "--vary", "distance=uniform(60,120)")

@@ -292,6 +292,7 @@ class Straight(ControllerModel):
 """
 
 
+@pytest.mark.slow
 def test_another_trust_does_not_resume_a_sweep(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -322,6 +323,7 @@ def test_a_lost_codebook_of_a_finished_sweep_is_written_again() -> None:
     assert codebook.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_the_commands_of_a_report_name_the_folders_of_maps_and_templates(repository: Path) -> None:
     shutil.copytree(repository / "maps" / "town_grid", "places/my_town")
     for file in Path("places/my_town").iterdir():

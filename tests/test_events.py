@@ -146,7 +146,7 @@ def test_while_late_images_are_awaited_the_camera_is_not_healthy(tmp_path: Path,
     assert np.array_equal(unhealthy, camera.sensor_health < 0.1)
 
 
-@pytest.mark.parametrize("kind", ["dirt", "overexposure"])
+@pytest.mark.parametrize("kind", ["dirt", pytest.param("overexposure", marks=pytest.mark.slow)])
 def test_a_failure_that_leaves_the_ground_unchanged_is_noticed_later(tmp_path: Path, kind: str) -> None:
     failure = f'<camera><failure kind="{kind}" amount="0.85" onset="0.5"/></camera>'
     for perception in ("ideal", "camera"):

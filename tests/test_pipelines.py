@@ -63,6 +63,7 @@ def test_a_command_of_the_page_runs(folder: Path, line: str) -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_gitlab_gets_what_its_job_promises(folder: Path) -> None:
     break_one(folder)
     jobs = BLOCKS[".gitlab-ci.yml"]

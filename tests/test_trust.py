@@ -565,6 +565,7 @@ def test_an_answer_of_an_object_without_lines_is_reported_without_a_line(
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_texts_of_a_controller_that_cannot_be_drawn_are_drawn_as_escapes(tmp_path: Path) -> None:
     file = written(tmp_path, "stranger.py:Talkative")
     command = [sys.executable, "-m", "scenario_compiler", "run", str(file), "--trust", str(file), "--duration", "2"]

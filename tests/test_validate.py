@@ -125,13 +125,13 @@ def _deadly(files: Sequence[Path]) -> list[list[Diagnostic]]:
 
 
 def test_a_process_that_dies_costs_only_the_file_that_ends_it(tmp_path: Path) -> None:
-    names = [f"{number}.xml" for number in range(30)]
-    names[11], names[23] = "deadly.xml", "unlucky.xml"
+    names = [f"{number}.xml" for number in range(12)]
+    names[4], names[10] = "deadly.xml", "unlucky.xml"
     files = [tmp_path / name for name in names]
     tasks = [files[at : at + 3] for at in range(0, len(files), 3)]
     found = list(checked_by_processes(tasks, 2, _deadly))
     assert [one.place.file for some in found for one in some] == [str(file) for file in files]
-    assert [one.place.file for some in found for one in some if one.code.id == "SC117"] == [str(files[11])]
+    assert [one.place.file for some in found for one in some if one.code.id == "SC117"] == [str(files[4])]
 
 
 def test_a_fault_of_the_program_is_a_finding_too(tmp_path: Path) -> None:

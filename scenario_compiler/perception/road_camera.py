@@ -24,8 +24,11 @@ if TYPE_CHECKING:
     from scenario_compiler.roads.network import Network
 
 
+KEPT_MAPS = 4
+"""Number of maps whose unpainted parts are kept: those of a session's or a library's conflicts."""
+
 _UNPAINTED: dict[str, tuple[Surface, Roadside]] = {}
-"""The unpainted parts of the map that was drawn last, by the digest of its file."""
+"""The unpainted parts of the maps that were drawn last, by the digests of their files, the latest at the end."""
 
 
 _PAINTED: dict[tuple[object, ...], Scene] = {}
@@ -47,12 +50,11 @@ def scene_of(network: Network, secondary: Sequence[SecondaryLine] = ()) -> Scene
 
 
 def _unpainted(network: Network) -> tuple[Surface, Roadside]:
-    """Return the surface of the roads and the objects beside them, kept for the next run on the same map."""
-    found = _UNPAINTED.get(network.sha256)
-    if found is None:
-        found = road_surface(network), roadside_of(network)
-        _UNPAINTED.clear()
-        _UNPAINTED[network.sha256] = found
+    """Return the surface of the roads and the objects beside them, kept for the next runs on the same map."""
+    found = _UNPAINTED.pop(network.sha256, None) or (road_surface(network), roadside_of(network))
+    _UNPAINTED[network.sha256] = found
+    if len(_UNPAINTED) > KEPT_MAPS:
+        _UNPAINTED.pop(next(iter(_UNPAINTED)), None)
     return found
 
 

@@ -238,7 +238,7 @@ def test_the_trigger_volume_of_a_sign_lies_before_its_stop_line(world: Any) -> N
     assert max(abs(corner.y - middle.y) for corner in corners) == pytest.approx(box.extent.y, abs=0.01)
 
 
-@pytest.mark.parametrize("ignored", [0, 100])
+@pytest.mark.parametrize("ignored", [0, pytest.param(100, marks=pytest.mark.slow)])
 def test_the_traffic_manager_stops_at_a_stop_sign_unless_it_ignores_signs(
     server: Served, world: Any, ignored: int
 ) -> None:

@@ -290,6 +290,7 @@ def test_every_file_of_the_library_is_without_findings(session: Session, tmp_pat
     session(tmp_path, talk)
 
 
+@pytest.mark.slow
 def test_a_template_of_a_folder_is_read_as_it_is_in_the_editor(tmp_path: Path) -> None:
     ours, path = tmp_path / "ours" / "ours.xml", tmp_path / "conflict.xml"
     ours.parent.mkdir()

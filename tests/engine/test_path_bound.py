@@ -40,7 +40,7 @@ def pair_of_boxes(dice: np.random.Generator) -> Program:
 def test_a_box_that_is_surely_beside_the_path_is_not_in_it() -> None:
     dice = np.random.default_rng(1)
     found = {(sure, off): 0 for sure in (0, 1) for off in (0, 1)}
-    for _ in range(4000):
+    for _ in range(2000):
         program = pair_of_boxes(dice)
         st, m = new_state(program), at_start(Totals, program)
         prepare_boxes(program, st)
@@ -59,4 +59,4 @@ def test_a_box_that_is_surely_beside_the_path_is_not_in_it() -> None:
         found[surely_beside(program, st, m, 0, 1), off] += 1
     assert found[1, 0] == 0
     assert found[1, 1] > 9 * found[0, 1], "the bound finds most of the boxes beside the path"
-    assert found[0, 0] > 500
+    assert found[0, 0] > 250

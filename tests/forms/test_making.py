@@ -94,6 +94,7 @@ def copy(repository: Path, tmp_path: Path) -> Path:
     return copy
 
 
+@pytest.mark.slow
 def test_a_compiler_that_fails_is_reported_without_a_traceback(copy: Path, tmp_path: Path) -> None:
     """A machine has gcc, but not the headers of the C library, as small images of containers do."""
     mine = tmp_path / "mycc"

@@ -169,6 +169,7 @@ def test_a_person_takes_over_by_keys_drives_and_is_repeated_bit_for_bit(
         assert (getattr(repeated, column)[:rows] == getattr(recording, column)).all(), column
 
 
+@pytest.mark.slow
 def test_a_person_takes_over_by_gamepad_hands_back_and_takes_over_again(
     open_road: Path, tmp_path: Path, browser: Browser
 ) -> None:
@@ -249,6 +250,7 @@ def test_a_message_and_the_start_are_in_the_window_at_any_size(waiting: Served, 
         ended(page)
 
 
+@pytest.mark.slow
 def test_a_run_that_cannot_be_written_has_no_report_and_says_why(
     open_road: Path, tmp_path: Path, browser: Browser
 ) -> None:
@@ -266,6 +268,7 @@ def test_a_run_that_cannot_be_written_has_no_report_and_says_why(
         page.wait_for_function("page.role === 'driver'")
 
 
+@pytest.mark.slow
 def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(told: Path, tmp_path: Path, browser: Browser) -> None:
     out = tmp_path / "out"
     with (
@@ -318,6 +321,7 @@ def test_a_pedal_that_the_browser_first_sees_when_it_moves_is_at_rest_where_it_i
         expect(steer.locator("td").nth(3)).to_have_text("-1.00")
 
 
+@pytest.mark.slow
 def test_a_wheel_and_separate_pedals_are_assigned_together(waiting: Served, browser: Browser) -> None:
     pedals = """() => {
       const none = { connected: true, buttons: [] };
@@ -386,6 +390,7 @@ def test_a_key_that_is_let_go_beside_a_modifier_or_in_another_window_is_not_held
         page.keyboard.up("ArrowUp")
 
 
+@pytest.mark.slow
 def test_pedals_of_a_page_that_is_hidden_are_released(open_road: Path, tmp_path: Path, browser: Browser) -> None:
     """Browsers give a hidden page the last values of a gamepad, and the release of a key to another page."""
     out = tmp_path / "out"
@@ -457,6 +462,7 @@ def test_a_stick_steers_less_at_speed_and_a_wheel_takes_over_at_a_small_angle(
         assert page.evaluate(steer, ["", -0.01, 30]) > 2 / 600  # 2 degrees, of 15 times 40 to the full lock
 
 
+@pytest.mark.slow
 def test_a_run_that_nobody_drives_is_watched(tmp_path: Path, browser: Browser) -> None:
     out = tmp_path / "trajectory.csv"
     words = ("run", "obstacle_ahead", *COARSELY, "--duration", "0.5", "--watch", "--trajectory", out)

@@ -152,6 +152,7 @@ def picture(page: ClientConnection, seconds: int) -> dict[str, Any]:
     raise TimeoutError
 
 
+@pytest.mark.slow
 def test_a_page_that_is_slow_is_sent_fewer_pictures_and_no_late_ones(open_road: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     with served("drive", open_road, *COARSELY, "-o", out) as server, server.connected() as page:
@@ -176,6 +177,7 @@ def time_of_run(inputs: Path) -> float:
     return float(json.loads(last)["t"])
 
 
+@pytest.mark.slow
 def test_the_end_of_a_run_does_not_wait_for_a_page_that_is_slow(tmp_path: Path) -> None:
     """A page that the screen does not show may keep pictures for as long as it is hidden."""
     file = tmp_path / "open.xml"
@@ -209,6 +211,7 @@ def test_a_second_page_watches(own: Served) -> None:
             assert closes(other)
 
 
+@pytest.mark.slow
 def test_a_run_is_written_after_those_that_are_there(conflict: Path, tmp_path: Path) -> None:
     earlier = tmp_path / "drive-007" / "outcome.json"
     earlier.parent.mkdir()
@@ -253,6 +256,7 @@ class Mine(ControllerModel):
 """
 
 
+@pytest.mark.slow
 def test_a_controller_that_fails_while_a_person_drives_is_reported(open_road: Path, tmp_path: Path) -> None:
     controller = tmp_path / "mine.py"
     controller.write_text(FAILING, encoding="utf-8")

@@ -24,7 +24,7 @@ from scenario_compiler.randomness import random_hash
 from scenario_compiler.validation import validate_file
 from tests.bounded import bounded
 
-USUAL_CASES = 80
+USUAL_CASES = 40
 MANY_CASES = 2000
 LONGEST = 20
 """Time that reading and running one file may take, s."""

@@ -77,6 +77,7 @@ def test_a_gallery_is_accessible(tmp_path: Path, browser: Browser, width: int) -
         assert faults(page) == []
 
 
+@pytest.mark.slow
 def test_the_page_of_a_run_under_way_is_accessible(browser: Browser) -> None:
     with (
         served("drive", "obstacle_ahead", *COARSELY) as server,

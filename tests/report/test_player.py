@@ -103,6 +103,7 @@ def test_it_plays_at_one_speed_however_often_it_was_paused_within_a_frame(player
     assert asked == 1
 
 
+@pytest.mark.slow
 def test_the_last_moment_asked_for_is_shown_however_long_a_run_is_unpacked(browser: Browser, both: str) -> None:
     page = free_page(browser)
     page.add_init_script(

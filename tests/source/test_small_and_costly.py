@@ -75,7 +75,15 @@ FILES = {
 """Files, and how many findings each has, of one kind or two, of which 100 are kept and the rest is counted."""
 
 
-SLOW = {name: pytest.mark.slow for name in ("templates of templates", "a long chain of templates", "nested loops")}
+SLOW = {
+    name: pytest.mark.slow
+    for name in (
+        "templates of templates",
+        "a long chain of templates",
+        "nested loops",
+        "many names that nobody has",
+    )
+}
 """Files that take long to count; loops around nothing, branches and many uses of a template reach the same bounds."""
 
 

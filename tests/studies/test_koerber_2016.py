@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from scenario_compiler.recording.recording import Floats
 from tests.studies.study import compiled, runs
@@ -50,6 +51,7 @@ def takeovers(folder: Path, *, brakes: bool = False) -> Sequence[Floats]:
     return [np.array(place) for place in found if place]
 
 
+@pytest.mark.slow
 def test_the_last_takeover_is_faster_and_better_than_the_first(tmp_path: Path) -> None:
     found = takeovers(tmp_path)
     assert len(found) == 3

@@ -18,6 +18,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from tests.studies.study import Sample, compiled, sample
 
@@ -51,6 +52,7 @@ def test_full_lanes_beside_leave_less_time_to_collision(tmp_path: Path) -> None:
     assert full.crashed >= free.crashed
 
 
+@pytest.mark.slow
 def test_with_five_seconds_too_full_lanes_leave_less_time_until_the_car_has_moved_aside(tmp_path: Path) -> None:
     free, full = (situation(tmp_path, name, budget="5") for name in ("free", "both full"))
     assert np.median(full.along) < np.median(free.along)

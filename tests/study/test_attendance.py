@@ -275,6 +275,7 @@ def test_tables_that_are_missing_are_made_when_the_program_starts_again(rules: R
     assert table.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_long_session_reads_each_recording_once(rules: Rules) -> None:
     one = Attendance(rules, 1)
     one.start()

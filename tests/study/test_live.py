@@ -339,6 +339,7 @@ def test_a_run_that_cannot_be_written_is_reported_to_the_experimenter_and_repeat
     assert [one["kind"] for one in journal(short, 1)][-2:] == ["begun", "begun"]
 
 
+@pytest.mark.slow
 def test_a_second_page_of_a_participant_watches(standing: tuple[Served, Path], browser: Browser) -> None:
     server, _ = standing
     started(server, 3)
@@ -357,6 +358,7 @@ def test_a_second_page_of_a_participant_watches(standing: tuple[Served, Path], b
             expect(other.locator("#search circle")).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_a_second_page_of_a_participant_goes_on_with_the_first(endless: Path, browser: Browser) -> None:
     with served(*serving(endless)) as server:
         started(server, 1)
@@ -389,6 +391,7 @@ def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> No
     assert [one["kind"] for one in journal(short, 2)] == ["started", "declined"]
 
 
+@pytest.mark.slow
 def test_all_questions_of_a_probe_are_in_sight_in_a_narrow_window(short: Path, browser: Browser) -> None:
     query = '<query name="{}" about="{}" text="What do you remember of the moment at which the picture went blank?"/>'
     more = "".join(query.format(name, name) for name in ("blocked", "vehicles"))
@@ -404,6 +407,7 @@ def test_all_questions_of_a_probe_are_in_sight_in_a_narrow_window(short: Path, b
             assert heights[0] == heights[1]  # the page scrolls, not a part of it that hides the rest
 
 
+@pytest.mark.slow
 def test_scales_stay_in_the_window_whatever_their_length(short: Path, browser: Browser) -> None:
     study, effort = short, short.parent / "effort.xml"
     study.write_text(study.read_text().replace('<consent file="consent.md"/>', '<ask file="effort.xml"/>'))

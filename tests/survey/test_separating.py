@@ -72,6 +72,7 @@ def killed_by(target: str) -> Separated:
     return given_up(target, "it is not run in this test")
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_is_the_fault_of_its_own_scenario() -> None:
     targets = ["some.xml#small", "some.xml#large", "some.xml#other"]
     found = list(spread(targets, killed_by, given_up, 2))
