@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 
 from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.road_camera import scene_of
+from scenario_compiler.perception.road_camera import KEPT_MAPS, scene_of
 from scenario_compiler.perception.scene import QuadGrid, Scene, Uprights, field_of_view, joined_marks
 from scenario_compiler.roads.mesh import Material, Surface
 from scenario_compiler.roads.positions import MarkStretch, SecondaryLine
@@ -133,3 +133,14 @@ def test_a_scene_is_kept_for_the_next_camera_on_the_same_map_and_paint(tmp_path:
     assert (scene_of(worn).marks.quality == 0.5).any()
     assert len(scene_of(plain, [line]).marks.quads) > len(kept.marks.quads)
     assert (scene_of(plain).marks.quality == kept.marks.quality).all()
+
+
+def test_the_surfaces_of_the_last_maps_are_kept(tmp_path: Path) -> None:
+    maps = []
+    for number in range(KEPT_MAPS + 1):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        maps.append(network(folder, road(length=100 + number, lanes=section(lane(1), lane(-1)))))
+    first, *others = [scene_of(one).surface for one in maps]
+    assert [scene_of(one).surface for one in maps[1:]] == others
+    assert scene_of(maps[0]).surface is not first
