@@ -78,17 +78,23 @@ def panorama_of(look: Look) -> Image:
     elevation = 90.0 * np.square(1.0 - rows / np.float32(ROWS - 1))
     zenith, haze = zenith_colour(look), haze_colour(look)
     down = np.clip(1.0 - elevation / CLEAR_ABOVE, 0.0, 1.0) ** 1.5
-    sky = np.repeat((zenith + (haze - zenith) * down[..., None]), COLUMNS, axis=1).astype(np.float32)
+    clear = (zenith + (haze - zenith) * down).astype(np.float32)
     cover = np.clip(_clouds(elevation) * 0.35 + (look.cloud - 0.45) * 1.3, 0, 1) * (0.75 * (1 - 0.4 * down))
-    bright = np.array([235, 235, 238], np.float32) * look.luminance * (1 - 0.3 * look.cloud) * look.tint
-    sky += (bright - sky) * cover[..., None]
+    clouds = np.array([235, 235, 238], np.float32) * look.luminance * (1 - 0.3 * look.cloud) * look.tint
     trees = _trees(elevation)
-    leaves = np.array([70, 88, 72], np.float32) * look.luminance * look.tint
-    sky += (0.55 * leaves + 0.45 * haze - sky) * trees[..., None]
+    low = int(np.argmax(trees.any(axis=1)))
+    leaves = 0.55 * (np.array([70, 88, 72], np.float32) * look.luminance * look.tint) + 0.45 * haze
     air = Air(look)
-    share = air.seen(np.full((1, 1, 1), INFINITY, np.float32))
+    share = air.seen(np.full(1, INFINITY, np.float32))
+    veil = air.colour * (1.0 - share)
     image = np.empty((ROWS, COLUMNS, 4), np.uint8)
-    image[..., :TREE] = np.clip(sky * share + air.colour * (1.0 - share), 0, 255)
+    for channel in range(TREE):
+        sky = (clouds[channel] - clear[:, channel, None]) * cover
+        sky += clear[:, channel, None]
+        sky[low:] += (leaves[channel] - sky[low:]) * trees[low:]
+        sky *= share
+        sky += veil[channel]
+        image[..., channel] = np.clip(sky, 0, 255, out=sky)
     image[..., TREE] = 255.0 * trees
     return np.hstack([image, image])
 

@@ -23,15 +23,17 @@ from scenario_compiler.perception.detectors import DETECTORS, DetectorName
 from scenario_compiler.roads import LanePosition, Network
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_curvature, lane_direction, lane_row, lane_width
+from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 
 STEP, AHEAD, LONGEST, SPEED = 5.0, 25, 300.0, 13.9
 """Distance between places that are looked at, how far ahead of a request paint has to be, the longest drive, m, and the
 speed where no bend is, m/s."""
 
-LATERAL, BRAKING, NEAR = 2.5, 2.0, 60
-"""Lateral acceleration in bends and comfortable braking before them, m/s2, which are those of `lane_detection`, and the
-distance behind a start within which bends limit the speed there, m: braking from `SPEED` takes 48 m.
-"""
+LATERAL, BRAKING = LANE_KEEPING["lateral_acceleration"], LANE_KEEPING["following_deceleration"]
+"""Lateral acceleration in bends and comfortable braking before them, m/s2."""
+
+NEAR = 60
+"""Distance behind a start within which bends limit the speed there, m: braking from `SPEED` takes 48 m."""
 
 EVERY = 15
 """Steps after which it is looked again whether the way is clear."""
