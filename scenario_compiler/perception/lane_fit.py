@@ -191,6 +191,7 @@ class LaneFitter:
         self._middles: list[Floats] = []
         self._turned: list[Floats] = []
         self._off_course: list[Floats] = []
+        self._neighbours: tuple[dict[int, NDArray[np.int64]], ...] = ({}, {})
         for sign in (1.0, -1.0):
             self._add_side(grid * np.array([sign, 1.0, 1.0]), birds_eye)
 
@@ -267,9 +268,12 @@ class LaneFitter:
         return chosen
 
     def _near(self, scores: Floats, side: int, chosen: int) -> tuple[NDArray[np.int64], Floats]:
-        """Return the arcs near a chosen one, and their scores."""
-        curves = self.curves[side]
-        near = np.flatnonzero((np.abs(curves - curves[chosen]) <= NEIGHBOURS).all(axis=1))
+        """Return the arcs near a chosen one, which are kept for the next images, and their scores."""
+        near = self._neighbours[side].get(chosen)
+        if near is None:
+            curves = self.curves[side]
+            near = np.flatnonzero((np.abs(curves - curves[chosen]) <= NEIGHBOURS).all(axis=1))
+            self._neighbours[side][chosen] = near
         return near, scores[near] - self._turned[side][near]
 
     def _best_pair(
