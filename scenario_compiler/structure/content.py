@@ -123,6 +123,24 @@ class Content:
             self._missing[key] = self._shortest(state, tag)
         return self._missing[key]
 
+    def choices(self, state: State, tag: str | None) -> list[list[str]]:
+        """Return what `missing` returns, for each child with the others that could stand in its place."""
+        found = self.missing(state, tag)
+        children = [] if found is None else found[0]
+        choices = []
+        for number, child in enumerate(children):
+            after = len(children) - number - 1
+            choices.append(
+                [one for one in self.expected(state) if one == child or self._replaces(state, one, child, tag, after)]
+            )
+            state = self.move(state, child)
+        return choices
+
+    def _replaces(self, state: State, one: str, child: str, tag: str | None, after: int) -> bool:
+        """Return whether, with one child in place of another, no more are missing than `after`, and not that other."""
+        missing = self.missing(self.move(state, one), tag)
+        return missing is not None and len(missing[0]) == after and child not in missing[0]
+
     def _shortest(self, state: State, tag: str | None) -> tuple[list[str], State] | None:
         queue: deque[tuple[State, list[str]]] = deque([(state, [])])
         seen = {state}

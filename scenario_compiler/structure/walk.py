@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import cast
 
 from lxml import etree
@@ -16,6 +16,9 @@ from scenario_compiler.structure.findings import Findings
 from scenario_compiler.structure.grammar import Grammar
 from scenario_compiler.structure.notation import Attribute, Declaration, Range
 from scenario_compiler.structure.values import is_number
+
+MOST_NAMED = 12
+"""Most children of which a message names each."""
 
 _XSI = "{http://www.w3.org/2001/XMLSchema-instance}"
 
@@ -194,7 +197,8 @@ class _Walk:
         if self.faults.other_version is None:
             return ""
         fitting = self._versions(lambda minor: _fits(self._declared(declaration, minor), tags))
-        return self._elsewhere(self.faults.other_version, fitting, "these children are valid in")[1]
+        says = "these children are valid in" if tags else "it may be without a child in"
+        return self._elsewhere(self.faults.other_version, fitting, says)[1]
 
     def _declared(self, declaration: Declaration, minor: int) -> Declaration:
         return self.grammar.declaration(declaration.name, minor)
@@ -234,6 +238,7 @@ class _Children:
         self.minor = minor
         self.known: list[tuple[etree._Element, str]] = []
         self.found: list[tuple[etree._Element, str, int]] = []
+        self.all_known = True
         self.other = ""
 
     def check(self) -> list[tuple[etree._Element, str, int]]:
@@ -242,6 +247,7 @@ class _Children:
             tag = child.tag
             name = self.content.declaration(tag)
             if name is None:
+                self.all_known = False
                 other = self.walk.unknown_element(child, self.element, self.declaration)
                 if other is not None:
                     self.found.append((child, *other))
@@ -261,7 +267,7 @@ class _Children:
         tags = [tag for _, tag in self.known]
         if _fits(self.declaration, tags):
             return
-        self.other = self.walk.elsewhere(self.declaration, tags)
+        self.other = self.walk.elsewhere(self.declaration, tags) if self.all_known else ""
         if self.content.fits_sorted(tags):
             self._disorder()
             return
@@ -271,8 +277,8 @@ class _Children:
             where = "occurs too often or too late" if counts[tag] > 1 else f"is not allowed after <{before}>"
             state = self._step(state, child, tag, where)
             before = tag
-        if not self.content.complete(state) and (lacking := self.content.missing(state, None)) is not None:
-            message = f"<{self._name()}> lacks {_listed(lacking[0])}"
+        if not self.content.complete(state) and (lacking := self.content.choices(state, None)):
+            message = f"<{self._name()}> lacks {_listed(lacking)}"
             self._report(self.walk.faults.missing_element, message, self.element)
 
     def _step(self, state: State, child: etree._Element, tag: str, where: str) -> State:
@@ -282,11 +288,11 @@ class _Children:
             return after
         lacking = self.content.missing(state, tag)
         if lacking is not None:
-            message = f"<{self._name()}> lacks {_listed(lacking[0])} before <{tag}>"
+            message = f"<{self._name()}> lacks {_listed(self.content.choices(state, tag))} before <{tag}>"
             self._report(self.walk.faults.missing_element, message, child)
             return lacking[1]
         expected = self.content.expected(state)
-        hint = f"allowed here: {', '.join(expected)}" if 0 < len(expected) <= 12 else ""
+        hint = f"allowed here: {', '.join(expected)}" if 0 < len(expected) <= MOST_NAMED else ""
         self._report(self.walk.faults.misplaced, f"<{tag}> {where} in <{self._name()}>", child, hint)
         return state
 
@@ -309,5 +315,15 @@ class _Children:
         return local_name(self.element)
 
 
-def _listed(tags: list[str]) -> str:
-    return " and ".join(f"<{tag}>" for tag in tags)
+def _listed(choices: Sequence[Sequence[str]]) -> str:
+    """Return the children that an element lacks, each with the others that could stand in its place."""
+    separator = " and " if all(len(tags) == 1 for tags in choices) else ", and "
+    return separator.join(_any_of([f"<{tag}>" for tag in tags]) for tags in choices)
+
+
+def _any_of(names: Sequence[str]) -> str:
+    if len(names) == 1:
+        return names[0]
+    if len(names) > MOST_NAMED:
+        return f"{names[0]} or another of its {len(names)} alternatives"
+    return f"{', '.join(names[:-1])} or {names[-1]}"

@@ -36,3 +36,13 @@ def test_children_in_any_order() -> None:
     assert content.expected(state) == ["a", "b"]
     assert content.fits_sorted(["c", "a"])
     assert not content.fits_sorted(["c", "b"])
+
+
+def test_what_is_missing_is_named_with_what_could_stand_in_its_place() -> None:
+    a, b, c, d = (Name(tag, tag) for tag in "abcd")
+    content = Content.of(Sequence((Choice((a, b, Sequence((c, d)))), Repeat(c, 0, 1), Choice((d, b)))))
+    assert content.choices(content.start, None) == [["a", "b"], ["b", "d"]]
+    assert content.choices(content.move(content.start, "c"), None) == [["d"], ["b", "d"]]
+    assert content.choices(content.start, "d") == [["a", "b", "c"]]
+    any_order = AnyOrder.of_parts([(Name(tag, tag), True) for tag in "ab"])
+    assert any_order.choices(any_order.start, None) == [["a"], ["b"]]

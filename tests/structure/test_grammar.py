@@ -140,6 +140,17 @@ def test_the_versions_that_have_an_element_are_named() -> None:
     assert [one[0] for one in found('<house name="a"><door><handle/></door></house>', 0)] == ["SC703", "SC706"]
 
 
+def test_versions_that_lack_nothing_are_named_if_all_children_are_known() -> None:
+    text = '<house name="a" height="3"><door><handle/></door></house>'
+    help_text = "these children are valid in Houses 1.1, 1.2; the file's version is 1.0"
+    assert found(text, 0, STRICT) == [("SC708", "<house> lacks <roof>", help_text)]
+    strange = found(text.replace("</house>", "<barn/></house>"), 0, STRICT)
+    assert sorted(strange) == [
+        ("SC701", "<barn> is not allowed in <house>", "known: door, roof"),
+        ("SC706", "<house> lacks <roof>", ""),
+    ]
+
+
 def test_a_child_of_another_version_is_walked_along_that_version() -> None:
     outside = ("SC708", "<window> is not allowed in <house>")
     round_one = HOUSE.replace("<roof/>", '<window kind="round" radius="1"/><roof/>')
