@@ -336,9 +336,15 @@ MOST_COMPARED = 200
 MOST_KNOWN = 2000
 """Greatest number of names in which a similar one is looked for: a file with more may have as many faults."""
 
+MOST_SUGGESTED = 12
+"""Greatest number of names in a hint."""
+
+LEAST_PART = 3
+"""Least number of characters of a word that is looked for inside names."""
+
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return a hint with the most similar of `known`, or with all of them if none is similar and there are few.
+    """Return a hint with the most similar of `known`, otherwise with those that contain the word, or with a few known.
 
     Empty names, which an author has left out, are not suggested.
     """
@@ -352,8 +358,11 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     near = difflib.get_close_matches(word, alike, n=1, cutoff=0.6)
     if near:
         return f"did you mean '{near[0]}'?"
-    if 0 < len(names) <= 12:
+    if 0 < len(names) <= MOST_SUGGESTED:
         return "known: " + ", ".join(names)
+    around = [name for name in names if word.casefold() in name.casefold()] if len(word) >= LEAST_PART else []
+    if 0 < len(around) <= MOST_SUGGESTED:
+        return f"known with '{word}' in it: {', '.join(around)}"
     return ""
 
 

@@ -135,6 +135,13 @@ def test_record_holds_plain_values() -> None:
         ("xyz", ["b", "a"], "known: a, b"),
         ("xyz", [str(i) for i in range(13)], ""),
         ("xyz", [], ""),
+        (
+            "rain",
+            [*map(str, range(13)), "HardRainNoon", "SoftRainNoon"],
+            "known with 'rain' in it: HardRainNoon, SoftRainNoon",
+        ),
+        ("ai", [*map(str, range(13)), "HardRainNoon"], ""),
+        ("name", [f"name_{i}_of_many_others" for i in range(13)], ""),
         ("xyz", ["", " ", "a"], "known: a"),
         ("", ["", "distance"], "known: distance"),
         ("x", [""], ""),

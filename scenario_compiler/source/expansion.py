@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.diagnostics import MOST_SUGGESTED, Diagnostics, did_you_mean
 from scenario_compiler.expressions import Value, format_value, parse_expression
 from scenario_compiler.markup import names
 from scenario_compiler.markup.empty_ranges import report_empty_ranges
@@ -417,7 +417,7 @@ def catalog_vehicles(
                 names.UNKNOWN_VEHICLE,
                 f"there is no vehicle '{entity.model}'",
                 entity.place_of("model"),
-                hint=did_you_mean(entity.model, catalogs.vehicles),
+                hint=_vehicle_hint(entity.model, catalogs.vehicles),
             )
         vehicle = vehicle or next(iter(catalogs.vehicles.values()), None)
         if vehicle is not None:
@@ -473,3 +473,12 @@ def _without_whens(actor: Static | Dynamic) -> Static | Dynamic:
 def _names(word: Word) -> set[str]:
     """Return the ids of the entities that a word, or anything below it, names."""
     return {name for name, _ in entities_named(word)}
+
+
+def _vehicle_hint(model: str, vehicles: Mapping[str, Vehicle]) -> str:
+    """Return a hint for an unknown model, which may be the name of a category."""
+    of_category = [name for name, vehicle in vehicles.items() if vehicle.category == model]
+    if not of_category:
+        return did_you_mean(model, vehicles)
+    named = ", ".join(of_category[:MOST_SUGGESTED])
+    return f"vehicles of the category '{model}': {named}{', ...' if len(of_category) > MOST_SUGGESTED else ''}"

@@ -91,3 +91,15 @@ def test_kinds_of_parameters_of_other_languages_are_refused_with_ours() -> None:
     """A similar word is none of the same meaning: 'duration' got the hint 'fraction'."""
     for kind, ours in (("duration", "time"), ("double", "number"), ("string", "text")):
         assert f"write {ours}" in _hints(f'<parameter name="p" type="{kind}" default="3"/>')
+
+
+def test_vehicles_of_a_category_are_named_where_a_model_is_its_name() -> None:
+    hints = {}
+    for model in ("truck", "car", "tesla"):
+        sink = Diagnostics()
+        text = library_text(ego=EGO.replace("<ego", f'<ego model="{model}"'))
+        expand(parsed(text, sink), None, {}, sink)
+        hints[model] = next(one.hint for one in sink if one.code.id == "SC217")
+    assert hints["truck"].startswith("vehicles of the category 'truck': vehicle.carlamotors.carlacola, ")
+    assert hints["car"].endswith(", ...")
+    assert hints["tesla"] == "known with 'tesla' in it: vehicle.tesla.cybertruck, vehicle.tesla.model3"
