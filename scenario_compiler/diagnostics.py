@@ -337,14 +337,14 @@ MOST_KNOWN = 2000
 """Greatest number of names in which a similar one is looked for: a file with more may have as many faults."""
 
 MOST_SUGGESTED = 12
-"""Greatest number of names in a hint."""
+"""Greatest number of names that a message or its hint lists."""
 
 LEAST_PART = 3
 """Least number of characters of a word that is looked for inside names."""
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return a hint with the most similar of `known`, otherwise with those that contain the word, or with a few known.
+    """Return a hint with the most similar of `known`, else with all if they are few, else with those around the word.
 
     Empty names, which an author has left out, are not suggested.
     """

@@ -9,16 +9,13 @@ from typing import cast
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
+from scenario_compiler.diagnostics import MOST_SUGGESTED, Code, Diagnostics, did_you_mean
 from scenario_compiler.document import written_name
 from scenario_compiler.structure.content import Content, State
 from scenario_compiler.structure.findings import Findings
 from scenario_compiler.structure.grammar import Grammar
 from scenario_compiler.structure.notation import Attribute, Declaration, Range
 from scenario_compiler.structure.values import is_number
-
-MOST_NAMED = 12
-"""Most children of which a message names each."""
 
 _XSI = "{http://www.w3.org/2001/XMLSchema-instance}"
 
@@ -292,7 +289,7 @@ class _Children:
             self._report(self.walk.faults.missing_element, message, child)
             return lacking[1]
         expected = self.content.expected(state)
-        hint = f"allowed here: {', '.join(expected)}" if 0 < len(expected) <= MOST_NAMED else ""
+        hint = f"allowed here: {', '.join(expected)}" if 0 < len(expected) <= MOST_SUGGESTED else ""
         self._report(self.walk.faults.misplaced, f"<{tag}> {where} in <{self._name()}>", child, hint)
         return state
 
@@ -324,6 +321,6 @@ def _listed(choices: Sequence[Sequence[str]]) -> str:
 def _any_of(names: Sequence[str]) -> str:
     if len(names) == 1:
         return names[0]
-    if len(names) > MOST_NAMED:
+    if len(names) > MOST_SUGGESTED:
         return f"{names[0]} or another of its {len(names)} alternatives"
     return f"{', '.join(names[:-1])} or {names[-1]}"
