@@ -9,6 +9,7 @@ from __future__ import annotations
 import bisect
 import codecs
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -260,6 +261,12 @@ def written_name(element: etree._Element, attribute: str | None = None) -> str:
     name = etree.QName(attribute)
     prefix = next((one for one, space in element.nsmap.items() if one and space == name.namespace), None)
     return f"{prefix}:{name.localname}" if prefix else name.localname
+
+
+def one_of(tags: Iterable[str]) -> str:
+    """Return the words for an element with one of these tags, at least one: `<a>`, or `one of <a>, <b>`."""
+    shown = [f"<{tag}>" for tag in tags]
+    return shown[0] if len(shown) == 1 else "one of " + ", ".join(shown)
 
 
 def drop_namespace(root: etree._Element) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 from lxml import etree
 
 from scenario_compiler.diagnostics import Place, did_you_mean
-from scenario_compiler.document import written_name
+from scenario_compiler.document import one_of, written_name
 from scenario_compiler.markup import codes
 from scenario_compiler.markup.environment import ReadingContext
 from scenario_compiler.markup.values import SPACE, UnreadError, read_attribute
@@ -203,7 +203,7 @@ def _unwrapped(
             codes.UNKNOWN_ATTRIBUTE,
             f"<{wrapper.tag}> has no attributes",
             reading.origin(wrapper).name_of(name),
-            hint=f"it contains {_choice(rule.words)}",
+            hint=f"it contains {one_of(rule.words)}",
         )
     _report_text(wrapper, reading)
     inner: list[etree._Element] = []
@@ -222,7 +222,7 @@ def _unwrapped(
 def _report_missing(parent: etree._Element, tags: tuple[str, ...], description: str, reading: ReadingContext) -> None:
     reading.sink.add(
         codes.MISSING_ELEMENT,
-        f"<{parent.tag}> needs {_choice(tags)}",
+        f"<{parent.tag}> needs {one_of(tags)}",
         reading.origin(parent),
         hint=description,
     )
@@ -285,11 +285,6 @@ def _report_text(element: etree._Element, reading: ReadingContext) -> None:
             f"text '{shown}' is not allowed in <{element.tag}>, which has child elements only",
             reading.document.text_place(element, shown, reading.within),
         )
-
-
-def _choice(tags: Iterable[str]) -> str:
-    shown = [f"<{tag}>" for tag in tags]
-    return shown[0] if len(shown) == 1 else "one of " + ", ".join(shown)
 
 
 def _short_name(name: str) -> str:

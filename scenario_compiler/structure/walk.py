@@ -10,7 +10,7 @@ from typing import cast
 from lxml import etree
 
 from scenario_compiler.diagnostics import MOST_SUGGESTED, Code, Diagnostics, did_you_mean
-from scenario_compiler.document import written_name
+from scenario_compiler.document import one_of, written_name
 from scenario_compiler.structure.content import Content, State
 from scenario_compiler.structure.findings import Findings
 from scenario_compiler.structure.grammar import Grammar
@@ -315,12 +315,4 @@ class _Children:
 def _listed(choices: Sequence[Sequence[str]]) -> str:
     """Return the children that an element lacks, each with the others that could stand in its place."""
     separator = " and " if all(len(tags) == 1 for tags in choices) else ", and "
-    return separator.join(_any_of([f"<{tag}>" for tag in tags]) for tags in choices)
-
-
-def _any_of(names: Sequence[str]) -> str:
-    if len(names) == 1:
-        return names[0]
-    if len(names) > MOST_SUGGESTED:
-        return f"{names[0]} or another of its {len(names)} alternatives"
-    return f"{', '.join(names[:-1])} or {names[-1]}"
+    return separator.join(one_of(tags) for tags in choices)
