@@ -272,13 +272,19 @@ class Network:
     def next(self, position: LanePosition, distance: float) -> LanePosition | None:
         """Return the position a distance ahead in the direction of travel, or None beyond the lane's end.
 
-        At a junction the straightest exit is taken.
+        At a junction the straightest exit is taken. The offset stays on the same side of the lane, so its sign changes
+        where s turns round.
         """
         i, s = self._place(position.road, position.s)
-        road, lane, s, left = travel.advance(self.tables, i, position.lane, s, distance, -1)
+        n = self.tables
+        start = lanes.lane_row(n, i, position.lane, s)
+        if start < 0:
+            return None
+        row, s, left = travel.advance_row(n, start, s, distance, -1)
         if left > 0.0:
             return None
-        return LanePosition(self.road_ids[road], lane, s, position.offset)
+        turned = n.lane_sense[start] != n.lane_sense[row]
+        return self._position(row, s, 0.0 - position.offset if turned else position.offset)
 
     def previous(self, position: LanePosition, distance: float) -> LanePosition | None:
         """Return the position a distance behind against the direction of travel, None beyond the lane's start."""

@@ -168,6 +168,8 @@ def test_roads_that_meet_head_on_turn_the_lane_ids_round(tmp_path: Path) -> None
         road("2", 100.0, at(200, 0, 3.14159265, 100), "", linked("successor", "1", "end")),
     )
     assert made.next(LanePosition("1", -1, 90.0), 30.0) == LanePosition("2", 1, 80.0)
+    assert made.next(LanePosition("1", -1, 90.0, 1.0), 30.0) == LanePosition("2", 1, 80.0, -1.0)
+    assert made.previous(LanePosition("1", 1, 90.0, 1.0), 30.0) == LanePosition("2", -1, 80.0, -1.0)
 
 
 def test_links_to_nothing_are_reported(tmp_path: Path) -> None:
