@@ -195,13 +195,13 @@ def _inner_border(n: RoadTables, road: int, lane: int, s: float) -> float:
     return right if lane > 0 else left
 
 
-def _lanes_at(source: etree._Element, s: float) -> dict[int, etree._Element]:
-    """Return the elements of the lanes at s by id."""
+def _lanes_at(source: etree._Element, s: float) -> dict[float, etree._Element]:
+    """Return the elements of the lanes at s by id, which need not be an integer."""
     sections = [one for one in source.iterfind("{*}lanes/{*}laneSection") if number_of(one, "s") <= s]
     if not sections:
         return {}
     section = max(sections, key=lambda one: number_of(one, "s"))
-    return {int(number_of(one, "id")): one for one in section.iterfind("{*}*/{*}lane")}
+    return {number_of(one, "id"): one for one in section.iterfind("{*}*/{*}lane")}
 
 
 def _copy_records(element: etree._Element, original: etree._Element, low: float) -> None:

@@ -21,6 +21,7 @@ from scenario_compiler.roads.export_carla import JOINT_LENGTH, export_for_carla
 from scenario_compiler.roads.network import Network, load_network
 from scenario_compiler.roads.shorten import shorten_road
 from scenario_compiler.roads.text_edits import TextEdits
+from tests.roads import make
 
 CUSTOM_MAP = "aisa-toolkit/custommap/HRI_custommap.xodr"
 
@@ -35,6 +36,14 @@ ends = sorted({(w.road_id, w.lane_id) for w in points if not w.next(2.5)})
 jumps = [w.transform.location.distance(n.transform.location) for w in points for n in w.next(1.0)]
 print(json.dumps({"points": len(points), "ends": ends, "jump": max(jumps, default=0.0)}))
 """
+
+
+INTO_DIRECT = '<{}essor elementType="junction" elementId="7"/>'
+BEYOND = '<geometry s="0" x="50" y="0" hdg="0" length="50"><line/></geometry>'
+DIRECT = (
+    '<junction id="7" type="direct"><connection id="0" incomingRoad="1" linkedRoad="2" contactPoint="start">'
+    '<laneLink from="-1" to="-1"/></connection></junction>'
+)
 
 
 def export(path: Path) -> tuple[Network, bytes]:
@@ -131,6 +140,16 @@ def test_direct_junctions_become_default_ones_with_connecting_roads(corpus: Path
         ]
         assert all(found == ["predecessor", "successor"] for found in links)
     assert drivable_ends(reload(tmp_path, data)) == []
+
+
+@pytest.mark.parametrize("odd", ["nan", "-inf", "1e400"])
+def test_a_lane_beside_the_joint_may_have_an_id_that_is_not_an_integer(tmp_path: Path, odd: str) -> None:
+    lanes = make.section("", make.lane(-1) + make.lane(-2).replace("-2", odd))
+    first = make.road("1", 50.0, lanes=lanes, link=INTO_DIRECT.format("succ"))
+    second = make.road("2", 50.0, BEYOND, make.section("", make.lane(-1)), INTO_DIRECT.format("predec"))
+    make.network(tmp_path, first, second, DIRECT)
+    _, data = export(tmp_path / "made.xodr")
+    assert len(etree.fromstring(data).findall("road")) == 3
 
 
 def test_new_roads_lie_where_the_old_surface_was(corpus: Path, tmp_path: Path) -> None:
