@@ -42,7 +42,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.resources import library_folder
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.lane_types import is_drivable
-from scenario_compiler.roads.lanes import lane_direction, lane_width
+from scenario_compiler.roads.lanes import lane_width
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.runtime.loop import Execution
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
@@ -514,7 +514,7 @@ def _start(network: Network, draw: np.random.Generator) -> Start:
         section = n.lane_section[row]
         road, lane = n.section_road[section], n.lane_id[row]
         s = float(draw.uniform(n.section_s[section], n.section_end[section]))
-        sense = lane_direction(n, road, lane)
+        sense = n.lane_sense[row]
         if n.road_junction[road] < 0 and lane_width(n, road, lane, s) > NARROWEST:
             room = n.road_length[road] - s if sense > 0 else s
             return Start(network.road_ids[road], lane, s, sense, room)

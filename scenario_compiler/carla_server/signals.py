@@ -108,7 +108,7 @@ def _is_meant(network: Network, place: Signal, lane: int) -> bool:
     """Return whether a signal applies to a lane: by its validity, which CARLA's maps have, or by its orientation."""
     if place.lanes:
         return any(min(pair) <= lane <= max(pair) for pair in place.lanes)
-    along = lane_direction(network.tables, network.road_index(place.road), lane) > 0
+    along = lane_direction(network.tables, network.road_index(place.road), lane, _on_road(network, place)) > 0
     return {"+": along, "-": not along}.get(place.orientation, True)
 
 

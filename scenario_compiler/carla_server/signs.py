@@ -239,8 +239,9 @@ def _driving_lanes(network: Network, road: str) -> list[int]:
 
 def _start(network: Network, road: str, lane: int) -> LanePosition:
     """Return the place at which traffic enters a lane."""
-    along = lane_direction(network.tables, network.road_index(road), lane) > 0
-    return LanePosition(road, lane, 0.0 if along else network.road(road).length, 0.0)
+    length = network.road(road).length
+    along = lane_direction(network.tables, network.road_index(road), lane, 0.5 * length) > 0
+    return LanePosition(road, lane, 0.0 if along else length, 0.0)
 
 
 def _origin(network: Network, road: str, lane: int) -> str | None:

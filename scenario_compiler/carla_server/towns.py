@@ -263,6 +263,6 @@ def _places_on(network: Network, road: str) -> Iterator[tuple[int, float]]:
 def _driving(network: Network, road: str, lane: int, s: float) -> Pose:
     """Return the pose in the middle of a lane, in its direction of travel."""
     pose = network.lane_pose(road, lane, s)
-    if lane_direction(network.tables, network.road_index(road), lane) > 0:
+    if lane_direction(network.tables, network.road_index(road), lane, s) > 0:
         return pose
     return Pose(pose.x, pose.y, pose.z, (pose.heading + math.pi) % math.tau, -pose.pitch, -pose.roll)

@@ -167,7 +167,7 @@ def _junction_of(signals: Signals, light: Signal) -> int:
     if stop is None:
         return -1
     n, road = signals.network.tables, signals.network.road_index(stop.road)
-    return n.road_end_junction[road] if lane_direction(n, road, stop.lane) > 0 else n.road_start_junction[road]
+    return n.road_end_junction[road] if lane_direction(n, road, stop.lane, stop.s) > 0 else n.road_start_junction[road]
 
 
 def _by_junction(signals: Signals, lights: Iterable[Signal]) -> dict[int, list[Signal]]:
@@ -195,7 +195,7 @@ def _light(signals: Signals, signal: Signal, group: Group, times: list[float]) -
     for stop in signals.stop_lines(signal):
         pose = network.lane_pose(stop.road, stop.lane, stop.s)
         road = network.road_index(stop.road)
-        turned = 0.0 if lane_direction(network.tables, road, stop.lane) > 0 else math.pi
+        turned = 0.0 if lane_direction(network.tables, road, stop.lane, stop.s) > 0 else math.pi
         stops.append(carla_from_pose(pose._replace(heading=(pose.heading + turned) % math.tau)))
         areas.append(area_before(network, stop))
     return Light(signal.id, stands(network, signal), tuple(stops), tuple(areas), group, times)

@@ -405,7 +405,7 @@ class Binder:
         return self._travel_heading(lane, self.network.lane_pose(lane.road, lane.lane, lane.s, lane.offset))
 
     def _travel_heading(self, lane: FoundLane, pose: Pose) -> float:
-        direction = travel_direction(self.network, lane.road, lane.lane)
+        direction = travel_direction(self.network, lane)
         return pose.heading if direction > 0 else pose.heading + math.pi
 
     def resolve(
@@ -437,12 +437,12 @@ class Binder:
         base = starts.get(position.entity)
         if base is None:
             return None
-        left = base.offset * travel_direction(self.network, base.road, base.lane)
+        left = base.offset * travel_direction(self.network, base)
         ahead = self._along(FoundLane(base.road, base.lane, base.s, 0.0), position, "ahead", position.ahead)
         if ahead is None:
             return None
         left += self.value(position.distance, position)
-        offset = left * travel_direction(self.network, ahead.road, ahead.lane)
+        offset = left * travel_direction(self.network, ahead)
         return FoundLane(ahead.road, ahead.lane, ahead.s, offset)
 
     def _along(
@@ -472,7 +472,7 @@ class Binder:
         if base is None:
             return None
         centred, same = FoundLane(base.road, base.lane, base.s, 0.0), 1
-        facing = travel_direction(self.network, base.road, base.lane) if position.lanes else same
+        facing = travel_direction(self.network, base) if position.lanes else same
         for _ in range(abs(position.lanes)):
             towards_left = position.lanes * same > 0
             beside = self.network.left(centred) if towards_left else self.network.right(centred)
@@ -483,17 +483,17 @@ class Binder:
                     position.place_of("lanes"),
                 )
                 return None
-            centred, same = beside, facing * travel_direction(self.network, beside.road, beside.lane)
+            centred, same = beside, facing * travel_direction(self.network, beside)
         ahead = self._along(centred, position, "distance", position.distance, same)
         if ahead is None:
             return None
-        direction = same * travel_direction(self.network, ahead.road, ahead.lane)
+        direction = same * travel_direction(self.network, ahead)
         return FoundLane(ahead.road, ahead.lane, ahead.s, self.value(position.offset, position) * direction)
 
 
-def travel_direction(network: Network, road: str, lane: int) -> int:
-    """Return 1 if a lane's driving direction is along s, -1 if it is against s."""
-    return lane_direction(network.tables, network.road_index(road), lane)
+def travel_direction(network: Network, place: FoundLane) -> int:
+    """Return 1 if the driving direction of a place's lane is along s, -1 if it is against s."""
+    return lane_direction(network.tables, network.road_index(place.road), place.lane, place.s)
 
 
 def is_bound(network: Network, position: LanePositionWord, s: float) -> bool:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from scenario_compiler.plan.model import Entity
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.lane_types import BIKING, LAST_DRIVABLE, SHOULDER, SIDEWALK, WALKING
-from scenario_compiler.roads.lanes import lane_direction, row_width
+from scenario_compiler.roads.lanes import row_width
 from scenario_compiler.vocabulary.positions import AnyOfPosition, BesidePosition, RandomPosition, Surface
 from scenario_compiler.vocabulary.word import Number
 
@@ -85,7 +85,7 @@ def spans_of(network: Network, place: RandomPosition, *, behind: float = 0.0, be
                 if lane == 0 or n.lane_type[row] not in types or place.lane not in (None, lane):
                     continue
                 low, high = behind, n.road_length[road] - before
-                if lane_direction(n, road, lane) < 0:
+                if n.lane_sense[row] < 0:
                     low, high = before, n.road_length[road] - behind
                 low = max(low, place.s_from, n.section_s[section])
                 high = min(high, n.section_end[section], high if place.s_to is None else place.s_to)

@@ -122,15 +122,15 @@ def _waypoint_s(network: Network, values: Values, position: Word) -> float:
 def stretch_of(network: Network, values: Values, position: Word) -> Stretch | None:
     """Return the road of a bound position and its lane's direction of travel along s; None off the roads."""
     if isinstance(position, LanePositionWord):
-        return stretch_in(network, position.road, position.lane)
+        return stretch_in(network, position.road, position.lane, number_value(position.s, values))
     if isinstance(position, FreePosition):
         x, y = number_value(position.x, values), number_value(position.y, values)
         found = network.locate(x, y) or network.locate(x, y, nearest=True)
-        return stretch_in(network, found[0].road, found[0].lane) if found else None
+        return stretch_in(network, *found[0][:3]) if found else None
     return None
 
 
-def stretch_in(network: Network, road: str, lane: int) -> Stretch:
-    """Return a road and a lane's direction of travel along its s."""
+def stretch_in(network: Network, road: str, lane: int, s: float) -> Stretch:
+    """Return a road and a lane's direction of travel along it at s."""
     index = network.road_index(road)
-    return index, lane_direction(network.tables, index, lane)
+    return index, lane_direction(network.tables, index, lane, s)

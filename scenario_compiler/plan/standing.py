@@ -141,7 +141,7 @@ def _along_road(binder: Binder, position: LanesAwayPosition | RelativeRoadPositi
     network = binder.network
     n = network.tables
     start = network.road_index(base.road)
-    before = lane_direction(n, start, base.lane)
+    before = lane_direction(n, start, base.lane, base.s)
     if isinstance(position, LanesAwayPosition):
         along_lane = position.along == "lane"
         ahead = binder.value(position.distance, position)
@@ -154,7 +154,7 @@ def _along_road(binder: Binder, position: LanesAwayPosition | RelativeRoadPositi
     else:
         ahead = binder.value(position.ds, position) * before
         road, lane, s, _ = advance(n, start, base.lane, base.s, ahead, -1)
-        aside = base.offset * before * lane_direction(n, road, lane)
+        aside = base.offset * before * lane_direction(n, road, lane, s)
         lane, offset, along = across_road(n, road, lane, s, aside, binder.value(position.dt, position))
     if lane == 0:
         return None

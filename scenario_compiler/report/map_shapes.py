@@ -132,7 +132,7 @@ def _travel_at(network: Network, road: int, rows: range, s: float, length: float
         width = lanes.row_width(n, row, s)
         if n.lane_id[row] != 0 and width > 1.0 and is_drivable(n.lane_type[row]):
             t, _ = lanes.row_centre(n, road, row, s)
-            found.append((t, lanes.lane_direction(n, road, n.lane_id[row]), width))
+            found.append((t, n.lane_sense[row], width))
     if all(0.5 * width >= 0.35 * length for _, _, width in found):
         for t, direction, width in found:
             yield t, direction, max(length, min(0.9 * width, 2.5 * length))

@@ -6,7 +6,7 @@ from math import cos
 
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable
-from scenario_compiler.roads.lanes import lane_direction, lane_pose
+from scenario_compiler.roads.lanes import lane_pose
 from scenario_compiler.roads.locate import cell_at, chunk_near, chunks_near, lane_on_chunk
 from scenario_compiler.roads.tables import RoadTables
 
@@ -31,7 +31,7 @@ def misfit(n: RoadTables, row: int, s: float, offset: float, h: float, z: float,
         rank = 4 * int(min(abs(surface - z) / STOREY, 1.0e6))
     if is_drivable(n.lane_type[row]) == 0:
         rank = rank + 2
-    if cos(h - along) * lane_direction(n, road, lane) < ALONG:
+    if cos(h - along) * n.lane_sense[row] < ALONG:
         rank = rank + 1
     return rank
 

@@ -265,7 +265,7 @@ def _stretches(
             links = [(after, before) for before, after in pair.lanes]
         groups: dict[tuple[bool, bool, int], list[tuple[int, int]]] = {}
         for lane, other in links:
-            along = lane_direction(n, cut[0], lane) > 0
+            along = lane_direction(n, cut[0], lane, n.road_length[cut[0]] if cut[1] == AT_END else 0.0) > 0
             layer = 0
             while any(lane == a or other == b for a, b in groups.get((along, lane > 0, layer), [])):
                 layer += 1

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping
 from lxml import etree
 
 from scenario_compiler.roads.lane_types import is_drivable
-from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.tables import AT_END, AT_START
 from scenario_compiler.roads.text_edits import TextEdits
@@ -113,7 +112,7 @@ def _entries(network: Network) -> Iterator[tuple[int, int, int, int]]:
         for section, end, towards in ((first, AT_START, 1), (last, AT_END, -1)):
             for row in range(n.section_lane[section], n.section_lane[section + 1]):
                 drivable = n.lane_id[row] != 0 and is_drivable(n.lane_type[row])
-                if drivable and lane_direction(n, road, n.lane_id[row]) == towards:
+                if drivable and n.lane_sense[row] == towards:
                     yield road, section, row, end
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_centre, lane_direction, row_centre, row_width, section_at
-from scenario_compiler.roads.tables import RoadTables
-from scenario_compiler.roads.travel import lane_next
+from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
+from scenario_compiler.roads.travel import row_next
 
 STEP_BEYOND = 1.0e-6
 """Distance beyond a lane's end at which the next lane section is looked up, m."""
@@ -39,17 +39,17 @@ def lane_going_on(n: RoadTables, road: int, lane: int, s: float, t: float, along
     section = section_at(n, road, beyond)
     if section < 0:
         return 0
-    direction = lane_direction(n, road, lane)
+    direction = lane_direction(n, road, lane, s - along * STEP_BEYOND)
     best = 0
     nearest = FAR_AWAY
     for row in range(n.section_lane[section], n.section_lane[section + 1]):
         beside = n.lane_id[row]
-        fits = beside != 0 and lane_direction(n, road, beside) == direction
+        fits = beside != 0 and n.lane_sense[row] == direction
         if fits and row_width(n, row, beyond) >= LEAST_WIDTH:
             centre, _ = row_centre(n, road, row, beyond)
             follows = 0
             if at_end == 1:
-                follows, _ = lane_next(n, road, beside, along * direction, -1)
+                follows, _ = row_next(n, row, AT_END if along == 1 else AT_START, along * direction, -1)
             if follows >= 0 and abs(centre - t) < nearest:
                 nearest = abs(centre - t)
                 best = beside
@@ -57,12 +57,11 @@ def lane_going_on(n: RoadTables, road: int, lane: int, s: float, t: float, along
 
 
 @compiled
-def lane_after_end(n: RoadTables, road: int, lane: int, s: float, offset: float, forward: int) -> tuple[int, float]:
+def lane_after_end(n: RoadTables, road: int, lane: int, s: float, offset: float, along: int) -> tuple[int, float]:
     """Return (lane, s) on which an entity continues at the end of a lane; lane 0 if the road ends too.
 
-    `offset` is from the ending lane's centre, m; `forward` is 1 in the direction of travel, -1 against it.
+    `offset` is from the ending lane's centre, m; `along` is 1 when moving along s, -1 against it.
     """
-    along = lane_direction(n, road, lane) * forward
     centre, _ = lane_centre(n, road, lane, s - along * STEP_BEYOND)
     beside = lane_going_on(n, road, lane, s, centre + offset, along)
     beyond = s + along * STEP_BEYOND

@@ -185,23 +185,21 @@ def lane_type(n: RoadTables, road: int, lane: int, s: float) -> int:
 
 
 @compiled
-def lane_direction(n: RoadTables, road: int, lane: int) -> int:
-    """Return 1 when travel in the lane is along increasing s, -1 against it.
+def lane_direction(n: RoadTables, road: int, lane: int, s: float) -> int:
+    """Return 1 when travel in the lane at s is along increasing s, -1 against it.
 
     Right lanes go along s in right-hand traffic, left lanes in left-hand traffic; a lane declared "reversed" goes the
-    other way. The centre lane counts as a right lane.
+    other way there. The centre lane counts as a right lane. A lane that does not exist at s has the direction of
+    the last section before s that has it.
     """
-    direction = n.road_rule[road]
-    if lane > 0:
-        direction = -direction
     if n.road_directions[road] == 1:
-        for section in range(n.road_section[road], n.road_section[road + 1]):
+        section = section_at(n, road, s)
+        while section >= n.road_section[road]:
             row = lane_row_in(n, section, lane)
             if row >= 0:
-                if n.lane_direction[row] == 1:
-                    return -direction
-                return direction
-    return direction
+                return n.lane_sense[row]
+            section = section - 1
+    return -n.road_rule[road] if lane > 0 else n.road_rule[road]
 
 
 @compiled
@@ -361,7 +359,7 @@ def lane_curvature(n: RoadTables, road: int, lane: int, row: int, s: float) -> f
     k = road_curvature(n, road, s)
     if k == 0.0:
         return 0.0
-    return lane_direction(n, road, lane) * curvature_in_lane(n, road, row, s, k)
+    return lane_direction(n, road, lane, s) * curvature_in_lane(n, road, row, s, k)
 
 
 @compiled
@@ -387,4 +385,4 @@ def curvature_ahead(n: RoadTables, road: int, lane: int, row: int, s: float) -> 
         begin = max(begin, n.section_s[section])
         end = min(end, n.section_end[section])
         constant = n.lane_steady[row]
-    return end - s if lane_direction(n, road, lane) > 0 else s - begin, constant
+    return end - s if lane_direction(n, road, lane, s) > 0 else s - begin, constant

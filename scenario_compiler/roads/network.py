@@ -177,7 +177,7 @@ class Network:
         n = self.tables
         section, lane = n.lane_section[row], n.lane_id[row]
         road = n.section_road[section]
-        if lanes.lane_exists(n, road, lane, s) == 0:  # found at the end of its section, where the next one starts
+        if lanes.lane_row(n, road, lane, s) != row:  # found at the end of its section, where the next one starts
             s = min(max(s, n.section_s[section]), math.nextafter(n.section_end[section], n.section_s[section]))
         return LanePosition(self.road_ids[road], lane, s, offset)
 
@@ -300,7 +300,7 @@ class Network:
 
     def _beside(self, position: LanePosition, side: int) -> LanePosition | None:
         i, s = self._place(position.road, position.s)
-        step = side * lanes.lane_direction(self.tables, i, position.lane)
+        step = side * lanes.lane_direction(self.tables, i, position.lane, s)
         lane = position.lane + step
         if lane == 0:
             lane += step
@@ -326,11 +326,11 @@ class Network:
         for row in range(len(n.lane_id)):
             if n.lane_id[row] == 0 or not is_drivable(n.lane_type[row]):
                 continue
-            forward = lanes.lane_direction(n, n.section_road[n.lane_section[row]], n.lane_id[row]) == 1
+            forward = n.lane_sense[row] == 1
             end = AT_END if forward else AT_START
             for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
                 other = n.link_lane[link]
-                follows = lanes.lane_direction(n, n.section_road[n.lane_section[other]], n.lane_id[other]) == 1
+                follows = n.lane_sense[other] == 1
                 if is_drivable(n.lane_type[other]) and follows == (n.link_contact[link] == AT_START):
                     pairs.append((self._entry(row, forward), self._entry(other, follows)))
         return pairs

@@ -53,11 +53,11 @@ def lanes_away(
     """
     sense = 1
     if along_lane == 1:
-        sense = lane_direction(n, road, lane)
+        sense = lane_direction(n, road, lane, s)
     at = lane_beyond(n, road, lane, s, by, sense)
     offset = sense * left
     _, _, _, h, _, _ = lane_pose(n, road, at, s, offset)
-    if along_lane == 1 and lane_direction(n, road, at) < 0:
+    if along_lane == 1 and lane_direction(n, road, at, s) < 0:
         h = h + pi
     return at, offset, h
 

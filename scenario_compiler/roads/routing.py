@@ -6,7 +6,7 @@ import heapq
 from dataclasses import dataclass
 
 from scenario_compiler.roads.lane_types import is_drivable
-from scenario_compiler.roads.lanes import lane_direction, lane_row, row_width
+from scenario_compiler.roads.lanes import lane_row, row_width
 from scenario_compiler.roads.marks import CHANGE_BOTH, CHANGE_DECREASE, CHANGE_INCREASE
 from scenario_compiler.roads.positions import LanePosition, Leg, Route
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
@@ -93,8 +93,7 @@ class _Search:
         return None if best is None else best[1]
 
     def _sense(self, row: int) -> int:
-        n = self._n
-        return lane_direction(n, n.section_road[n.lane_section[row]], n.lane_id[row])
+        return self._n.lane_sense[row]
 
     def _ahead(self, step: _Step) -> float:
         """Return the distance to the goal's s, m; negative if it lies behind."""
@@ -187,7 +186,7 @@ def _route(n: RoadTables, road_ids: list[str], last: _Step, goal_s: float) -> Ro
         elif following.changed:
             s_to = following.s
         else:
-            forward = lane_direction(n, road, n.lane_id[one.row]) == 1
+            forward = n.lane_sense[one.row] == 1
             s_to = n.section_end[section] if forward else n.section_s[section]
         leg = Leg(road_ids[road], n.lane_id[one.row], one.s, s_to, one.changed)
         joined = legs and not leg.changes_lane and legs[-1][:2] == leg[:2] and legs[-1].s_to == leg.s_from

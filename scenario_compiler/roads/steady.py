@@ -1,7 +1,7 @@
 """What is constant in a lane section and computed once: directions of travel, centres and widths of many lanes."""
 
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_direction, row_centre, row_width
+from scenario_compiler.roads.lanes import row_centre, row_width
 from scenario_compiler.roads.tables import RoadTables
 
 
@@ -34,7 +34,8 @@ def note_lanes(n: RoadTables) -> None:
     for section in range(len(n.section_s)):
         road = n.section_road[section]
         for row in range(n.section_lane[section], n.section_lane[section + 1]):
-            n.lane_sense[row] = lane_direction(n, road, n.lane_id[row])
+            right = n.lane_id[row] <= 0
+            n.lane_sense[row] = n.road_rule[road] if right != (n.lane_direction[row] == 1) else -n.road_rule[road]
         if is_constant(n, n.road_offset_first[road], n.road_offset_last[road]) == 1:
             first = n.section_lane[section]
             centre = first + n.section_left[section]

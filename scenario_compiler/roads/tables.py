@@ -199,7 +199,7 @@ class RoadTables(BothForms):
     lane_wide: list[float] = column(LANE, written=True)
     """Width of such a lane, which is constant too, m; 0 for other lanes."""
     lane_sense: list[int] = column(LANE, 0, written=True)
-    """Direction of travel, as `lanes.lane_direction` finds it: 1 along increasing s, -1 against it."""
+    """Direction of travel: 1 along increasing s, -1 against it."""
     lane_height: list[int] = row_starts(LANE, HEIGHT)
     lane_speed: list[int] = row_starts(LANE, SPEED)
     lane_mark: list[int] = row_starts(LANE, MARK)

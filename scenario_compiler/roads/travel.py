@@ -93,29 +93,6 @@ def way_in(n: RoadTables, row: int, contact: int) -> tuple[int, float]:
 
 
 @compiled
-def lane_next(n: RoadTables, road: int, lane: int, direction: int, preferred_road: int) -> tuple[int, int]:
-    """Return (road, lane) that follows a lane at the end of its road, or (-1, 0).
-
-    `direction` is 1 for the end at which travel leaves the lane, -1 for the one at which it enters.
-    """
-    sense = lane_direction(n, road, lane) * direction
-    section = n.road_section[road]
-    end = AT_START
-    if sense == 1:
-        section = n.road_section[road + 1] - 1
-        end = AT_END
-    if n.road_section[road] >= n.road_section[road + 1]:
-        return -1, 0
-    row = lane_row_in(n, section, lane)
-    if row < 0:
-        return -1, 0
-    other, _ = row_next(n, row, end, direction, preferred_road)
-    if other < 0:
-        return -1, 0
-    return n.section_road[n.lane_section[other]], n.lane_id[other]
-
-
-@compiled
 def advance(n: RoadTables, road: int, lane: int, s: float, ds: float, next_road: int) -> tuple[int, int, float, float]:
     """Return (road, lane, s, rest) after ds along the lane's direction of travel (against it for ds < 0).
 
@@ -134,7 +111,7 @@ def along_reference(n: RoadTables, road: int, lane: int, s: float, ds: float) ->
 
     ds is in the lane's direction of travel (against it if negative), as is the result.
     """
-    sense = lane_direction(n, road, lane)
+    sense = lane_direction(n, road, lane, s)
     centre, slope = lane_centre(n, road, lane, s)
     half = 0.5 * ds / max(centre_length(road_curvature(n, road, s), centre, slope), LEAST_LENGTH)
     middle = min(max(s + sense * half, 0.0), n.road_length[road])
@@ -227,7 +204,7 @@ def distance_to_lane_end(n: RoadTables, road: int, lane: int, s: float, limit: f
     row = lane_row_in(n, section_at(n, road, s), lane)
     if row < 0:
         return 0.0
-    sense = lane_direction(n, road, lane)
+    sense = n.lane_sense[row]
     gone = 0.0
     for _ in range(HOP_LIMIT):
         if is_drivable(n.lane_type[row]) == 0:

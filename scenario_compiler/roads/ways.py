@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from scenario_compiler.roads.lane_types import ROAD_TYPES, is_drivable
-from scenario_compiler.roads.lanes import lane_direction, section_at
+from scenario_compiler.roads.lanes import section_at
 from scenario_compiler.roads.tables import AT_END, AT_START, NO_SPEED, RoadTables
 
 Stretch = tuple[int, int]
@@ -94,7 +94,7 @@ def joints(n: RoadTables, stretch: Stretch) -> Iterator[Joint]:
     for section in sections:
         s_left = n.section_end[section] if sense == 1 else n.section_s[section]
         for row in range(n.section_lane[section], n.section_lane[section + 1]):
-            if n.lane_id[row] == 0 or lane_direction(n, road, n.lane_id[row]) != sense:
+            if n.lane_id[row] == 0 or n.lane_sense[row] != sense:
                 continue
             for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
                 beyond = n.lane_section[n.link_lane[link]]

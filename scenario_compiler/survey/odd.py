@@ -203,7 +203,7 @@ def _road(plan: Plan, network: Network) -> Found:
 def _section(network: Network, place: LanePosition) -> Found:
     """Yield the tags of the road at a place: its lanes, their types, and the marks of the lane."""
     n, road = network.tables, network.road_index(place.road)
-    mine = lane_direction(n, road, place.lane)
+    mine = lane_direction(n, road, place.lane, place.s)
     if LANE_TYPES[lane_type(n, road, place.lane, place.s)] in SLIP:
         yield "RoadTypeSlip", ()
     count = 0
@@ -211,7 +211,7 @@ def _section(network: Network, place: LanePosition) -> Found:
         kind = lane_type(n, road, lane.lane, place.s)
         if kind in LANE_TAGS:
             yield LANE_TAGS[kind], ()
-        if is_drivable(kind) and lane_direction(n, road, lane.lane) == mine:
+        if is_drivable(kind) and lane_direction(n, road, lane.lane, place.s) == mine:
             count += 1
         elif is_drivable(kind):
             yield "TransverseUndivided", ()

@@ -22,7 +22,7 @@ from scenario_compiler import compile_scenario, load_network, open_world, run
 from scenario_compiler.perception.detectors import DETECTORS, DetectorName
 from scenario_compiler.roads import LanePosition, Network
 from scenario_compiler.roads.lane_types import is_drivable
-from scenario_compiler.roads.lanes import lane_curvature, lane_direction, lane_row, lane_width
+from scenario_compiler.roads.lanes import lane_curvature, lane_row, lane_width
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 
 STEP, AHEAD, LONGEST, SPEED = 5.0, 25, 300.0, 13.9
@@ -75,7 +75,7 @@ def stretches(network: Network) -> tuple[float, list[LanePosition]]:
         places = [
             LanePosition(network.road_ids[road], lane, low + (k + 0.5) * (high - low) / count) for k in range(count)
         ]
-        if lane_direction(n, road, lane) < 0:
+        if n.lane_sense[row] < 0:
             places.reverse()
         good = [painted(network, one) and lane_width(n, road, lane, one.s) > 2.5 for one in places]
         metres += sum(good) * (high - low) / count

@@ -120,5 +120,5 @@ def test_the_remembered_end_of_the_lane_agrees_with_a_new_search(draft: Draft) -
             rest = distance_to_lane_end(n, road, lane, s, LANE_END_HORIZON, op.NONE)
             ended += rest < LANE_END_HORIZON
             assert (st.lane_end_distance[0] < op.FAR) == (rest < LANE_END_HORIZON)
-            assert st.path_sense[0] == lane_direction(n, road, lane)
+            assert st.path_sense[0] == lane_direction(n, road, lane, s)
     assert (ended > 0) == ("highway" in str(draft.network.path))

@@ -304,3 +304,17 @@ def test_a_step_that_ends_where_a_section_begins_is_in_a_lane_of_that_section(
     assert st.s[0] == s + math.copysign(12.0, speed)
     left = 9 if speed > 0.0 else 10
     assert ys == pytest.approx([3.5 * lane_id + 1.75] * left + [wanted] * (12 - left))
+
+
+def test_an_entity_stops_where_its_lane_is_reversed_from_there_on() -> None:
+    """Neither does it go on against the traffic, nor change to the lane of the other direction."""
+    reversed_lane = lane(-1).replace("<lane ", '<lane direction="reversed" ')
+    lanes = section(left=lane(1), right=lane(-1)) + section(left=lane(1), right=reversed_lane, s=100.0)
+    draft = Draft(network_of(road_of(length=200.0, lanes=lanes)), {slots.K_STEP: 0.05})
+    draft.moving(-1, 90.5, 20.0)
+    run = draft.start()
+    for _ in range(20):
+        begin_step(run.n, run.p, run.st)
+        move_step(run.n, run.p, run.st)
+        end_step(run.n, run.p, run.st)
+    assert (run.st.s[0], run.st.y[0], run.st.facing[0]) == pytest.approx((100.0, -1.75, 1))

@@ -58,3 +58,10 @@ def test_at_the_end_of_the_road_a_lane_needs_a_successor() -> None:
     n = network_of(first, second).tables
     assert lane_after_end(n, 0, -2, 100.0, 0.0, 1) == (-1, 100.0)
     assert lane_after_end(n, 1, -1, 100.0, 0.0, 1)[0] == 0
+
+
+def test_a_lane_that_is_reversed_from_there_on_does_not_continue() -> None:
+    before, _, lane_inside = SECTIONS.rpartition("<lane ")
+    turned = f'{before}<lane direction="reversed" {lane_inside}'
+    n = network_of(turned).tables
+    assert lane_after_end(n, 0, -1, 100.0, 0.0, 1)[0] == 0

@@ -39,13 +39,13 @@ def test_a_pose_outside_the_road_is_a_value_error(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("rule", "expected"), [("RHT", 1), ("LHT", -1)])
 def test_direction_follows_the_rule(tmp_path: Path, rule: str, expected: int) -> None:
     n = network(tmp_path, road(attributes=f'junction="-1" rule="{rule}"')).tables
-    assert (lane_direction(n, 0, -1), lane_direction(n, 0, 1)) == (expected, -expected)
+    assert (lane_direction(n, 0, -1, 0.0), lane_direction(n, 0, 1, 0.0)) == (expected, -expected)
 
 
 def test_a_reversed_lane_goes_the_other_way(tmp_path: Path) -> None:
     other = '<lane id="-2" type="driving" direction="reversed">' + WIDE + "</lane>"
     n = network(tmp_path, road(lanes=section("", lane(-1) + other))).tables
-    assert (lane_direction(n, 0, -1), lane_direction(n, 0, -2)) == (1, -1)
+    assert (lane_direction(n, 0, -1, 0.0), lane_direction(n, 0, -2, 0.0)) == (1, -1)
 
 
 def test_borders_stand_for_widths(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.roads import LanePosition, Network
-from scenario_compiler.roads.travel import advance, distance_to_lane_end, lane_next
+from scenario_compiler.roads import LanePosition, Leg, Network
+from scenario_compiler.roads.travel import advance, distance_to_lane_end
 from tests.roads.make import lane, network, road, section
 
 WIDTH = '<width sOffset="0" a="3.5" b="0" c="0" d="0"/>'
@@ -67,9 +67,9 @@ def made(tmp_path: Path) -> Network:
 def test_the_straightest_exit_is_taken_without_a_preference(made: Network) -> None:
     n = made.tables
     index = made.road_index
-    assert lane_next(n, index("1"), -1, 1, -1) == (index("12"), -1)
-    assert lane_next(n, index("1"), -1, 1, index("13")) == (index("13"), -1)
-    assert lane_next(n, index("3"), 1, 1, -1) == (-1, 0)
+    assert advance(n, index("1"), -1, 99.0, 2.0, -1) == (index("12"), -1, 1.0, 0.0)
+    assert advance(n, index("1"), -1, 99.0, 2.0, index("13")) == (index("13"), -1, 1.0, 0.0)
+    assert advance(n, index("3"), 1, 1.0, 2.0, -1) == (index("3"), 1, 0.0, 1.0)
 
 
 def test_advance_goes_over_junctions_and_back(made: Network) -> None:
@@ -170,6 +170,21 @@ def test_roads_that_meet_head_on_turn_the_lane_ids_round(tmp_path: Path) -> None
     assert made.next(LanePosition("1", -1, 90.0), 30.0) == LanePosition("2", 1, 80.0)
     assert made.next(LanePosition("1", -1, 90.0, 1.0), 30.0) == LanePosition("2", 1, 80.0, -1.0)
     assert made.previous(LanePosition("1", 1, 90.0, 1.0), 30.0) == LanePosition("2", -1, 80.0, -1.0)
+
+
+def test_a_lane_may_be_reversed_in_one_section_only(tmp_path: Path) -> None:
+    turned = lane(-1).replace("<lane ", '<lane direction="reversed" ')
+    made = network(tmp_path, road(lanes=section("", lane(-1)) + section("", turned, 50.0)))
+    assert made.next(LanePosition("1", -1, 90.0), 10.0) == LanePosition("1", -1, 80.0)
+    assert made.next(LanePosition("1", -1, 40.0), 20.0) is None
+    end = made.next(LanePosition("1", -1, 40.0), 10.0)
+    assert end is not None
+    assert 49.99 < end.s < 50.0
+    there = made.route(LanePosition("1", -1, 90.0), LanePosition("1", -1, 60.0))
+    assert there is not None
+    assert there.legs == (Leg("1", -1, 90.0, 60.0, False),)
+    assert made.route(LanePosition("1", -1, 60.0), LanePosition("1", -1, 90.0)) is None
+    assert made.topology() == []
 
 
 def test_links_to_nothing_are_reported(tmp_path: Path) -> None:

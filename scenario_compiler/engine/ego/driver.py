@@ -227,7 +227,7 @@ def steer_by_hand(n: RoadTables, p: Program, st: State, i: int) -> None:
 @compiled
 def beside_width(n: RoadTables, road: int, lane: int, s: float, side: int) -> float:
     """Return the width of the neighbouring lane on a side (1 left, -1 right), m; 0 if motor traffic may not use it."""
-    beside = neighbour_lane(n, road, lane, s, side, lane_direction(n, road, lane))
+    beside = neighbour_lane(n, road, lane, s, side, lane_direction(n, road, lane, s))
     if beside == 0 or is_drivable(lane_type(n, road, beside, s)) == 0:
         return 0.0
     return lane_width(n, road, beside, s)
@@ -236,8 +236,8 @@ def beside_width(n: RoadTables, road: int, lane: int, s: float, side: int) -> fl
 @compiled
 def same_direction(n: RoadTables, road: int, lane: int, s: float, side: int) -> int:
     """Return 1 if the neighbouring lane on a side has the same direction of travel."""
-    beside = neighbour_lane(n, road, lane, s, side, lane_direction(n, road, lane))
-    return 1 if beside != 0 and lane_direction(n, road, beside) == lane_direction(n, road, lane) else 0
+    beside = neighbour_lane(n, road, lane, s, side, lane_direction(n, road, lane, s))
+    return 1 if beside != 0 and lane_direction(n, road, beside, s) == lane_direction(n, road, lane, s) else 0
 
 
 @compiled
@@ -247,9 +247,7 @@ def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> 
     If that lane carries traffic, the gap counts only after the driver has watched it for the time `K_LOOK_BESIDE`. The
     measurements of the path ahead are made again afterwards.
     """
-    beside = neighbour_lane(
-        n, st.path_road[0], st.path_lane[0], st.path_s[0], side, lane_direction(n, st.path_road[0], st.path_lane[0])
-    )
+    beside = neighbour_lane(n, st.path_road[0], st.path_lane[0], st.path_s[0], side, st.path_sense[0])
     free = gap_is_free(n, p, st, i, st.path_road[0], beside, st.path_s[0])
     look_far(n, p, st, i)
     if st.used_beside[0] == 0:
@@ -531,7 +529,7 @@ def way_out(n: RoadTables, p: Program, st: State, i: int, threat: int) -> tuple[
         low = 0.5 * own if side > 0 else -0.5 * own - wide
         high = low
         beside = neighbour_lane(n, road, lane, s, side, direction)
-        if lane_direction(n, road, beside) != direction:
+        if lane_direction(n, road, beside, s) != direction:
             high = low + wide
         look_far(n, p, st, i)
         found, target, braking = clear_offset(p, st, i, threat, 0.5 * side * (own + wide), low, high)

@@ -138,7 +138,7 @@ def looked_at_sides(n: RoadTables, p: Program, st: State) -> tuple[float, float]
         inner = lane_inside(lane)
         outer_quality = mark_visibility(n, p, road, lane, s)
         inner_quality = mark_visibility(n, p, road, inner, s)
-        if (lane > 0) == (lane_direction(n, road, lane) > 0):
+        if (lane > 0) == (lane_direction(n, road, lane, s) > 0):
             left += outer_quality
             right += inner_quality
         else:

@@ -64,9 +64,11 @@ def short_distance(p: Program, closing: float, own: int, count: int) -> float:
 def arrives_before(n: RoadTables, p: Program, st: State, distance: float) -> int:
     """Return 1 if the destination lies on the last measured path, nearer than a distance, m."""
     road = p.destination_road[0]
+    lane = p.destination_lane[0]
+    s = p.const[slot.K_DESTINATION_S]
     for w in range(st.way_count[0]):
-        if st.way_road[w] == road and lane_direction(n, road, p.destination_lane[0]) == st.way_sign[w]:
-            ahead = st.way_sign[w] * (p.const[slot.K_DESTINATION_S] - st.way_s[w])
+        if st.way_road[w] == road and lane_direction(n, road, lane, s) == st.way_sign[w]:
+            ahead = st.way_sign[w] * (s - st.way_s[w])
             return 1 if ahead >= 0.0 and st.way_from[w] + ahead <= distance else 0
     return 0
 

@@ -72,7 +72,7 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
             begin_z = z
         dx = x - st.x[ego]
         dy = y - st.y[ego]
-        sense = 1.0 * lane_direction(n, road, lane)
+        sense = 1.0 * lane_direction(n, road, lane, s)
         at = op.OUTLOOK_HEAD + op.OUTLOOK_POINT * count
         out[at] = c * dx + w * dy
         out[at + 1] = c * dy - w * dx

@@ -265,7 +265,7 @@ def lay_lines(n: RoadTables, p: Program, st: State) -> None:
             else:
                 far += 1.0 / FAR_PIECES
         lay_piece(st, k, half)
-        outer_is_left = (lane > 0) == (lane_direction(n, road, lane) > 0)
+        outer_is_left = (lane > 0) == (lane_direction(n, road, lane, s) > 0)
         st.piece_quality[k] = outer if outer_is_left else inner
         st.piece_quality[at.SAMPLES + k] = inner if outer_is_left else outer
         st.piece_share[k] = outer_share if outer_is_left else inner_share

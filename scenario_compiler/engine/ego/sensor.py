@@ -279,7 +279,7 @@ def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
     st.lane_end_distance[0] = max(rest - p.const[base + slot.E_CENTER] - 0.5 * p.const[base + slot.E_LENGTH], 0.0)
     for side in range(1, -2, -2):
         beside = neighbour_lane(n, road, lane, s, side, direction)
-        if beside == 0 or lane_direction(n, road, beside) != direction:
+        if beside == 0 or lane_direction(n, road, beside, s) != direction:
             continue
         if is_drivable(lane_type(n, road, beside, s)) == 0:
             continue

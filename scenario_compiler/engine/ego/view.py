@@ -142,7 +142,7 @@ def look_beside(n: RoadTables, p: Program, st: State, road: int, row: int, s: fl
     st.beside_row[0] = row
     st.beside_s[0] = s
     st.beside_sigma[0] = st.sigma[0]
-    sense = lane_direction(n, road, n.lane_id[row])
+    sense = n.lane_sense[row]
     centre, _ = row_centre(n, road, row, s)
     half = 0.5 * row_width(n, row, s)
     section = n.lane_section[row]
@@ -193,7 +193,7 @@ def look_at_lines(n: RoadTables, p: Program, st: State) -> None:
 @compiled
 def find_lines(n: RoadTables, p: Program, st: State, road: int, lane: int, s: float) -> None:
     """Write the kinds of the lines on both sides, which are read at a place ahead, and note their paint."""
-    outer = 0 if (lane > 0) == (lane_direction(n, road, lane) > 0) else at.SIDE_SIZE
+    outer = 0 if (lane > 0) == (lane_direction(n, road, lane, s) > 0) else at.SIDE_SIZE
     note_line(n, st, outer, road, lane, s)
     note_line(n, st, at.SIDE_SIZE - outer, road, lane_inside(lane), s)
     if paint_stays(st) == 0:
@@ -208,15 +208,15 @@ def find_lines(n: RoadTables, p: Program, st: State, road: int, lane: int, s: fl
 @compiled
 def look_at_way(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Note the bend, the tilt, the change of grade and the lane's width ahead."""
-    here = lane_direction(n, st.path_road[0], st.path_lane[0]) * road_grade(n, st.path_road[0], st.path_s[0])
+    here = st.path_sense[0] * road_grade(n, st.path_road[0], st.path_s[0])
     road, lane, row, s, _ = path_ahead(n, p, st, BEND_NEAR)
     near = lane_curvature(n, road, lane, row, s)
-    grade = lane_direction(n, road, lane) * road_grade(n, road, s)
+    grade = lane_direction(n, road, lane, s) * road_grade(n, road, s)
     width = row_width(n, row, s) if row >= 0 else 0.0
     road, lane, row, s, _ = path_ahead(n, p, st, BEND_FAR)
     far = lane_curvature(n, road, lane, row, s)
     tilt = 50.0 * clip(grade - here + st.body_pitch[i], -0.2, 0.2)
-    change = lane_direction(n, road, lane) * road_grade(n, road, s) - grade
+    change = lane_direction(n, road, lane, s) * road_grade(n, road, s) - grade
     st.way_bend_rate[0] = (far - near) / BENDS_APART
     st.way_bend[0] = near - BEND_NEAR * st.way_bend_rate[0]
     note_mirrored(st, at.S_BEND_NEAR, 40.0 * near)

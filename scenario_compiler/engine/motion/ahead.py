@@ -45,7 +45,7 @@ def walk(n: RoadTables, st: State, road: int, lane: int, s: float, along: int, h
     count = 0
     covered = 0.0
     while count < op.WAY_SIZE and road >= 0:
-        sign = lane_direction(n, road, lane) * along
+        sign = lane_direction(n, road, lane, s) * along
         note_way(st, count, road, lane, lane_row(n, road, lane, s), s, sign, covered)
         count = count + 1
         rest = n.road_length[road] - s if sign > 0 else s
@@ -85,7 +85,7 @@ def walk_route(n: RoadTables, p: Program, st: State, horizon: float) -> None:
         lane = n.lane_id[row]
         if section_holds(n, row, s) == 0:
             row = lane_row(n, road, lane, s)
-        sign = n.lane_sense[row] if row >= 0 else lane_direction(n, road, lane)
+        sign = n.lane_sense[row] if row >= 0 else lane_direction(n, road, lane, s)
     st.way_count[0] = count
 
 
@@ -123,7 +123,7 @@ def row_on_way(n: RoadTables, st: State, w: int, s: float, ahead: float) -> tupl
     road = st.way_road[w]
     lane = st.way_lane[w]
     if ahead > 0.0:
-        along = st.way_sign[w] * lane_direction(n, road, lane)
+        along = st.way_sign[w] * lane_direction(n, road, lane, st.way_s[w])
         _, lane, _, left = advance(n, road, lane, st.way_s[w], along * ahead, -1)
         if left > 0.0:
             return 0, -1

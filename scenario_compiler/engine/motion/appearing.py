@@ -33,7 +33,7 @@ from scenario_compiler.roads.tables import RoadTables
 def lead_along(n: RoadTables, st: State, i: int, road: int, lane: int, s: float, offset: float, h: float) -> None:
     """Let an entity follow a lane from a place on it, with its heading `h` in the world, rad."""
     _, _, _, along, _, _ = lane_pose(n, road, lane, s, offset)
-    direction = lane_direction(n, road, lane)
+    direction = lane_direction(n, road, lane, s)
     away = angle_between(h, along if direction > 0 else along + pi)
     st.road[i] = road
     st.s[i] = s

@@ -228,7 +228,7 @@ def along_roads(
         return op.FAR, 0.0, 1
     if here == road:
         return st.facing[i] * (s - st.s[i]), st.facing[i] * (t - st.t[i]), st.facing[i]
-    along = st.facing[i] * lane_direction(n, here, st.lane[i])
+    along = st.facing[i] * lane_direction(n, here, st.lane[i], st.s[i])
     distance, at_t, sign = along_way(n, st, i, along, road, s, t, x, y)
     if distance < op.FAR:
         return distance, sign * at_t - st.facing[i] * st.t[i], sign
@@ -291,14 +291,14 @@ def along_lane(n: RoadTables, st: State, i: int, ahead: float) -> float:
     if road < 0 or lane == 0:
         return ahead
     s = st.s[i]
-    along = st.facing[i] * lane_direction(n, road, lane)
+    along = st.facing[i] * lane_direction(n, road, lane, s)
     if ahead < 0.0:
         along = -along
     length = 0.0
     left = abs(ahead)
     w = 0
     while left > 0.0:
-        sense = along * lane_direction(n, road, lane)
+        sense = along * lane_direction(n, road, lane, s)
         room = n.road_length[road] - s if sense > 0.0 else s
         step = min(left, LANE_STEP, max(room, STEP_OVER))
         middle = min(max(s + 0.5 * sense * step, 0.0), n.road_length[road])

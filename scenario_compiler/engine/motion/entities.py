@@ -26,7 +26,7 @@ from scenario_compiler.engine.motion.surroundings import grip
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, WATCH_STILL, measure_motion, watch_entity
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import piece_curvature, road_pose, wrap_heading
-from scenario_compiler.roads.lane_end import lane_after_end
+from scenario_compiler.roads.lane_end import STEP_BEYOND, lane_after_end
 from scenario_compiler.roads.lanes import (
     BORDER_TOLERANCE,
     lane_at,
@@ -139,12 +139,12 @@ def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> 
 
     The centre lane continues to the end of its road. Where a lane ends, the entity continues on the centre of the
     nearest lane that does not. While an action moves it aside, that is the lane nearest to the one that ends, and the
-    entity keeps its place across the road.
+    entity keeps its place across the road. A lane also ends where it is reversed from there on.
     """
     road = st.road[i]
     lane = st.kept_lane[i]
     s = st.s[i]
-    direction = lane_direction(n, road, lane)
+    direction = lane_direction(n, road, lane, s)
     ahead = direction * along
     sense = st.facing[i] * direction
     if lane == 0:
@@ -153,10 +153,13 @@ def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> 
         rest = abs(s + along - to_s)
     else:
         to_road, to_lane, to_s, rest = advance(n, road, lane, s, ahead, next_turn(n, p, st, i, road))
-    if rest > op.TOLERANCE or (to_lane != 0 and lane_exists(n, to_road, to_lane, to_s) == 0):
+    beyond = lane_direction(n, to_road, to_lane, to_s)
+    turned = 1 if to_road == road and to_lane == lane and beyond != direction else 0
+    if rest > op.TOLERANCE or turned == 1 or (to_lane != 0 and lane_exists(n, to_road, to_lane, to_s) == 0):
         forward = 1 if ahead > 0.0 else -1
         aside = 0.0 if st.lateral[i] >= 0 else st.kept_off[i]
-        beside, from_s = lane_after_end(n, to_road, to_lane, to_s, aside, forward)
+        heads = forward * (direction if turned == 1 else beyond)
+        beside, from_s = lane_after_end(n, to_road, to_lane, to_s, aside, heads)
         if beside != 0:
             st.kept_off[i] = 0.0
             if st.lateral[i] >= 0 and to_road == road:
@@ -164,10 +167,12 @@ def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> 
                 st.kept_off[i] = st.t[i] - centre
             turn = next_turn(n, p, st, i, to_road)
             to_road, to_lane, to_s, rest = advance(n, to_road, beside, from_s, forward * rest, turn)
+        elif turned == 1:
+            to_s = to_s - heads * STEP_BEYOND
     if rest > op.TOLERANCE and to_road == road and abs(to_s - s) <= op.TOLERANCE:
         st.ended[i] = 1
     if to_road != road or to_lane != lane:
-        facing = sense * lane_direction(n, to_road, to_lane)
+        facing = sense * lane_direction(n, to_road, to_lane, to_s)
         if facing != st.facing[i]:
             st.kept_off[i] = -st.kept_off[i]
         st.facing[i] = facing

@@ -85,7 +85,7 @@ def follow_leader(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
     """Set the speed of a scripted entity after dt by the model, behind the entity ahead in its lane."""
     road = st.road[i]
     lane = st.lane[i]
-    along = st.facing[i] * lane_direction(n, road, lane)
+    along = st.facing[i] * lane_direction(n, road, lane, st.s[i])
     walk(n, st, road, lane, st.s[i], along, FOLLOW_HORIZON, -1)
     for j in range(p.entity_count[0]):
         st.on_way[j] = 0

@@ -24,7 +24,7 @@ def place_free(n: RoadTables, st: State, i: int) -> None:
     st.kept_off[i] = st.off[i]
     st.changing[i] = 0
     _, _, _, along, _, _ = lane_pose(n, road, lane, st.s[i], st.off[i])
-    direction = lane_direction(n, road, lane)
+    direction = lane_direction(n, road, lane, st.s[i])
     away = angle_between(st.h[i], along if direction > 0 else along + pi)
     st.facing[i] = direction
     st.turn[i] = away

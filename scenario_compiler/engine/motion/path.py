@@ -130,7 +130,7 @@ def advance_routed(
     left = ds
     for _ in range(64):
         room = n.road_length[road] - s
-        if lane_direction(n, road, lane) < 0:
+        if lane_direction(n, road, lane, s) < 0:
             room = s
         step = min(left, room)
         following = preferred_road(p, st, road)
@@ -161,7 +161,7 @@ def set_path(n: RoadTables, st: State, road: int, lane: int, s: float) -> None:
     row, piece, begin, end = stretch_at(n, road, lane, s)
     st.path_row[0] = row
     st.path_piece[0] = piece
-    st.path_sense[0] = lane_direction(n, road, lane)
+    st.path_sense[0] = lane_direction(n, road, lane, s)
     st.path_from[0] = begin
     st.path_to[0] = end
 
@@ -355,6 +355,6 @@ def take_present_lane(n: RoadTables, st: State, i: int) -> None:
     if road < 0 or road != st.path_road[0] or st.lane[i] == st.path_lane[0]:
         return
     lane = st.lane[i]
-    same = lane_direction(n, road, lane) == lane_direction(n, road, st.path_lane[0])
+    same = lane_direction(n, road, lane, st.s[i]) == st.path_sense[0]
     if same and lane_exists(n, road, lane, st.s[i]) == 1 and is_drivable(lane_type(n, road, lane, st.s[i])) == 1:
         set_path(n, st, road, lane, st.s[i])

@@ -53,7 +53,7 @@ def place_by_share(n: RoadTables, p: Program, k: int, unit: float) -> tuple[int,
     s = clip(p.const[p.span_const[chosen] + slot.L_FROM] + rest, 0.0, n.road_length[road])
     if lane_exists(n, road, lane, s) == 0:
         return -1, 0, 0.0, 0.0, 1
-    return road, lane, s, p.const[p.position_const[k] + slot.P_OFFSET], lane_direction(n, road, lane)
+    return road, lane, s, p.const[p.position_const[k] + slot.P_OFFSET], lane_direction(n, road, lane, s)
 
 
 @compiled
@@ -62,11 +62,11 @@ def place_beside(n: RoadTables, st: State, other: int, ahead: float, left: float
     road = st.road[other]
     if road < 0:
         return -1, 0, 0.0, 0.0, 1
-    aside = st.off[other] * lane_direction(n, road, st.lane[other]) + left
+    aside = st.off[other] * lane_direction(n, road, st.lane[other], st.s[other]) + left
     road, lane, s, rest = advance(n, road, st.lane[other], st.s[other], ahead, -1)
     if rest > 0.0:
         return -1, 0, 0.0, 0.0, 1
-    direction = lane_direction(n, road, lane)
+    direction = lane_direction(n, road, lane, s)
     return road, lane, s, aside * direction, direction
 
 
@@ -119,20 +119,20 @@ def resolve_position(n: RoadTables, p: Program, st: State, k: int) -> tuple[int,
         if st.road[other] < 0:
             return -1, 0, 0.0, 0.0, 1
         road = st.road[other]
-        facing = lane_direction(n, road, st.lane[other])
+        facing = lane_direction(n, road, st.lane[other], st.s[other])
         lane = neighbour_lane(n, road, st.lane[other], st.s[other], p.position_lane[k], facing)
         if lane == 0:
             return -1, 0, 0.0, 0.0, 1
-        same = facing * lane_direction(n, road, lane)
+        same = facing * lane_direction(n, road, lane, st.s[other])
         road, lane, s, rest = advance(n, road, lane, st.s[other], same * s, -1)
         if rest > 0.0:
             return -1, 0, 0.0, 0.0, 1
-        direction = lane_direction(n, road, lane)
+        direction = lane_direction(n, road, lane, s)
         return road, lane, s, offset * same * direction, direction
     s = clip(s, 0.0, n.road_length[road])
     if lane_exists(n, road, lane, s) == 0:
         return -1, 0, 0.0, 0.0, 1
-    return road, lane, s, offset, lane_direction(n, road, lane)
+    return road, lane, s, offset, lane_direction(n, road, lane, s)
 
 
 @compiled

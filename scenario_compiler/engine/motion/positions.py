@@ -61,7 +61,7 @@ def advance_by_way(
     left = abs(ds)
     forward = 1.0 if ds >= 0.0 else -1.0
     for _ in range(HOPS):
-        sense = forward * lane_direction(n, road, lane)
+        sense = forward * lane_direction(n, road, lane, s)
         room = n.road_length[road] - s if sense > 0.0 else s
         step = min(left, room)
         road, lane, s, rest = advance(n, road, lane, s, forward * step, turn_for(n, p, st, i, other, road))
@@ -113,7 +113,7 @@ def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> t
         return -1, 0, 0.0, 0.0, 0.0
     base = p.position_const[k]
     lane, beside = own_lane(p, st, other)
-    direction = lane_direction(n, road, lane)
+    direction = lane_direction(n, road, lane, st.s[other])
     ahead = p.const[base + slot.P_S]
     along_lane = 1 if p.position_flags[k] & op.POSITION_ALONG_LANE != 0 else 0
     if along_lane == 1:
@@ -123,7 +123,7 @@ def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> t
     if p.position_op[k] == op.POSITION_LANES_AWAY:
         lane, offset, h = lanes_away(n, road, lane, s, p.position_lane[k], p.const[base + slot.P_OFFSET], along_lane)
     else:
-        aside = beside * direction * lane_direction(n, road, lane)
+        aside = beside * direction * lane_direction(n, road, lane, s)
         lane, offset, h = across_road(n, road, lane, s, aside, p.const[base + slot.P_OFFSET])
     if lane == 0:
         return -1, 0, 0.0, 0.0, 0.0

@@ -73,7 +73,7 @@ def next_turn(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
     ahead = p.guide_next[at + 1] if sense > 0 else p.guide_next[at]
     if ahead == op.NONE and road != st.road[i]:
         ahead = p.guide_next[at] if sense > 0 else p.guide_next[at + 1]
-    if ahead >= 0 and road == st.road[i] and sense * lane_direction(n, road, st.kept_lane[i]) < 0:
+    if ahead >= 0 and road == st.road[i] and sense * lane_direction(n, road, st.kept_lane[i], st.s[i]) < 0:
         return against_traffic(n, p, st, i, ahead, 1 if sense > 0 else 0)
     return ahead
 

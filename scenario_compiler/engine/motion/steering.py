@@ -79,7 +79,7 @@ def path_point(
     Its offset is `aside` plus the one that is planned for when `gone` more metres have been driven.
     """
     road, lane, row, s, rest = path_ahead(n, p, st, ahead)
-    direction = st.path_sense[0] if row == st.path_row[0] else lane_direction(n, road, lane)
+    direction = st.path_sense[0] if row == st.path_row[0] else lane_direction(n, road, lane, s)
     off = direction * (planned_offset(st, st.odometer[i] + gone) + aside)
     x, y, _, h, _, _, _ = row_place(n, road, row, road_piece_at(n, road, s), s, off)
     if rest > 0.0:

@@ -33,7 +33,7 @@ def add_legs(draft: ProgramBuilder, legs: Sequence[RouteLeg]) -> int:
     """Append the guide of a route over lanes; return its row, NONE for an empty one."""
     if not legs:
         return op.NONE
-    path = [stretch_in(draft.network, leg.road, leg.lane) for leg in legs]
+    path = [stretch_in(draft.network, leg.road, leg.lane, leg.s_from) for leg in legs]
     return add_guide(draft, _steps(path), path[-1][0])
 
 

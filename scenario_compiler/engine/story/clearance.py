@@ -81,7 +81,7 @@ def lane_over(n: RoadTables, st: State, i: int, road: int, s: float, ahead: floa
     `along_roads` has walked to the place.
     """
     if road == st.road[i]:
-        along = st.facing[i] * lane_direction(n, road, st.lane[i])
+        along = st.facing[i] * lane_direction(n, road, st.lane[i], st.s[i])
         at_road, at_lane, _, _ = advance(n, road, st.lane[i], st.s[i], along * ahead, -1)
         return at_lane if at_road == road else st.lane[i]
     for w in range(1, st.way_count[0]):
@@ -92,11 +92,11 @@ def lane_over(n: RoadTables, st: State, i: int, road: int, s: float, ahead: floa
 
 
 @compiled
-def lane_counts(n: RoadTables, p: Program, c: int, road: int, own: int, lane: int, direction: int) -> int:
-    """Return 1 if a clearance condition refers to a lane of a road; `own` is the one there that continues i's own."""
+def lane_counts(n: RoadTables, p: Program, c: int, road: int, s: float, own: int, lane: int, direction: int) -> int:
+    """Return 1 if a clearance condition refers to a lane of a road at s; `own` is the one there that continues i's."""
     if in_ranges(p, p.condition_other[c] + 1, lanes_between(own, lane, direction)) == 0:
         return 0
-    same = lane_direction(n, road, own) == lane_direction(n, road, lane)
+    same = lane_direction(n, road, own, s) == lane_direction(n, road, lane, s)
     return 1 if same or p.condition_flags[c] & CLEARANCE_OPPOSITE != 0 else 0
 
 
@@ -111,7 +111,7 @@ def point_in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: in
     if ahead < -p.const[base + slot.C_BACKWARD] or ahead > p.const[base + slot.C_FORWARD]:
         return 0
     own = lane_over(n, st, i, road, st.s[j], ahead)
-    return lane_counts(n, p, c, road, own, st.lane[j], direction)
+    return lane_counts(n, p, c, road, st.s[j], own, st.lane[j], direction)
 
 
 @compiled
@@ -135,7 +135,7 @@ def box_in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int)
     section = section_at(n, road, s)
     for row in range(n.section_lane[section], n.section_lane[section + 1]):
         lane = n.lane_id[row]
-        if lane == 0 or lane_counts(n, p, c, road, own, lane, direction) == 0:
+        if lane == 0 or lane_counts(n, p, c, road, s, own, lane, direction) == 0:
             continue
         left_border, right_border = lane_borders(n, road, lane, s)
         if min(t + reach, left_border) - max(t - reach, right_border) > op.TOLERANCE:
@@ -165,7 +165,7 @@ def has_lane(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
             lane = neighbour_lane(n, road, st.lane[i], st.s[i], by, st.facing[i])
             if lane == 0 or is_drivable(lane_type(n, road, lane, st.s[i])) == 0:
                 continue
-            same = lane_direction(n, road, lane) == lane_direction(n, road, st.lane[i])
+            same = lane_direction(n, road, lane, st.s[i]) == lane_direction(n, road, st.lane[i], st.s[i])
             if same or p.condition_flags[c] & CLEARANCE_OPPOSITE != 0:
                 return 1
     return 0

@@ -151,7 +151,7 @@ def angle_of(n: RoadTables, st: State, i: int, kind: int, frame: int) -> float:
         return angle
     _, _, _, h, pitch, roll = lane_pose(n, st.road[i], st.lane[i], st.s[i], st.off[i])
     sense = 1.0
-    if frame != op.FRAME_ROAD and lane_direction(n, st.road[i], st.lane[i]) < 0:
+    if frame != op.FRAME_ROAD and lane_direction(n, st.road[i], st.lane[i], st.s[i]) < 0:
         h = h + pi
         sense = -1.0
     if kind == op.ANGLE_HEADING:

@@ -142,7 +142,7 @@ def choose_turn(n: RoadTables, p: Program, st: State, i: int) -> None:
     st.asked[i] = op.NONE
     if st.entered[i] == 0:
         st.claim[i] = op.NONE
-    direction = lane_direction(n, road, st.kept_lane[i])
+    direction = lane_direction(n, road, st.kept_lane[i], st.s[i])
     rest = n.road_length[road] - st.s[i] if direction > 0 else st.s[i]
     last, lane, _, left = advance(n, road, st.kept_lane[i], st.s[i], max(rest - STEP_OVER, 0.0), op.NONE)
     if left > 0.0 or last != road:
@@ -220,9 +220,9 @@ def lane_beside(n: RoadTables, st: State, i: int, side: int) -> int:
     """Return the lane to the left (1) or right (-1) that a vehicle may change to; 0 if there is none."""
     road = st.road[i]
     s = st.s[i]
-    direction = lane_direction(n, road, st.kept_lane[i])
+    direction = lane_direction(n, road, st.kept_lane[i], st.s[i])
     lane = neighbour_lane(n, road, st.kept_lane[i], s, side, direction)
-    if lane == 0 or lane_direction(n, road, lane) != direction:
+    if lane == 0 or lane_direction(n, road, lane, s) != direction:
         return 0
     if is_drivable(lane_type(n, road, lane, s)) == 0 or lane_width(n, road, lane, s) < NARROWEST_LANE:
         return 0

@@ -97,7 +97,7 @@ def try_place(n: RoadTables, p: Program, st: State, i: int, road: int, lane: int
     st.road[i] = road
     st.s[i] = s
     st.kept_lane[i] = lane
-    st.facing[i] = lane_direction(n, road, lane)
+    st.facing[i] = lane_direction(n, road, lane, s)
     prepare_driver(n, p, st, i)
     st.v[i] = max(st.v[i], 0.0)
     place_scripted(n, st, i)

@@ -60,7 +60,7 @@ def outsider_in_way(n: RoadTables, p: Program, st: State, road: int, j: int) -> 
         return crosses(p, road, at)
     if st.v[j] < 0.5 or st.lane[j] == 0:
         return 0
-    direction = lane_direction(n, at, st.lane[j])
+    direction = lane_direction(n, at, st.lane[j], st.s[j])
     if st.facing[j] != direction:
         return 0
     rest = n.road_length[at] - st.s[j] if direction > 0 else st.s[j]
@@ -101,7 +101,7 @@ def drop_claim(n: RoadTables, p: Program, st: State, i: int) -> None:
     if road == st.claim[i]:
         st.entered[i] = 1
     elif st.entered[i] == 1:
-        direction = lane_direction(n, road, st.kept_lane[i])
+        direction = lane_direction(n, road, st.kept_lane[i], st.s[i])
         gone = st.s[i] if direction > 0 else n.road_length[road] - st.s[i]
         if gone > rear_of(p, i) + LINE_ROOM:
             st.claim[i] = op.NONE

@@ -67,7 +67,7 @@ def place_along(n: RoadTables, p: Program, st: State, k: int, i: int, draw: int)
     ahead = p.const[base + slot.W_OFFSET] + share * p.const[base + slot.W_MAJOR]
     if road < 0 or st.lane[c] == 0 or is_number(ahead) == 0:
         return -1, 0, 0.0
-    facing = st.facing[c] * lane_direction(n, road, st.lane[c])
+    facing = st.facing[c] * lane_direction(n, road, st.lane[c], st.s[c])
     road, lane, s, rest = advance(n, road, st.lane[c], st.s[c], facing * ahead, op.NONE)
     if rest > 0.0:
         return -1, 0, 0.0

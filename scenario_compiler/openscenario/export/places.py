@@ -8,7 +8,7 @@ from scenario_compiler.openscenario.output import LOST, Output
 from scenario_compiler.openscenario.positions import POSITIONS
 from scenario_compiler.plan.binding import travel_direction
 from scenario_compiler.plan.model import Entity, Plan
-from scenario_compiler.roads import Network
+from scenario_compiler.roads import LanePosition, Network
 from scenario_compiler.vocabulary.positions import (
     FreePosition,
     LanePositionWord,
@@ -16,8 +16,9 @@ from scenario_compiler.vocabulary.positions import (
     Position,
     RelativeLanePosition,
 )
+from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.traversal import parameters_in
-from scenario_compiler.vocabulary.word import Number
+from scenario_compiler.vocabulary.word import Number, number_value
 
 SEED = 1
 """Seed of the random positions that are written; each run draws its own."""
@@ -48,7 +49,8 @@ def _ahead(plan: Plan, network: Network, start: RelativeLanePosition) -> LanesAw
     other = next((one.start for one in plan.entities if one.id == start.entity), None)
     if not isinstance(other, LanePositionWord):
         return None
-    along = travel_direction(network, other.road, other.lane)
+    s = number_value(other.s, parameter_values(plan.parameters))
+    along = travel_direction(network, LanePosition(other.road, other.lane, s))
     return LanesAwayPosition(
         entity=start.entity,
         lanes=start.lanes * along,

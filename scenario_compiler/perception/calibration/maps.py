@@ -261,7 +261,7 @@ class _Way:
         left_lines, right_lines = [], []
         for place in places:
             road = network.road_index(place.road)
-            sense = lane_direction(n, road, place.lane)
+            sense = lane_direction(n, road, place.lane, place.s)
             borders = lane_borders(n, road, place.lane, place.s)
             points = [network.road_pose(place.road, place.s, t) for t in borders]
             outer = LinePlace(road, place.lane, place.s)

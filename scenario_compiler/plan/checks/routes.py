@@ -101,7 +101,7 @@ def _check_acquired(plan: Plan, network: Network, sink: Diagnostics) -> None:
         if not isinstance(action, AcquirePositionAction) or start is None or actor in elsewhere:
             continue
         goal = stretch_of(network, values, action.position) if _known(network, values, action.position) else None
-        here = {stretch_in(network, one.road, one.lane) for one in network.locate(start.x, start.y)}
+        here = {stretch_in(network, one.road, one.lane, one.s) for one in network.locate(start.x, start.y)}
         if goal is not None and here and not any(leads_to(network, one, goal) for one in here):
             message = f"no roads lead from the start of '{actor}' to this position, so it has no effect"
             sink.add(NO_ROUTE, message, action.position.origin, severity=Severity.WARNING)

@@ -69,6 +69,9 @@ return it; the camera draws kept objects and signals. *Not read*: `map check` li
 data (`userData`, `include`, `dataQuality`) is allowed in most elements; `userData` of the header, lanes, objects,
 signals and junctions is kept, and `marking_quality` of a road mark is used. Versions are given for elements and
 attributes that not all versions from 1.1 to 1.8 have.
+
+The `direction` of a lane holds for its lane section. A lane that may be used in both directions (`both`, or the type
+`bidirectional`) is driven in the direction of its side only.
 """
 
 _EVERY = list(range(FIRST_MINOR, LAST_MINOR + 1))
