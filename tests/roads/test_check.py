@@ -89,6 +89,8 @@ def curve(more: str) -> str:
     return road(plan=f'<geometry s="0" x="0" y="0" hdg="0" length="100.0"><paramPoly3 {more}/></geometry>')
 
 
+ONE_SIDED = 'singleSide="true"'
+SIGN_AT_60 = '<speed sOffset="60" max="10"/>'
 STRAIGHT = 'aU="0" bU="1" cU="0" dU="0" aV="0" bV="0" cV="0" dV="0" pRange="arcLength"'
 TWO_LANES = section(lane(1), lane(-1) + lane(-2))
 
@@ -104,6 +106,14 @@ TWO_LANES = section(lane(1), lane(-1) + lane(-2))
             road(
                 lanes=section(linked(1, after="1"), linked(-1, after="-1"))
                 + section(linked(1, "1"), linked(-1, "-1"), s=50)
+            ),
+        ),
+        (
+            road(
+                lanes=section(linked(1, after="1"), attributes=ONE_SIDED)
+                + section("", linked(-1, after="-1") + lane(-2, WIDTH + SIGN_AT_60), attributes=ONE_SIDED)
+                + section(lane(2) + linked(1, "1"), s=40, attributes=ONE_SIDED)
+                + section("", linked(-1, "-1"), s=70, attributes=ONE_SIDED)
             ),
         ),
     ],
@@ -160,7 +170,17 @@ CASES: dict[str, list[tuple[str, ...]]] = {
         (road(link=to_junction("successor", "5")), '<junction id="5" name=""/>'),
     ],
     "SC334": [(*pair(), road("3", link=to_road("successor", "2", "start")))],
-    "SC335": [(along(linked(1, after="3"), lane(1)),), (road(lanes=section(linked(1, after="1"), lane(-1))),)],
+    "SC335": [
+        (along(linked(1, after="3"), lane(1)),),
+        (road(lanes=section(linked(1, after="1"), lane(-1))),),
+        (
+            road(
+                lanes=section(linked(1, after="2"), lane(-1))
+                + section("", lane(-1), 30.0, ONE_SIDED)
+                + section(lane(1), "", 60.0, ONE_SIDED)
+            ),
+        ),
+    ],
     "SC336": [(along(linked(1, after="1"), lane(1)),)],
     "SC337": [pair(width='<width sOffset="0" a="0" b="0.1" c="0" d="0"/>')],
     "SC338": [crossing(contact="end"), crossing(inner="-1"), crossing(extra=TO_NOWHERE)],

@@ -9,12 +9,14 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import zip_longest
 from math import isfinite
 from typing import NamedTuple
 
 from lxml import etree
 
 from scenario_compiler.document import Document
+from scenario_compiler.roads.lane_parse import TRUE
 from scenario_compiler.roads.network import Network
 
 START, END = "start", "end"
@@ -51,7 +53,11 @@ class Section:
 
 @dataclass(slots=True)
 class Road:
-    """A road: its sections in ascending order of s, its links by end, its index in the tables or -1."""
+    """A road: its sections in ascending order of s, its links by end, its index in the tables or -1.
+
+    `sides` has the sections that define the left lanes (1) and the others (-1): a one-sided section leaves those of the
+    other side as they are.
+    """
 
     element: etree._Element
     id: str
@@ -60,7 +66,9 @@ class Road:
     junction: str
     sections: list[Section]
     links: dict[str, Link]
+    sides: dict[int, list[Section]]
     index: int = -1
+    _ends: dict[str, Section] = field(default_factory=dict)
 
     @property
     def in_junction(self) -> bool:
@@ -68,15 +76,29 @@ class Road:
         return self.junction not in {"-1", ""}
 
     def section(self, end: str) -> Section | None:
-        """Return the lane section at an end."""
+        """Return the lane section at an end, with the lanes of both sides."""
         if not self.sections:
             return None
-        return self.sections[0] if end == START else self.sections[-1]
+        if end not in self._ends:
+            at = 0 if end == START else -1
+            left, other = (side[at] if side else self.sections[at] for side in self.sides.values())
+            self._ends[end] = left
+            if left is not other:
+                last = max(left, other, key=lambda one: one.s)
+                self._ends[end] = Section(last.element, last.s, {**other.lanes, **left.lanes}, last.row)
+        return self._ends[end]
 
-    def section_at(self, s: float) -> Section | None:
-        """Return the lane section that contains s."""
-        at = bisect_right(self.sections, s, key=lambda one: one.s) - 1
-        return self.sections[at] if at >= 0 else None
+    def section_at(self, s: float, lane: int) -> Section | None:
+        """Return the lane section that defines a lane's side at s."""
+        side = self.sides[1 if lane > 0 else -1]
+        at = bisect_right(side, s, key=lambda one: one.s) - 1
+        return side[at] if at >= 0 else None
+
+    def spans(self) -> Iterator[tuple[Section, Section | None, dict[int, etree._Element]]]:
+        """Yield (section, next section of the same side or None, lanes of the side) for both sides of each section."""
+        for sign, side in self.sides.items():
+            for section, following in zip_longest(side, side[1:]):
+                yield section, following, {k: lane for k, lane in section.lanes.items() if (k > 0) == (sign > 0)}
 
 
 @dataclass(slots=True)
@@ -177,7 +199,17 @@ def _road(element: etree._Element, name: str) -> Road:
             links[end] = Link(link, kind, target, link.get("contactPoint", ""))
     junction = element.get("junction", "-1")
     rule = element.get("rule", "RHT")
-    return Road(element, name, number(element, "length"), rule, junction, sections, links)
+    sides = {1: _defining(sections, "left"), -1: _defining(sections, "right")}
+    return Road(element, name, number(element, "length"), rule, junction, sections, links, sides)
+
+
+def _defining(sections: list[Section], side: str) -> list[Section]:
+    """Return the sections that define the lanes of a side."""
+    return [
+        one
+        for i, one in enumerate(sections)
+        if i == 0 or one.element.get("singleSide") not in TRUE or one.element.find(side) is not None
+    ]
 
 
 def _lanes(section: etree._Element) -> dict[int, etree._Element]:

@@ -127,9 +127,9 @@ def _joined_roads(filed: Filed, found: list[Connection]) -> set[str]:
 
 
 class _Joint(NamedTuple):
-    """A joint of lane sections: the end, the other section and its end, and whether it belongs to a junction."""
+    """A joint of lane sections: the end, its lanes, the other section and its end, and whether it is in a junction."""
 
-    section: Section
+    lanes: dict[int, etree._Element]
     end: str
     other: Section
     contact: str
@@ -140,7 +140,7 @@ def check_lane_links(filed: Filed, findings: Findings) -> None:
     """Report lane links to lanes that do not exist, links that are not mutual, and links of lanes without width."""
     for road in filed.roads.values():
         for joint in _joints(filed, road):
-            for name, lane in joint.section.lanes.items():
+            for name, lane in joint.lanes.items():
                 for target, element in lane_links(lane, joint.end):
                     _check_lane_link(joint, name, target, element, findings)
         _check_ends_without_neighbour(road, findings)
@@ -159,15 +159,19 @@ def _check_lane_link(joint: _Joint, name: int, target: int, element: etree._Elem
 
 def _joints(filed: Filed, road: Road) -> Iterator[_Joint]:
     """Yield the joints at both ends of each lane section of a road."""
-    for before, after in zip(road.sections, road.sections[1:], strict=False):
-        yield _Joint(before, END, after, START, False)
-        yield _Joint(after, START, before, END, False)
+    before: Section | None = None
+    for here, following, lanes in road.spans():
+        if before is not None:
+            yield _Joint(lanes, START, before, END, False)
+        if following is not None:
+            yield _Joint(lanes, END, following, START, False)
+        before = here if following is not None else None
     for end, link in road.links.items():
         section = road.section(end)
         other = filed.roads.get(link.id) if link.kind == "road" and link.contact in OTHER_END else None
         there = other.section(link.contact) if other is not None else None
         if section is not None and other is not None and there is not None:
-            yield _Joint(section, end, there, link.contact, road.in_junction or other.in_junction)
+            yield _Joint(section.lanes, end, there, link.contact, road.in_junction or other.in_junction)
 
 
 def _check_ends_without_neighbour(road: Road, findings: Findings) -> None:
@@ -188,16 +192,15 @@ def _check_zero_widths(filed: Filed, road: Road, findings: Findings) -> None:
     if filed.network is None or road.index < 0:
         return
     n = filed.network.tables
-    for section in road.sections:
-        if section.row < 0:
+    for section, following, lanes in road.spans():
+        last = n.road_section[road.index + 1] - 1 if following is None else following.row - 1
+        if section.row < 0 or last < section.row:
             continue
-        ends = {START: n.section_s[section.row], END: n.section_end[section.row]}
-        for name, lane in section.lanes.items():
-            row = lane_row_in(n, section.row, name)
-            if name == 0 or row < 0:
-                continue
-            for end, s in ends.items():
+        ends = {START: (section.row, n.section_s[section.row]), END: (last, n.section_end[last])}
+        for name, lane in lanes.items():
+            for end, (at, s) in ends.items():
+                row = lane_row_in(n, at, name)
                 link = next(lane_links(lane, end), None)
-                if link is not None and row_width(n, row, s) < ZERO_WIDTH:
+                if name != 0 and row >= 0 and link is not None and row_width(n, row, s) < ZERO_WIDTH:
                     message = f"lane {name} has no width at its {end} and is linked there to lane {link[0]}"
                     findings.report(ZERO_WIDTH_LINK, message, link[1])

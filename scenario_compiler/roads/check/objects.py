@@ -136,8 +136,8 @@ def _check_sizes(one: etree._Element, names: tuple[str, ...], limit: float, find
 
 
 def _check_validity(road: Road, one: etree._Element, findings: Findings) -> None:
-    section = road.section_at(number(one, "s"))
-    if section is None:
+    s = number(one, "s")
+    if road.section_at(s, 0) is None:
         return
     for validity in one.iterfind("validity"):
         lanes = []
@@ -146,7 +146,8 @@ def _check_validity(road: Road, one: etree._Element, findings: Findings) -> None
             if lane is None:
                 continue
             lanes.append(lane)
-            if lane not in section.lanes:
+            section = road.section_at(s, lane)
+            if section is None or lane not in section.lanes:
                 findings.report(VALIDITY, f"the road has no lane {lane} there", validity, name)
         if 0 in lanes:
             message = "lane 0 is the centre line; nothing drives on it"

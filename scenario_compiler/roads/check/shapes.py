@@ -109,10 +109,11 @@ def check_shapes(filed: Filed, findings: Findings) -> None:
     for road in filed.roads.values():
         _check_curves(road, findings)
         _check_sections(road, findings)
-        for i, section in enumerate(road.sections):
-            end = road.sections[i + 1].s if i + 1 < len(road.sections) else road.length
+        for section in road.sections:
             _check_lane_order(section, findings)
-            for name, lane in section.lanes.items():
+        for section, following, lanes in road.spans():
+            end = road.length if following is None else following.s
+            for name, lane in lanes.items():
                 _check_lane(name, lane, end - section.s, findings)
         if filed.network is not None and road.index >= 0:
             _check_widths(filed.network.tables, road, findings)

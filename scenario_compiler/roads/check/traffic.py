@@ -6,6 +6,7 @@ from math import inf
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.check.filed import (
+    END,
     OTHER_END,
     Filed,
     Road,
@@ -126,14 +127,14 @@ def _levels_differ(here: Section, first: int, there: Section, second: int) -> bo
 
 def _check_level_along(filed: Filed, road: Road, findings: Findings) -> None:
     """Compare the level of lanes with that of the lanes to which they are linked."""
-    joints = [(a, "end", b) for a, b in zip(road.sections, road.sections[1:], strict=False)]
+    joints = [(a, lanes, END, b) for a, b, lanes in road.spans() if b is not None]
     for end, link in road.links.items():
         other = filed.roads.get(link.id) if link.kind == "road" and link.contact in OTHER_END else None
         here, there = road.section(end), other.section(link.contact) if other is not None else None
         if here is not None and there is not None:
-            joints.append((here, end, there))
-    for here, end, there in joints:
-        for name, lane in here.lanes.items():
+            joints.append((here, here.lanes, end, there))
+    for here, lanes, end, there in joints:
+        for name, lane in lanes.items():
             for target, element in lane_links(lane, end):
                 if name != 0 and _levels_differ(here, name, there, target):
                     findings.report(
