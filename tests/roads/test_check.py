@@ -91,8 +91,18 @@ def curve(more: str) -> str:
 
 ONE_SIDED = 'singleSide="true"'
 SIGN_AT_60 = '<speed sOffset="60" max="10"/>'
+ASIDE = '<laneOffset s="0" a="0" b="0" c="0" d="0"/><laneOffset s="50.00001" a="3.5" b="0" c="0" d="0"/>'
 STRAIGHT = 'aU="0" bU="1" cU="0" dU="0" aV="0" bV="0" cV="0" dV="0" pRange="arcLength"'
 TWO_LANES = section(lane(1), lane(-1) + lane(-2))
+
+
+HALF = '<width sOffset="0" a="1.75" b="0" c="0" d="0"/>'
+
+
+def merging(width: str) -> str:
+    """Return a road with two lanes of a width that merge into one."""
+    before = linked(-1, after="-1", width=width) + linked(-2, after="-1", width=width)
+    return road(lanes=section("", before) + section("", linked(-1, "-1 -2"), s=50))
 
 
 @pytest.mark.parametrize(
@@ -116,6 +126,9 @@ TWO_LANES = section(lane(1), lane(-1) + lane(-2))
                 + section("", linked(-1, "-1"), s=70, attributes=ONE_SIDED)
             ),
         ),
+        (merging(HALF),),
+        (merging(WIDTH),),
+        (road(lanes=ASIDE + section("", linked(-1, after="-2")) + section("", lane(-1) + linked(-2, "-1"), s=50)),),
     ],
 )
 def test_good_files_have_no_finding(tmp_path: Path, parts: tuple[str, ...]) -> None:
@@ -145,6 +158,7 @@ AGAIN = '<connection id="1" incomingRoad="1" connectingRoad="2" contactPoint="st
 INSIDE_OUT = '<connection id="1" incomingRoad="2" connectingRoad="1" contactPoint="start"/>'
 UNORDERED = '<laneLink from="-2" to="-1"/><laneLink from="-1" to="-1"/>'
 STEP = '<elevationProfile><elevation s="0" a="0.5" b="0" c="0" d="0"/></elevationProfile>'
+STEPS = STEP.replace("</", '<elevation s="50" a="1" b="0" c="0" d="0"/></')
 BRIDGE = '<objects><bridge id="1" s="90" length="20" type="steel"/></objects>'
 BULGE = '<width sOffset="0" a="1" b="-0.1" c="0.001" d="0"/>'
 LATE = '<width sOffset="1" a="3.5" b="0" c="0" d="0"/>'
@@ -193,6 +207,10 @@ CASES: dict[str, list[tuple[str, ...]]] = {
         pair(x=100.02),
         pair(width=NARROW),
         (along(linked(1, after="1"), linked(1, "1", width=NARROW)),),
+        (along(linked(1, after="1"), linked(1, "1")).replace("<lanes>", f"<lanes>{ASIDE}"),),
+        (road(lanes=ASIDE + section(lane(1), lane(-1))),),
+        (merging(HALF.replace("1.75", "1.5")),),
+        (with_lane(NARROW.replace('sOffset="0"', 'sOffset="50"')),),
         (road(plan=TWO_PIECES.format(s=50, x=51, h=0)),),
     ],
     "SC345": [
@@ -235,7 +253,7 @@ CASES: dict[str, list[tuple[str, ...]]] = {
     "SC359": [(with_object(more=f'orientation="+" radius="1">{BORDER}'),)],
     "SC360": [(with_object(more='radius="1">'),)],
     "SC361": [(with_signal(SIGN).replace('"274"', '"multiBoard"'),)],
-    "SC363": [pair(more=STEP)],
+    "SC363": [pair(more=STEP), (road(more=STEPS),)],
     "SC364": [(road(plan=LINE.format(length=90)),), (road(plan=TWO_PIECES.format(s=51, x=50, h=0)),)],
 }
 """Files for each code, as parts."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from math import cos, degrees, hypot, pi, sin
 from typing import NamedTuple
 
@@ -16,7 +18,6 @@ from scenario_compiler.roads.check.filed import (
     Connection,
     Filed,
     Road,
-    Section,
     lane_links,
     number,
 )
@@ -29,7 +30,8 @@ from scenario_compiler.structure.findings import Findings
 GAP = Code(
     "SC344",
     "road-gap",
-    "A reference line or a lane does not end where the next one begins. Vehicles jump there, the surface has a "
+    "A reference line or a lane does not end where the next one begins, or a lane jumps aside or becomes wider "
+    "abruptly between its joints. Vehicles jump there, the surface has a "
     "hole or an overlap, and a position near the joint is on no lane or on two lanes.\n\n"
     '    <geometry s="0" x="0" y="0" hdg="0" length="50"><line/></geometry>\n'
     '    <geometry s="50" x="50.4" y="0" hdg="0" length="50"><line/></geometry>     x="50"\n\n'
@@ -51,7 +53,8 @@ KINK = Code(
 STEP = Code(
     "SC363",
     "road-step",
-    "The height of the road jumps at a joint of two roads. Vehicles jump there, and the surface has a step.\n\n"
+    "The height of the road jumps, at a joint of two roads or inside a road. Vehicles jump there, and the surface "
+    "has a step.\n\n"
     '    <road id="1" length="100"> ... <elevation s="0" a="0" b="0.02" c="0" d="0"/>     2 m high at its end\n'
     '    <road id="2"> ... <elevation s="0" a="0" b="0" c="0" d="0"/>     0 m high at its start\n\n'
     'Start the elevation of the second road at the height at which the first ends: a="2".',
@@ -74,7 +77,10 @@ KINK_TOLERANCE = 0.02
 """Largest change of direction at a joint that is not reported, rad (1.1 degrees)."""
 
 STEP_TOLERANCE = 0.05
-"""Largest step in height at a joint that is not reported, m."""
+"""Largest step in height that is not reported, m."""
+
+BESIDE = 1e-4
+"""Distance from a joint at which lane borders are compared, m: records that start there may start a bit aside."""
 
 LENGTH_TOLERANCE = 0.01
 """Largest difference of lengths along s that is not reported, m."""
@@ -96,6 +102,7 @@ def check_joints(filed: Filed, findings: Findings) -> None:
         if road.index >= 0:
             _check_reference_line(n, road, findings)
             _check_sections(n, road, findings)
+            _check_records(road, findings)
             for end in road.links:
                 _check_road_joint(n, filed, road, end, findings)
     for junction, found in zip(filed.junctions, filed.connections, strict=True):
@@ -148,31 +155,72 @@ def _compare_headings(findings: Findings, element: etree._Element, before: float
 
 def _check_sections(n: RoadTables, road: Road, findings: Findings) -> None:
     """Compare the borders of linked lanes where lane sections meet."""
-    for before, after in zip(road.sections, road.sections[1:], strict=False):
-        if before.row < 0 or after.row < 0:
+    for _, after, lanes in road.spans():
+        if after is None or after.row <= n.road_section[road.index]:
             continue
-        s = n.section_s[after.row]
-        for name, lane in before.lanes.items():
-            targets = [target for target, _ in lane_links(lane, END) if target in after.lanes]
-            if name == 0 or not targets:
+        links = {name: [target for target, _ in lane_links(lane, END)] for name, lane in lanes.items() if name != 0}
+        sources: dict[int, list[int]] = {}
+        for name, targets in links.items():
+            for target in targets:
+                sources.setdefault(target, []).append(name)
+        for name, targets in links.items():
+            merging = sources[targets[0]] if len(targets) == 1 else [name]
+            here = _t_borders(n, after.row - 1, END, merging)
+            there = _t_borders(n, after.row, START, targets)
+            if name != merging[0] or here is None or there is None:
                 continue
-            here = _t_borders(n, road, before, name, s)
-            there = [_t_borders(n, road, after, target, s) for target in targets]
-            left, right = max(one[0] for one in there), min(one[1] for one in there)
-            gap = max(abs(here[0] - left), abs(here[1] - right))
+            beyond = there[0] - here[0], here[1] - there[1]
+            gap = max(map(abs, beyond)) if len(merging) == 1 else max(beyond)
             if gap > GAP_TOLERANCE:
-                linked = " and ".join(str(target) for target in targets)
-                message = f"a gap of {gap:.3g} m between lane {name} and lane {linked} at s = {s:.6g}"
-                findings.report(GAP, message, lane)
+                pair = [" and ".join(map(str, ids)) for ids in (merging, targets)]
+                message = f"a gap of {gap:.3g} m between lane {pair[0]} and lane {pair[1]} at s = {after.s:.6g}"
+                findings.report(GAP, message, lanes[name])
 
 
-def _t_borders(n: RoadTables, road: Road, section: Section, lane: int, s: float) -> tuple[float, float]:
-    """Return (t of the left border, t of the right border) of a lane of a section at s, which may be its end."""
-    row = lane_row_in(n, section.row, lane)
-    if row < 0:
-        return 0.0, 0.0
-    inner, width = row_inner_border(n, road.index, row, s), row_width(n, row, s)
-    return (inner + width, inner) if lane > 0 else (inner, inner - width)
+def _t_borders(n: RoadTables, section: int, end: str, lanes: list[int]) -> tuple[float, float] | None:
+    """Return (t of the left border, t of the right border) of lanes side by side at an end of a section, or None.
+
+    They are those just inside the section: an offset or a width that starts at its end belongs to the next one.
+    """
+    inside = min(BESIDE, 0.5 * (n.section_end[section] - n.section_s[section]))
+    s = n.section_s[section] + inside if end == START else n.section_end[section] - inside
+    borders = []
+    for lane in lanes:
+        row = lane_row_in(n, section, lane)
+        if row >= 0:
+            inner, width = row_inner_border(n, n.section_road[section], row, s), row_width(n, row, s)
+            borders.append((inner + width, inner) if lane > 0 else (inner, inner - width))
+    return (max(one[0] for one in borders), min(one[1] for one in borders)) if borders else None
+
+
+def _check_records(road: Road, findings: Findings) -> None:
+    """Report jumps of the lane offset, of widths and borders, and of the elevation between joints."""
+    starts = [one.s for one in road.sections]
+    for s, jump, record in _jumps(road.element.iterfind("lanes/laneOffset")):
+        at = bisect_left(starts, s - BESIDE)
+        if jump > GAP_TOLERANCE and (at == len(starts) or starts[at] > s + BESIDE):
+            findings.report(GAP, f"the lanes jump aside by {jump:.3g} m at s = {s:.6g}", record)
+    for section, _, lanes in road.spans():
+        for name, lane in lanes.items():
+            for tag in ("width", "border"):
+                for s, jump, record in _jumps(lane.iterfind(tag), "sOffset"):
+                    if jump > GAP_TOLERANCE:
+                        message = f"the {tag} of lane {name} jumps by {jump:.3g} m at s = {section.s + s:.6g}"
+                        findings.report(GAP, message, record)
+    for s, jump, record in _jumps(road.element.iterfind("elevationProfile/elevation")):
+        if jump > STEP_TOLERANCE:
+            findings.report(STEP, f"a step of {jump:.3g} m at s = {s:.6g}", record)
+
+
+def _jumps(records: Iterable[etree._Element], station: str = "s") -> Iterator[tuple[float, float, etree._Element]]:
+    """Yield (s, distance from the value of the cubic before to that of its own, m, record) for the start of each."""
+    before: tuple[float, ...] | None = None
+    for record in sorted(records, key=lambda one: number(one, station)):
+        s, a, b, c, d = (number(record, name) for name in (station, "a", "b", "c", "d"))
+        if before is not None and s > before[0]:
+            ds = s - before[0]
+            yield s, abs(a - (before[1] + ds * (before[2] + ds * (before[3] + ds * before[4])))), record
+        before = s, a, b, c, d
 
 
 def _check_road_joint(n: RoadTables, filed: Filed, road: Road, end: str, findings: Findings) -> None:
@@ -194,12 +242,10 @@ def _check_road_joint(n: RoadTables, filed: Filed, road: Road, end: str, finding
         step = abs(there[3] - here[3])
         if step > STEP_TOLERANCE:
             findings.report(STEP, f"a step of {step:.3g} m to road {other.id}", link.element)
-    pairs = []
+    pairs: list[tuple[int, int, etree._Element]] = []
     section = road.section(end)
     for name, lane in section.lanes.items() if section is not None else ():
-        targets = [target for target, _ in lane_links(lane, end)]
-        if name != 0 and len(targets) == 1:
-            pairs.append((name, targets[0], lane))
+        pairs.extend((name, target, lane) for target, _ in lane_links(lane, end) if name != 0)
     _compare_lanes(n, (road, end), (other, link.contact), pairs, findings)
 
 
@@ -217,7 +263,11 @@ def _compare_lanes(
     pairs: list[tuple[int, int, etree._Element]],
     findings: Findings,
 ) -> None:
+    """Compare the borders of linked lanes; not of lanes that merge or split, which have several links."""
+    linked = Counter(name for name, _, _ in pairs), Counter(target for _, target, _ in pairs)
     for name, target, element in pairs:
+        if linked[0][name] > 1 or linked[1][target] > 1:
+            continue
         mine, other = _borders(n, *here, name), _borders(n, *there, target)
         if mine is None or other is None:
             continue
@@ -233,12 +283,12 @@ def _compare_lanes(
 
 
 def _borders(n: RoadTables, road: Road, end: str, lane: int) -> _Borders | None:
-    section = road.section(end)
-    if section is None or section.row < 0 or lane_row_in(n, section.row, lane) < 0:
+    first, last = n.road_section[road.index], n.road_section[road.index + 1] - 1
+    found = _t_borders(n, first if end == START else last, end, [lane]) if first <= last else None
+    if found is None:
         return None
-    s = 0.0 if end == START else n.road_length[road.index]
-    x, y, h, _ = road_reference(n, road.index, s)
-    left, right = _t_borders(n, road, section, lane, s)
+    left, right = found
+    x, y, h, _ = road_reference(n, road.index, 0.0 if end == START else n.road_length[road.index])
     return _Borders((x - left * sin(h), y + left * cos(h)), (x - right * sin(h), y + right * cos(h)))
 
 
@@ -250,6 +300,4 @@ def _check_connections(
         ends = touched_ends(filed, junction, connection)
         if ends is None or ends[0].index < 0 or ends[2].index < 0:
             continue
-        single = {first for first, _, _ in connection.lanes}
-        if len(single) == len(connection.lanes):
-            _compare_lanes(n, ends[:2], ends[2:], connection.lanes, findings)
+        _compare_lanes(n, ends[:2], ends[2:], connection.lanes, findings)
