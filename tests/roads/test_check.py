@@ -96,6 +96,9 @@ STRAIGHT = 'aU="0" bU="1" cU="0" dU="0" aV="0" bV="0" cV="0" dV="0" pRange="arcL
 TWO_LANES = section(lane(1), lane(-1) + lane(-2))
 
 
+TAPER = '<width sOffset="0" a="3.5" b="-0.035" c="0" d="0"/>'
+TWO_TYPES = '<type s="0" type="town"/><type s="60" type="motorway"/><planView'
+FAST_AT_60 = '<speed sOffset="60" max="36"/>'
 HALF = '<width sOffset="0" a="1.75" b="0" c="0" d="0"/>'
 
 
@@ -126,6 +129,11 @@ def merging(width: str) -> str:
                 + section("", linked(-1, "-1"), s=70, attributes=ONE_SIDED)
             ),
         ),
+        (
+            road("1", link=to_junction("successor", "5"), lanes=section(lane(1), lane(-1) + lane(-2, TAPER))),
+            *crossing()[1:],
+        ),
+        (road(lanes=section(lane(1), lane(-1, WIDTH + FAST_AT_60))).replace("<planView", TWO_TYPES),),
         (merging(HALF),),
         (merging(WIDTH),),
         (road(lanes=ASIDE + section("", linked(-1, after="-2")) + section("", lane(-1) + linked(-2, "-1"), s=50)),),
@@ -133,6 +141,16 @@ def merging(width: str) -> str:
 )
 def test_good_files_have_no_finding(tmp_path: Path, parts: tuple[str, ...]) -> None:
     assert codes(write(tmp_path, *parts)) - {"SC320", "SC322", "SC323", "SC324", "SC325"} == set()
+
+
+def test_reversed_lanes_are_driven_the_other_way(tmp_path: Path) -> None:
+    lanes = section(lane(1), lane(-1) + lane(-2).replace("<lane ", '<lane direction="reversed" '))
+    first = road("1", link=to_junction("successor", "5"), lanes=lanes)
+    signal = '<signals><signal id="1" s="10" t="4" zOffset="2" type="274" subtype="1" dynamic="no" orientation="{}">'
+    for orientation, expected in (("-", set()), ("+", {"SC357"})):
+        signed = first.replace("</road>", signal.format(orientation) + validity(-2, -2) + "</signal></signals></road>")
+        found = codes(write(tmp_path, signed, *crossing()[1:], minor=8))
+        assert found & {"SC341", "SC357"} == expected
 
 
 def narrowing(a: float, b: float) -> str:

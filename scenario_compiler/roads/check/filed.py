@@ -94,6 +94,15 @@ class Road:
         at = bisect_right(side, s, key=lambda one: one.s) - 1
         return side[at] if at >= 0 else None
 
+    def direction(self, lane: int, element: etree._Element | None) -> int:
+        """Return 1 if a lane (element None: one that does not exist) is driven along s, -1 against it, 0 both ways."""
+        direction = 1 if (lane < 0) == (self.rule != "LHT") else -1
+        if element is None:
+            return direction
+        if element.get("direction") == "both" or element.get("type") == "bidirectional":
+            return 0
+        return -direction if element.get("direction") == "reversed" else direction
+
     def spans(self) -> Iterator[tuple[Section, Section | None, dict[int, etree._Element]]]:
         """Yield (section, next section of the same side or None, lanes of the side) for both sides of each section."""
         for sign, side in self.sides.items():

@@ -12,7 +12,9 @@ from scenario_compiler.roads.check.filed import (
     Filed,
     Road,
 )
+from scenario_compiler.roads.check.links import ZERO_WIDTH
 from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, is_drivable
+from scenario_compiler.roads.lanes import lane_width
 from scenario_compiler.structure.findings import Findings
 
 LOST_CONNECTION = Code(
@@ -162,6 +164,14 @@ def _check_lanes(filed: Filed, junction: etree._Element, connection: Connection,
                 findings.report(UNKNOWN_LINKED_LANE, message, element, attribute)
 
 
+def _ends_before(filed: Filed, road: Road, end: str, lane: int) -> bool:
+    """Return whether a lane has no width at an end of its road."""
+    if filed.network is None or road.index < 0:
+        return False
+    n, i = filed.network.tables, road.index
+    return lane_width(n, i, lane, n.road_length[i] if end == END else 0.0) < ZERO_WIDTH
+
+
 def _check_incoming_lanes(filed: Filed, junction: etree._Element, found: list[Connection], findings: Findings) -> None:
     """Report lanes of incoming roads that lead into the junction and have no connection there."""
     name = junction.get("id", "")
@@ -181,9 +191,11 @@ def _check_incoming_lanes(filed: Filed, junction: etree._Element, found: list[Co
             section = road.section(end)
             if link.kind != "junction" or link.id != name or section is None:
                 continue
-            towards = -1 if (end == END) == (road.rule != "LHT") else 1
             for lane, element in section.lanes.items():
                 code = LANE_TYPE_CODES.get(element.get("type", "none"), -1)
-                if lane * towards > 0 and code >= 0 and is_drivable(code) and lane not in lanes:
+                leads_in = lane != 0 and road.direction(lane, element) == (1 if end == END else -1)
+                if not leads_in or lane in lanes or code < 0 or not is_drivable(code):
+                    continue
+                if not _ends_before(filed, road, end, lane):
                     message = f"lane {lane} of road {road.id} leads into junction {name} and has no connection there"
                     findings.report(UNCONNECTED_LANE, message, element)

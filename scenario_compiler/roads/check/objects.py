@@ -140,20 +140,20 @@ def _check_validity(road: Road, one: etree._Element, findings: Findings) -> None
     if road.section_at(s, 0) is None:
         return
     for validity in one.iterfind("validity"):
-        lanes = []
+        lanes: dict[int, int] = {}
         for name in ("fromLane", "toLane"):
             lane = whole(validity, name)
             if lane is None:
                 continue
-            lanes.append(lane)
             section = road.section_at(s, lane)
-            if section is None or lane not in section.lanes:
+            element = None if section is None else section.lanes.get(lane)
+            lanes[lane] = road.direction(lane, element) if lane != 0 else 0
+            if element is None:
                 findings.report(VALIDITY, f"the road has no lane {lane} there", validity, name)
         if 0 in lanes:
             message = "lane 0 is the centre line; nothing drives on it"
             findings.report(VALIDITY, message, validity, severity=Severity.NOTE)
-        sign = {"+": -1, "-": 1}.get(one.get("orientation", ""), 0) * (1 if road.rule != "LHT" else -1)
-        if sign and any(lane * sign < 0 for lane in lanes):
+        if {"+": -1, "-": 1}.get(one.get("orientation", "")) in lanes.values():
             message = f"orientation '{one.get('orientation')}' does not fit lanes {min(lanes)} to {max(lanes)}"
             findings.report(VALIDITY, message, validity)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from math import inf
+from operator import itemgetter
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.check.filed import (
@@ -71,13 +73,13 @@ SPEEDS = {
 def check_traffic(filed: Filed, findings: Findings) -> None:
     """Report access, level and speed records with faults."""
     for road in filed.roads.values():
-        kind = road.element.find("type")
-        speeds = SPEEDS.get("" if kind is None else kind.get("type", ""))
+        types = sorted(
+            ((number(one, "s"), one.get("type", "")) for one in road.element.iterfind("type")), key=itemgetter(0)
+        )
         for section in road.sections:
             _check_access(section, findings)
             _check_level(section, findings)
-            if speeds is not None:
-                _check_speeds(section, speeds, findings)
+            _check_speeds(section, types, findings)
         _check_level_along(filed, road, findings)
     for junction, found in zip(filed.junctions, filed.connections, strict=True):
         for connection in found:
@@ -142,12 +144,15 @@ def _check_level_along(filed: Filed, road: Road, findings: Findings) -> None:
                     )
 
 
-def _check_speeds(section: Section, usual: tuple[int, int], findings: Findings) -> None:
+def _check_speeds(section: Section, types: list[tuple[float, str]], findings: Findings) -> None:
+    """Compare speed limits with the road's type where they begin; `types` are (s, type), in order of s."""
     for lane in section.lanes.values():
         if lane.get("type") != "driving":
             continue
         for speed in lane.iterfind("speed"):
+            at = bisect_right(types, section.s + number(speed, "sOffset") + SAME_PLACE, key=itemgetter(0))
+            usual = SPEEDS.get(types[at - 1][1]) if at > 0 else None
             limit = 3.6 * number(speed, "max", -1.0) * SPEED_UNITS.get(speed.get("unit", "m/s"), 1.0)
-            if limit >= 0.0 and not usual[0] <= limit <= usual[1]:
+            if usual is not None and limit >= 0.0 and not usual[0] <= limit <= usual[1]:
                 message = f"the limit is {limit:.3g} km/h; roads of this type have {usual[0]} to {usual[1]} km/h"
                 findings.report(SPEED_OF_TYPE, message, speed, "max")
