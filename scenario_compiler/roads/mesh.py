@@ -283,7 +283,7 @@ def road_marks(network: Network, secondary: Sequence[SecondaryLine] = ()) -> Mar
     for section in range(len(n.section_s)):
         for row in range(n.section_lane[section], n.section_lane[section + 1]):
             for mark in range(n.lane_mark[row], n.lane_mark[row + 1]):
-                for line in _lines(n, mark):
+                for line in _lines(n, row, mark):
                     _paint(n, row, mark, line, quads, columns)
     for beside in secondary:
         _paint_secondary(n, network.road_index(beside.road), beside, quads, columns)
@@ -302,7 +302,7 @@ def road_marks(network: Network, secondary: Sequence[SecondaryLine] = ()) -> Mar
 
 
 class _Stroke(NamedTuple):
-    """A line to be painted: offset outwards from the border, width, colour, dash, gap, first and last s."""
+    """A line to be painted: offset to the left from the border, width, colour, dash, gap, first and last s."""
 
     t: float
     width: float
@@ -313,8 +313,8 @@ class _Stroke(NamedTuple):
     end: float
 
 
-def _lines(n: RoadTables, mark: int) -> Iterator[_Stroke]:
-    """Yield the lines of a mark: those of the file, or else those of its type."""
+def _lines(n: RoadTables, row: int, mark: int) -> Iterator[_Stroke]:
+    """Yield the lines of a mark: those of the file, or else those of its type, which lie from inside to outside."""
     start, end, width = n.mark_s[mark], n.mark_end[mark], n.mark_width[mark]
     if n.mark_type[mark] == road_marks_codes.MARK_NONE:
         return
@@ -327,8 +327,9 @@ def _lines(n: RoadTables, mark: int) -> Iterator[_Stroke]:
         yield _Stroke(n.line_t[k], own, _PAINTS[n.line_colour[k]], length, gap, first, last)
     if not explicit:
         colour = _PAINTS[n.mark_colour[mark]]
+        outwards = width if n.lane_id[row] > 0 else -width
         for dash, gap, beside in _LINES_OF_TYPE.get(n.mark_type[mark], ()):
-            yield _Stroke(-beside * width, width, colour, dash, gap, start, end)
+            yield _Stroke(beside * outwards, width, colour, dash, gap, start, end)
 
 
 def _paint(
@@ -344,13 +345,12 @@ def _paint(
     road, lane = n.section_road[section], n.lane_id[row]
     low = max(line.start, n.section_s[section], 0.0)
     high = min(line.end, n.section_end[section], n.road_length[road])
-    outwards = -line.t if lane > 0 else line.t
     from_q, to_q = n.mark_quality_from[mark], n.mark_quality_to[mark]
     span = n.mark_end[mark] - n.mark_s[mark]
     for a, b in _dashes(line, low, high):
         for s0, s1 in _pieces(n, road, a, b, 1.0 if from_q != to_q else 10.0):
-            left0, right0 = _across(n, road, row, mark, s0, outwards, line.width)
-            left1, right1 = _across(n, road, row, mark, s1, outwards, line.width)
+            left0, right0 = _across(n, road, row, mark, s0, line.t, line.width)
+            left1, right1 = _across(n, road, row, mark, s1, line.t, line.width)
             share = ((s0 + s1) / 2.0 - n.mark_s[mark]) / span if span > 0.0 else 0.0
             quads.append((left0, left1, right1, right0))
             columns.append((line.colour, from_q + share * (to_q - from_q), line.width, road, lane, s0, s1))

@@ -16,6 +16,7 @@ from scenario_compiler.roads.mesh import (
 )
 from scenario_compiler.roads.network import Network, load_network
 from scenario_compiler.roads.positions import MarkStretch
+from tests.roads import make
 from tests.roads.make import shifted
 
 ROAD = """<OpenDRIVE><header revMajor="1" revMinor="4"/>
@@ -121,6 +122,17 @@ def test_the_lines_of_the_file_win_over_the_types_habit(tmp_path: Path) -> None:
     assert right[0] == pytest.approx([2.0, 8.0])
     assert right[1] == pytest.approx([20.0, 26.0])
     assert set(marks.width[marks.lane == -1].tolist()) == {np.float32(0.2)}
+
+
+def test_the_offset_of_a_line_is_to_the_left_on_both_sides(tmp_path: Path) -> None:
+    line = '<line length="0" space="0" tOffset="0.3" sOffset="0"/>'
+    mark = f'<roadMark sOffset="0" type="solid" width="0.12"><type name="x" width="0.1">{line}</type></roadMark>'
+    inside = '<width sOffset="0" a="3.5" b="0" c="0" d="0"/>' + mark
+    marks = road_marks(
+        make.network(tmp_path, make.road(lanes=make.section(make.lane(1, inside), make.lane(-1, inside))))
+    )
+    for lane, border in ((1, 3.5), (-1, -3.5)):
+        assert of_lane(marks, lane)[:, :, 1].mean() == pytest.approx(border + 0.3, abs=1e-6)
 
 
 @pytest.mark.parametrize(
