@@ -229,7 +229,8 @@ def row_height(n: RoadTables, road: int, row: int, s: float, t: float) -> float:
 def lane_frame(n: RoadTables, road: int, row: int, s: float, t: float) -> tuple[float, float, float, float, float]:
     """Return (along, across, z, pitch, roll) of a lane's surface at (s, t), as `geometry.road_frame` does.
 
-    A level lane is not rolled: it continues horizontally from its inner border.
+    A level lane is not rolled: it has the height of its inner border. In the plane it lies where another lane would
+    (OpenDRIVE 1.8, 11.6.4).
     """
     if n.road_flat[road] == 1:
         return 0.0, t, 0.0, 0.0, 0.0
@@ -241,8 +242,9 @@ def lane_frame(n: RoadTables, road: int, row: int, s: float, t: float) -> tuple[
         while n.lane_id[at + step] != 0 and n.lane_level[at + step] == 1:
             at = at + step
         inner = row_inner_border(n, road, at, s)
-        along, across, z, pitch, roll = road_frame(n, road, s, inner)
-        return along, across + t - inner, z + row_height(n, road, row, s, t), pitch, 0.0
+        _, _, z, pitch, _ = road_frame(n, road, s, inner)
+        along, across, _, _, _ = road_frame(n, road, s, t)
+        return along, across, z + row_height(n, road, row, s, t), pitch, 0.0
     along, across, z, pitch, roll = road_frame(n, road, s, t)
     return along, across, z + row_height(n, road, row, s, t), pitch, roll
 

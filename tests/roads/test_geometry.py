@@ -243,6 +243,9 @@ def test_a_level_lane_stays_horizontal(tmp_path: Path) -> None:
     made = network(tmp_path, road(more=more, lanes=section(lane(1), lane(-1, width) + curb)))
     pose = made.lane_pose("1", -2, 10.0)
     assert pose.z == pytest.approx(-3.0 * math.sin(0.1) + 0.15)
+    assert pose.y == pytest.approx(-4.5 * math.cos(0.1))
+    rim = made.lane_pose("1", -2, 10.0, -1.495)
+    assert made.locate(rim.x, rim.y)[0] == pytest.approx(("1", -2, 10.0, -1.495))
     assert pose.roll == 0.0
 
 
