@@ -27,7 +27,7 @@ from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 UNKNOWN_LINK = Code(
     "SC313",
     "unknown-road-link",
-    "A road, junction or connection links to a road or junction that the file does not have, or that could not be "
+    "A road, junction or connection names a road or junction that the file does not have, or that could not be "
     "used. The link is ignored, so traffic cannot continue there.\n\n"
     '    <successor elementType="road" elementId="77" contactPoint="start"/>     there is no road 77\n\n'
     "Correct the id, or remove the link if the road really ends there.",

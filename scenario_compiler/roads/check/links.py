@@ -19,6 +19,7 @@ from scenario_compiler.roads.check.filed import (
     lane_links,
 )
 from scenario_compiler.roads.lanes import lane_row_in, row_width
+from scenario_compiler.roads.topology import UNKNOWN_LINK
 from scenario_compiler.structure.findings import Findings
 
 ONE_SIDED_LINK = Code(
@@ -35,8 +36,9 @@ ONE_SIDED_LINK = Code(
 AMBIGUOUS_LINK = Code(
     "SC334",
     "ambiguous-road-link",
-    "Several roads are linked directly to the same end of a road. It is not clear which of them continues there; "
-    "a junction is needed.\n\n"
+    "Several roads are linked directly to the same end of a road, or a link does not name the end (contactPoint). It "
+    "is not clear which road continues where. For several roads, a junction is needed; without `contactPoint`, the "
+    "nearer end is used.\n\n"
     '    <road id="1"> ... <successor elementType="road" elementId="3" contactPoint="start"/>\n'
     '    <road id="2"> ... <successor elementType="road" elementId="3" contactPoint="start"/>\n\n'
     "Make a junction with a connecting road for each of them. Rule: "
@@ -83,12 +85,20 @@ def check_road_links(filed: Filed, findings: Findings) -> None:
     taken: dict[tuple[str, str], etree._Element] = {}
     known = [_joined_roads(filed, found) for found in filed.connections]
     for road in filed.roads.values():
+        if road.in_junction and filed.junction(road.junction) < 0:
+            message = f"the road belongs to junction '{road.junction[:40]}', which does not exist"
+            findings.report(UNKNOWN_LINK, message, road.element, "junction")
         for end, link in road.links.items():
             if link.kind == "junction":
                 _check_junction_link(filed, road, end, known, findings)
                 continue
             other = filed.roads.get(link.id)
-            if other is None or link.contact not in OTHER_END:
+            if other is None:
+                continue
+            if link.contact not in OTHER_END:
+                if link.element.get("elementS") is None:
+                    message = f"the link to road {link.id} does not name the end of that road"
+                    findings.report(AMBIGUOUS_LINK, message, link.element)
                 continue
             back = other.links.get(link.contact)
             if not road.in_junction:

@@ -68,10 +68,12 @@ RECORD_OFFSET = Code(
     "SC351",
     "record-offset",
     "The records of a lane (widths, borders, heights, marks, speeds) are not in ascending order of sOffset, or "
-    "start beyond the end of their section. Records of widths, borders and heights must also start at 0.\n\n"
+    "start beyond the end of their section. Records of widths, borders and heights must also start at 0, and a lane "
+    "needs a width or a border.\n\n"
     '    <lane id="-1"><width sOffset="5" a="3.5" .../></lane>     how wide is it before?\n\n'
-    "Correct sOffset. It is measured from the start of the lane section, not of the road. Rule: "
-    "openmsl.net:xodr:1.4.0:road.semantic.lane_property_sOffset.",
+    "Correct sOffset. It is measured from the start of the lane section, not of the road. Rules: "
+    "openmsl.net:xodr:1.4.0:road.semantic.lane_property_sOffset, "
+    "asam.net:xodr:1.7.0:road.lane.width.width_defined_whole_section.",
     Severity.WARNING,
 )
 LANE_WITHOUT_TYPE = Code(
@@ -180,6 +182,8 @@ def _check_lane_order(section: Section, findings: Findings) -> None:
 def _check_lane(name: int, lane: etree._Element, length: float, findings: Findings) -> None:
     if name != 0 and lane.get("type") == "none":
         findings.report(LANE_WITHOUT_TYPE, f"lane {name} has the type 'none'", lane, "type")
+    if name != 0 and lane.find("width") is None and lane.find("border") is None:
+        findings.report(RECORD_OFFSET, f"lane {name} has neither <width> nor <border>: it is 0 m wide", lane)
     for tag in RECORDS:
         last: float | None = None
         for record in lane.iterfind(tag):
