@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from scenario_compiler.roads.lane_types import LANE_TYPES
 from scenario_compiler.roads.network import Network
-from scenario_compiler.roads.tables import ARC, LINE, NO_SPEED, SPIRAL
+from scenario_compiler.roads.tables import ARC, LINE, NO_SPEED, SPIRAL, RoadTables
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class NetworkDescription:
         length: Length of all reference lines, m.
         length_outside_junctions: That of the roads outside junctions, m.
         rules: Number of roads by traffic rule ("RHT", "LHT").
-        geometries: Number of reference line pieces by kind; a spiral counts as the short pieces into which it is cut.
+        geometries: Number of geometries of reference lines by kind.
         junctions: Number of junctions by type.
         lane_sections: Number of lane sections.
         lanes: Number of lanes by type, one for each lane section.
@@ -73,7 +73,6 @@ def describe_network(network: Network) -> NetworkDescription:
     n = network.tables
     model = network.model()
     roads = range(len(n.road_length))
-    kinds = {LINE: "line", ARC: "arc", SPIRAL: "spiral"}
     lanes: Counter[str] = Counter()
     lane_length: dict[str, float] = {}
     for row, lane in enumerate(n.lane_id):
@@ -96,7 +95,7 @@ def describe_network(network: Network) -> NetworkDescription:
         length=sum(n.road_length),
         length_outside_junctions=sum(n.road_length[i] for i in roads if n.road_junction[i] < 0),
         rules=_sorted(Counter("RHT" if rule > 0 else "LHT" for rule in n.road_rule)),
-        geometries=_sorted(Counter(kinds.get(kind, "polynomial") for kind in n.piece_kind)),
+        geometries=_sorted(_geometries(n)),
         junctions=_sorted(Counter(one.type for one in model.junctions)),
         lane_sections=len(n.section_s),
         lanes=_sorted(lanes),
@@ -108,6 +107,20 @@ def describe_network(network: Network) -> NetworkDescription:
         objects=_sorted(Counter(one.type or "none" for one in model.objects)),
         structures=_sorted(Counter(one.kind for one in model.structures)),
     )
+
+
+def _geometries(n: RoadTables) -> Counter[str]:
+    """Count geometries by kind; a spiral is cut into several pieces, which have the same rate of curvature."""
+    kinds = {LINE: "line", ARC: "arc", SPIRAL: "spiral"}
+    counts: Counter[str] = Counter()
+    for road in range(len(n.road_length)):
+        before: tuple[int, float] | None = None
+        for piece in range(n.road_piece[road], n.road_piece[road + 1]):
+            here = n.piece_kind[piece], n.piece_dk[piece]
+            if here[0] != SPIRAL or here != before:
+                counts[kinds.get(here[0], "polynomial")] += 1
+            before = here
+    return counts
 
 
 def _sorted(counts: Counter[str]) -> dict[str, int]:

@@ -460,3 +460,14 @@ def test_a_network_is_summed_up(tmp_path: Path) -> None:
     assert found.lane_length == {"driving": 220.0}
     assert found.junctions == {"default": 1}
     assert found.bounds == pytest.approx((0.0, -3.5, 120.0, 3.5), abs=1e-5)
+
+
+def test_a_spiral_is_one_geometry(tmp_path: Path) -> None:
+    spirals = (
+        '<geometry s="0" x="0" y="0" hdg="0" length="50"><spiral curvStart="0" curvEnd="0.05"/></geometry>'
+        '<geometry s="50" x="43" y="19" hdg="1.25" length="50"><spiral curvStart="0.05" curvEnd="0"/></geometry>'
+    )
+    made = load_network(write(tmp_path, road(plan=spirals)), cache=False)
+    assert made is not None
+    assert len(made.tables.piece_s) > 2
+    assert describe_network(made).geometries == {"spiral": 2}
