@@ -72,6 +72,9 @@ attributes that not all versions from 1.1 to 1.8 have.
 
 The `direction` of a lane holds for its lane section. A lane that may be used in both directions (`both`, or the type
 `bidirectional`) is driven in the direction of its side only.
+
+A mark without `laneChange` allows lane changes by its type: `solid`, `solid solid`, `curb` and `edge` forbid them,
+though the standard's default is `both`. Many real files leave it out at solid lines, which routes would cross.
 """
 
 _EVERY = list(range(FIRST_MINOR, LAST_MINOR + 1))
