@@ -255,7 +255,8 @@ def lane_pose(
 ) -> tuple[float, float, float, float, float, float]:
     """Return (x, y, z, heading, pitch, roll) at an offset to the left of a lane's centre.
 
-    The heading is along increasing s and follows the lane's centre: atan of its slope is part of it.
+    The heading is along increasing s and follows the lane's centre: atan of its slope is part of it. As in esmini, the
+    curvature of the road is left out there; in a tight bend this is a degree for a lane that becomes wider fast.
     """
     x, y, z, heading, pitch, roll, _ = lane_place(n, road, lane, s, offset)
     return x, y, z, heading, pitch, roll
