@@ -62,8 +62,10 @@ def rows_of_totals(
         "stop_reason": stops,
         "duration": totals.last_time.tolist(),
         "resolution": resolutions(totals.times),
-        "cause": ["" if cause < 0 else CAUSES[cause] for cause in totals.code("asked_for")],
-        "collision_with": [plan.entities[one].id if one >= 0 else None for one in totals.code("collision_with")],
+        "cause": [
+            "" if np.isnan(first) else CAUSES[int(first)] for first in totals.of_takeovers("takeover_cause")[:, 0]
+        ],
+        "collision_with": [plan.entities[one].id if one >= 0 else None for one in totals.code("collided_with")],
         "failed": [" ".join(names) for names in failed],
         "avoided_by": [_avoiders(verdicts) for verdicts in avoided],
     }

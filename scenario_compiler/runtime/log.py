@@ -66,11 +66,18 @@ class EventLog:
         self._read = 0
 
     def news(self, state: State) -> Iterator[EventRow]:
-        """Yield the events logged since the last call; each channel of a message action is a row of its own."""
-        kept = min(state.log_count[0], len(state.log_kind))
-        news = range(self._read, kept)
-        self._read = kept
-        for at in news:
+        """Yield the events logged since the last call, which was at most a step ago.
+
+        Each channel of a message action is a row of its own.
+
+        Raises:
+            RuntimeError: The log has no room for all of them.
+        """
+        places, news = len(state.log_kind), range(self._read, state.log_count[0])
+        if len(news) > places:
+            raise RuntimeError(f"a step has logged {len(news)} events, but the log has room for {places}")
+        self._read = news.stop
+        for at in (k % places for k in news):
             t, code, value = state.log_time[at], state.log_kind[at], state.log_value[at]
             if code == op.EVENT_ACTION:
                 yield from self._of_action(t, int(value))

@@ -15,6 +15,7 @@ import pytest
 from _pytest.mark import ParameterSet
 from lxml import etree
 
+from scenario_compiler import compile_scenario, load_network
 from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.execute import prepare, run_sweep
@@ -27,7 +28,8 @@ from scenario_compiler.batch.variants import with_values
 from scenario_compiler.batch.worst import repeat_command
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import CompileError, Diagnostics, Severity
-from scenario_compiler.plan.store import read_plan, write_plan
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.store import plan_text, read_plan, write_plan
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.store import read_recording
 from scenario_compiler.report.statistics import wilson_interval
@@ -67,6 +69,24 @@ def test_a_row_agrees_with_the_outcome_of_its_run(conflict: Path, tmp_path: Path
         expected = [{"variant": index, **one.model_dump()} for one in outcome.takeovers]
         assert [one for one in takeovers if one["variant"] == index] == expected
     assert [one["column"] for one in about["columns"]] == list(rows)
+
+
+def test_a_collision_is_judged_however_many_events_come_before_it(conflict: Path) -> None:
+    """An event that starts again in every step fills the log of events many times."""
+    driver = '<driver takeover_time="60"/><automation before="hold_speed" after="hold_speed"/>'
+    text = conflict.read_text(encoding="utf-8").replace('<driver preset="$preset"/>', driver)
+    speaks = '<when><time after="0"/><do><message text="again" modality="text"/></do></when>'
+    conflict.write_text(text.replace("<takeover ", speaks + '<takeover minimum_risk="false" '), encoding="utf-8")
+    once = compile_scenario(conflict, distance=70, overrides=Overrides(perception="ideal"))
+    again = plan_text(once).replace('"maximum_execution_count": 1', '"maximum_execution_count": 1000')
+    plan, network, variant = Plan.model_validate_json(again), load_network(once.map.file), Variant(0, 1, 0, {})
+    recording = record(plan, network, variant)
+    runner = Runner("compiled")
+    runner.add(0, plan, network)
+    (batch,) = runner.batches(Part(0, (variant,)))
+    assert sum(event.kind == "message" for event in recording.events) > 80
+    assert batch.columns["collision_with"] == ["blocked_lane1.blocker"]
+    assert batch.columns == row_of_recording(plan, recording)
 
 
 def test_without_parameters_the_runs_differ_in_their_random_numbers_only(conflict: Path, tmp_path: Path) -> None:

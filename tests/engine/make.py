@@ -430,8 +430,7 @@ class Run:
 
     def events(self) -> list[tuple[int, float]]:
         """Return kind and time of what was logged."""
-        count = min(self.st.log_count[0], op.LOG_SIZE)
-        return [(self.st.log_kind[k], self.st.log_time[k]) for k in range(count)]
+        return [(self.st.log_kind[k], self.st.log_time[k]) for k in range(self.st.log_count[0])]
 
     def time_of(self, kind: int) -> float:
         """Return when a kind of event was first logged, -1 for never."""

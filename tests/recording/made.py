@@ -249,7 +249,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
             time = float(times[index])
             if time <= st.clock[0] + SAME_TIME and kind == "collision" and not st.crashed[0]:
                 st.crashed[0] = 1
-                st.log_time[0], st.log_kind[0] = time, opcodes.EVENT_COLLISION
+                st.time_collision[0] = time
             elif time <= st.clock[0] + SAME_TIME and kind != "collision":
                 getattr(st, f"time_{kind}")[0] = time
     finish_totals(program, st, totals)

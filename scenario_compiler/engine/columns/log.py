@@ -18,19 +18,9 @@ def fault(st: State, code: int, at: int) -> None:
 
 @compiled
 def log_event(st: State, kind: int, value: float) -> None:
-    """Write an event to the log; when the log is full, only count it."""
-    at = st.log_count[0]
-    if at < op.LOG_SIZE:
-        st.log_time[at] = st.clock[0]
-        st.log_kind[at] = kind
-        st.log_value[at] = value
-    st.log_count[0] = at + 1
-
-
-@compiled
-def first_logged(st: State, kind: int) -> int:
-    """Return the index in the log of the first event of a kind, -1 if there is none."""
-    for at in range(min(st.log_count[0], op.LOG_SIZE)):
-        if st.log_kind[at] == kind:
-            return at
-    return -1
+    """Write an event to the log, in place of the oldest one when the log is full."""
+    at = st.log_count[0] % max(len(st.log_kind), 1)
+    st.log_time[at] = st.clock[0]
+    st.log_kind[at] = kind
+    st.log_value[at] = value
+    st.log_count[0] += 1

@@ -333,7 +333,7 @@ EVENT_OUTSIDE_DOMAIN = 26
 EVENT_SHORT_START = 27
 EVENT_NO_LANE = 28
 LOG_SIZE = 128
-"""Number of events that a run keeps; later ones are only counted."""
+"""Number of events of the ego and of the run that have room in the log; a step has far fewer."""
 
 # Why a run stopped.
 STOP_NONE = 0

@@ -14,6 +14,7 @@ from scenario_compiler.engine.columns.program import (
     ELEMENT,
     ENTITY,
     FAILURE,
+    INIT,
     PIECE,
     POSITION,
     RING,
@@ -29,7 +30,13 @@ from scenario_compiler.randomness import hash_bits, normal
 
 RECORD = Of("past value", lambda p: p.ring_count[0] * op.DELAY_RECORDS)
 WAY = fixed("stretch of the way ahead", op.WAY_SIZE)
-LOG = fixed("event", op.LOG_SIZE)
+LOG = Of(
+    "event of a step",
+    lambda p: op.LOG_SIZE + 3 * ELEMENT.count(p) + 2 * INIT.count(p) + 2 * ENTITY.count(p) + FAILURE.count(p),
+)
+"""The log has room for all events of a step. In a step, an event of the storyboard can end, start and end again, an
+action can have an event of its own and find no lane, and an entity can touch the ego and another entity.
+"""
 BUCKET = fixed("chain of entities", op.BUCKETS)
 HELD_INPUT = fixed("held input", op.HELD_INPUTS)
 FAILURE_KIND = fixed("kind of failure", op.FAILURES)
@@ -666,6 +673,9 @@ class State(Columns):
     time_outside_domain: list[float] = column(RUN, -1.0)
     time_obstruction: list[float] = column(RUN, -1.0)
     time_short_start: list[float] = column(RUN, -1.0)
+    time_collision: list[float] = column(RUN, -1.0)
+    collided_with: list[int] = column(RUN, op.NONE)
+    """Entity of the first collision; NONE for none, or for something that is no entity."""
     request_at: list[float] = column(RUN, -1.0)
     """Time of the present request, s."""
     answer_at: list[float] = column(RUN, op.FAR)
@@ -761,11 +771,11 @@ class State(Columns):
     evade_commit: list[float] = column(RUN)
     """Odometer from which the evasion is no longer given up, m."""
     log_time: list[float] = column(LOG)
-    """Event log: time, s, EVENT_... code and value of each event."""
+    """The last events: time, s, EVENT_... code and value of each; event k is at k modulo the number of places."""
     log_kind: list[int] = column(LOG, op.NONE)
     log_value: list[float] = column(LOG)
     log_count: list[int] = column(RUN)
-    """Number of events so far, which may exceed the size of the log."""
+    """Number of events so far."""
 
 
 def new_state(program: Program) -> State:

@@ -73,12 +73,10 @@ class Totals(Columns):
     time_obstruction: list[float] = column(RUN, -1.0)
     time_short_start: list[float] = column(RUN, -1.0)
     time_collision: list[float] = column(RUN, -1.0)
-    collision_with: list[float] = column(RUN, -1.0)
+    collided_with: list[int] = column(RUN, op.NONE)
     """First entity that the ego hit."""
     events: list[int] = column(RUN)
     """Number of events so far."""
-    asked_for: list[float] = column(RUN, -1.0)
-    """Cause of the first request when it was made."""
 
     # Of all rows.
     least_distance: list[float] = column(RUN, op.FAR)

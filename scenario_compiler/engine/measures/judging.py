@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.log import first_logged
 from scenario_compiler.engine.columns.numbers import SAME_TIME
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -20,7 +19,7 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def note_events(st: State, m: Totals) -> None:
-    """Copy the times of the first event of each kind."""
+    """Copy the times of the first event of each kind, and the entity of the first collision."""
     m.time_warning[0] = st.time_warning[0]
     m.time_request[0] = st.time_request[0]
     m.time_escalation[0] = st.time_escalation[0]
@@ -33,11 +32,8 @@ def note_events(st: State, m: Totals) -> None:
     m.time_outside_domain[0] = st.time_outside_domain[0]
     m.time_obstruction[0] = st.time_obstruction[0]
     m.time_short_start[0] = st.time_short_start[0]
-    if st.crashed[0] == 1 and m.time_collision[0] < 0.0:
-        at = first_logged(st, op.EVENT_COLLISION)
-        if at >= 0:
-            m.time_collision[0] = st.log_time[at]
-            m.collision_with[0] = st.log_value[at]
+    m.time_collision[0] = st.time_collision[0]
+    m.collided_with[0] = st.collided_with[0]
 
 
 @compiled
@@ -97,6 +93,3 @@ def finish_totals(p: Program, st: State, m: Totals) -> None:
     m.stop[0] = st.stop[0]
     m.start_tight[0] = st.start_tight[0]
     note_fault(st, m)
-    asked = first_logged(st, op.EVENT_REQUEST)
-    if asked >= 0:
-        m.asked_for[0] = st.log_value[asked]

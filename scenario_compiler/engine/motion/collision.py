@@ -138,6 +138,15 @@ def may_overlap(p: Program, st: State) -> int:
 
 
 @compiled
+def note_crash(st: State, other: int) -> None:
+    """Store the time and the other entity of the reported vehicle's first collision; NONE for no entity."""
+    if st.crashed[0] == 0:
+        st.crashed[0] = 1
+        st.time_collision[0] = st.clock[0]
+        st.collided_with[0] = other
+
+
+@compiled
 def note_collision(p: Program, st: State, i: int, j: int) -> None:
     """Log each new contact of the reported vehicle, and the first contact of any two others.
 
@@ -151,15 +160,14 @@ def note_collision(p: Program, st: State, i: int, j: int) -> None:
         if st.contact[other] == 0:
             log_event(st, op.EVENT_COLLISION, 1.0 * other)
         st.contact[other] = 2
-        st.crashed[0] = 1
+        note_crash(st, other)
         return
     known = st.struck[i] == 1 and st.struck[j] == 1
     if known or (st.v[i] == 0.0 and st.v[j] == 0.0):
         return
     st.struck[i] = 1
     st.struck[j] = 1
-    if 2 * st.log_count[0] < op.LOG_SIZE:  # the rest of the log is for what the reported vehicle meets
-        log_event(st, op.EVENT_CONTACT, 1.0 * (min(i, j) * p.entity_count[0] + max(i, j)))
+    log_event(st, op.EVENT_CONTACT, 1.0 * (min(i, j) * p.entity_count[0] + max(i, j)))
 
 
 @compiled
@@ -171,7 +179,7 @@ def note_world_collision(p: Program, st: State, other: int) -> None:
     if other < 0:
         if st.crashed[0] == 0:
             log_event(st, op.EVENT_COLLISION, 1.0 * op.NONE)
-        st.crashed[0] = 1
+        note_crash(st, op.NONE)
     elif other != reported_entity(p):
         note_collision(p, st, reported_entity(p), other)
 
