@@ -203,7 +203,8 @@ class _Pair:
         for recording, rows, places in zip(self.both, self.rows, self.places, strict=True):
             array = np.asarray(getattr(recording, column.name))[rows]
             array = array[:, places] if column.per == "entity" else array[:, None]
-            arrays.append(np.array([*recording.roads, ""])[array] if column.kind == "road" else array)
+            lists = recording.lists
+            arrays.append(np.array([*lists[column.kind], ""])[array] if column.kind in lists else array)
         return arrays
 
     def numbers(self, name: str) -> list[NDArray[Any]]:

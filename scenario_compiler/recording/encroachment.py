@@ -56,8 +56,7 @@ class _Kept:
         stepped = (np.diff(self.x, axis=-2) != 0.0) | (np.diff(self.y, axis=-2) != 0.0)
         first = np.zeros_like(self.present[..., :1, :])
         moved: Booleans = np.logical_or.accumulate(np.concatenate([first, stepped], axis=-2), axis=-2)
-        self.counts: Booleans = moved & self.present & self.present[..., :1]
-        self.counts[..., 0] = False
+        self.counts: Booleans = moved & self.present & self.present[..., :1] & ~traces.coupled[rows]
         self.cos, self.sin = np.cos(self.h), np.sin(self.h)
         self.least = np.full(self.x.shape[:-2], np.inf)
         self._open = {True: self.counts.copy(), False: self.counts.copy()}

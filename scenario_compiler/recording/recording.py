@@ -81,8 +81,8 @@ class Column(NamedTuple):
         unit: SI unit, empty for numbers without one.
         description: What it holds.
         name: Its name, the same in the type and in the file.
-        kind: "float"; "integer"; "flag"; "road": index into `Recording.roads`; "state", "cause", "source"
-            and "wish": code of `names`.
+        kind: "float"; "integer"; "flag"; "road" and "entity": index into `Recording.lists`; "state", "cause",
+            "source" and "wish": code of `names`.
         nothing: Value that means a missing one.
         far: The engine's `FAR` stands for "none" and is recorded as NaN.
         trajectory: Part of the trajectory hash.
@@ -92,7 +92,7 @@ class Column(NamedTuple):
     unit: str
     description: str
     name: str = ""
-    kind: Literal["float", "integer", "flag", "road", "state", "cause", "source", "wish"] = "float"
+    kind: Literal["float", "integer", "flag", "road", "entity", "state", "cause", "source", "wish"] = "float"
     nothing: float = float("nan")
     far: bool = False
     trajectory: bool = False
@@ -148,6 +148,10 @@ class Recording:
     throttle: Annotated[Floats, Column("entity", "1", "Throttle, 0 to 1.")]
     steer: Annotated[Floats, Column("entity", "rad", "Angle of the front wheels, positive to the left.")]
     brake: Annotated[Floats, Column("entity", "1", "Brake, 0 to 1.")]
+    towed_by: Annotated[
+        Integers,
+        Column("entity", "", "Entity that tows it; empty if none does.", kind="entity", nothing=-1),
+    ]
 
     takeover_state: Annotated[Integers, Column("run", "", "State of the takeover.", kind="state", nothing=0)]
     control: Annotated[
@@ -231,6 +235,11 @@ class Recording:
     stop_reason: StopReason = ""
     error: int = 0
 
+    @property
+    def lists(self) -> dict[str, tuple[str, ...]]:
+        """The names for indices, by the kind of column; index -1 is no name."""
+        return {"road": self.roads, "entity": self.header.entities}
+
     @cached_property
     def trajectory_hash(self) -> str:
         """SHA-256 of names, entities and roads and of the little-endian bytes of the trajectory's columns."""
@@ -263,8 +272,8 @@ class Recording:
 
     def _named(self, column: Column, values: NDArray[Any]) -> NDArray[Any]:
         """Return values with names instead of codes and roads."""
-        if column.kind == "road":
-            return np.asarray(np.array([*self.roads, None], object)[values])
+        if column.kind in self.lists:
+            return np.asarray(np.array([*self.lists[column.kind], None], object)[values])
         if column.kind in CODES:
             table = CODES[column.kind]
             return np.array([table[code] for code in values.tolist()], object)

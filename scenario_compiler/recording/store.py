@@ -47,9 +47,9 @@ def write_recording(recording: Recording, path: Path) -> None:
             arrays["t"] = arrow_numbers(values[row])
             arrays["name"] = _named(entity, recording.header.entities)
         elif column.per == "entity":
-            arrays[column.name] = _encoded(column, values[present], recording.roads)
+            arrays[column.name] = _encoded(column, values[present], recording.lists)
         else:
-            arrays[column.name] = _encoded(column, values[row], recording.roads, absent=~first)
+            arrays[column.name] = _encoded(column, values[row], recording.lists, absent=~first)
     table = pa.table(arrays)
     content = pa.BufferOutputStream()
     with pq.ParquetWriter(
@@ -120,10 +120,10 @@ def _named(codes: NDArray[np.int64], names: tuple[str, ...], absent: NDArray[np.
 
 
 def _encoded(
-    column: Column, values: NDArray[Any], roads: tuple[str, ...], absent: NDArray[np.bool_] | None = None
+    column: Column, values: NDArray[Any], lists: dict[str, tuple[str, ...]], absent: NDArray[np.bool_] | None = None
 ) -> pa.Array:
-    if column.kind == "road":
-        return _named(values, roads, absent)
+    if column.kind in lists:
+        return _named(values, lists[column.kind], absent)
     if column.kind in CODES:
         return _named(values, _code_names(column), absent)
     if column.kind == "integer":
@@ -139,6 +139,7 @@ def _code_names(column: Column) -> tuple[str, ...]:
 def _decoded(table: pa.Table, about: dict[str, Any], metadata: dict[bytes, bytes]) -> Recording:
     header = Header.model_validate(about["header"])
     roads = tuple(about["roads"])
+    lists = {"road": roads, "entity": header.entities}
     names = np.array(_codes(table, "name", header.entities))
     first = _begins_step(table["t"].to_numpy())
     row = np.cumsum(first) - 1
@@ -147,10 +148,10 @@ def _decoded(table: pa.Table, about: dict[str, Any], metadata: dict[bytes, bytes
     for column in COLUMNS:
         if column.per == "run":
             array = np.full(shape[:1], column.nothing, dtype=column.dtype)
-            array[:] = _values(table, column, roads)[first]
+            array[:] = _values(table, column, lists)[first]
         else:
             array = np.full(shape, column.nothing, dtype=column.dtype)
-            array[row, names] = True if column.name == "present" else _values(table, column, roads)
+            array[row, names] = True if column.name == "present" else _values(table, column, lists)
         array.setflags(write=False)
         arrays[column.name] = array
     frames = tuple(
@@ -162,9 +163,9 @@ def _decoded(table: pa.Table, about: dict[str, Any], metadata: dict[bytes, bytes
     return Recording(header=header, roads=roads, **arrays, events=events, frames=frames, **end)
 
 
-def _values(table: pa.Table, column: Column, roads: tuple[str, ...]) -> NDArray[Any]:
-    if column.kind == "road":
-        return _codes(table, column.name, roads)
+def _values(table: pa.Table, column: Column, lists: dict[str, tuple[str, ...]]) -> NDArray[Any]:
+    if column.kind in lists:
+        return _codes(table, column.name, lists[column.kind])
     if column.kind in CODES:
         return _codes(table, column.name, _code_names(column))
     values = table[column.name]

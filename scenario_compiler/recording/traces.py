@@ -80,7 +80,7 @@ class Seen(NamedTuple):
         reach: Extent from its centre forwards and backwards in the ego's direction, m.
         slack: Greatest error of distances, m.
         apart: Lower bound of its distance from the ego's box, m; infinite if one of the two is absent, or above the
-            other as on a bridge.
+            other as on a bridge, or if they are coupled.
     """
 
     ahead: Singles
@@ -113,6 +113,7 @@ class Traces:
         off: (..., n, m), m left of the lane's centre in the road's s direction.
         steer: (..., n, m), rad, of the front wheels, positive to the left.
         brake: (..., n, m), 0 to 1.
+        towed_by: (..., n, m), index of the entity that tows it, -1 if none.
         takeover_state: (..., n), code.
         cause: (..., n), code.
         confidence_left: (..., n); confidence_right likewise.
@@ -150,6 +151,7 @@ class Traces:
     off: Floats
     steer: Floats
     brake: Floats
+    towed_by: Integers
     takeover_state: Integers
     cause: Integers
     confidence_left: Floats
@@ -195,6 +197,15 @@ class Traces:
         return np.asarray(after & np.logical_and.accumulate(manual | ~after, axis=-1) & there)
 
     @cached_property
+    def coupled(self) -> Booleans:
+        """Which entities are in one combination of trailers with the ego vehicle, (..., n, m); it is with itself."""
+        front = np.broadcast_to(np.arange(self.x.shape[-1]), self.towed_by.shape)
+        for _ in range(self.x.shape[-1] if (self.towed_by >= 0).any() else 0):
+            by = np.take_along_axis(self.towed_by, front, axis=-1)
+            front = np.where(by >= 0, by, front)
+        return np.asarray(front == front[..., :1])
+
+    @cached_property
     def turned_in_lane(self) -> tuple[Floats, Floats]:
         """Sine and cosine of the ego's heading relative to its lane's direction, each (..., n).
 
@@ -226,8 +237,9 @@ class Traces:
             slack = single(SINGLE) * (np.abs(ahead) + np.abs(left)) + single(ROUNDING)
             apart = np.sqrt(before * before + beside * beside) - slack
             z = np.moveaxis(self.z, -1, 0)
-            above = (z[1:] - z[0] > self.height[0]) | (z[0] - z[1:] > self.of_others(self.height))
-        return Seen(ahead, left, cos, sin, reach, slack, np.where(above, np.inf, np.fmin(apart, np.inf)).astype(single))
+            out = (z[1:] - z[0] > self.height[0]) | (z[0] - z[1:] > self.of_others(self.height))
+            out |= np.moveaxis(self.coupled, -1, 0)[1:]
+        return Seen(ahead, left, cos, sin, reach, slack, np.where(out, np.inf, np.fmin(apart, np.inf)).astype(single))
 
     def of_others(self, values: Floats) -> Singles:
         """Return one number of each other entity, (m - 1, ..., 1), in single precision."""
@@ -270,7 +282,7 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
     """Return the arrays of one run, without leading axes."""
     same = (
         *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "steer", "brake"),
-        *("takeover_state", "cause"),
+        *("towed_by", "takeover_state", "cause"),
         *("confidence_left", "confidence_right", "blocked_distance", "blocked_speed", "lane_end_distance"),
         *("limit_time", "traffic_density", "lane_time_to_collision", "lane_width", "lane_heading", "on_road"),
     )

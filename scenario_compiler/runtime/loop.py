@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 ENTITY_COLUMNS = (
     *("present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off"),
-    *("pitch", "roll", "throttle", "steer", "brake"),
+    *("pitch", "roll", "throttle", "steer", "brake", "towed_by"),
 )
 RUN_COLUMNS = {
     "takeover_state": "takeover_state",

@@ -20,7 +20,7 @@ from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.execute import prepare, run_sweep
 from scenario_compiler.batch.finished import read_results
-from scenario_compiler.batch.measuring import TAKEOVERS, row_of_recording
+from scenario_compiler.batch.measuring import TAKEOVERS, Columns, row_of_recording
 from scenario_compiler.batch.runner import Part, Runner, Variant, record
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import Progress
@@ -31,6 +31,7 @@ from scenario_compiler.diagnostics import CompileError, Diagnostics, Severity
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import plan_text, read_plan, write_plan
 from scenario_compiler.recording.outcome import judge
+from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.store import read_recording
 from scenario_compiler.report.statistics import wilson_interval
 from scenario_compiler.runtime import open_world, run
@@ -71,6 +72,15 @@ def test_a_row_agrees_with_the_outcome_of_its_run(conflict: Path, tmp_path: Path
     assert [one["column"] for one in about["columns"]] == list(rows)
 
 
+def run_both_ways(plan: Plan) -> tuple[Recording, Columns]:
+    """Return the recording of a plan's run, and the row that the same run has in a sweep."""
+    network, variant = load_network(plan.map.file), Variant(0, 1, 0, {})
+    runner = Runner("compiled")
+    runner.add(0, plan, network)
+    (batch,) = runner.batches(Part(0, (variant,)))
+    return record(plan, network, variant), batch.columns
+
+
 def test_a_collision_is_judged_however_many_events_come_before_it(conflict: Path) -> None:
     """An event that starts again in every step fills the log of events many times."""
     driver = '<driver takeover_time="60"/><automation before="hold_speed" after="hold_speed"/>'
@@ -79,14 +89,29 @@ def test_a_collision_is_judged_however_many_events_come_before_it(conflict: Path
     conflict.write_text(text.replace("<takeover ", speaks + '<takeover minimum_risk="false" '), encoding="utf-8")
     once = compile_scenario(conflict, distance=70, overrides=Overrides(perception="ideal"))
     again = plan_text(once).replace('"maximum_execution_count": 1', '"maximum_execution_count": 1000')
-    plan, network, variant = Plan.model_validate_json(again), load_network(once.map.file), Variant(0, 1, 0, {})
-    recording = record(plan, network, variant)
-    runner = Runner("compiled")
-    runner.add(0, plan, network)
-    (batch,) = runner.batches(Part(0, (variant,)))
+    plan = Plan.model_validate_json(again)
+    recording, row = run_both_ways(plan)
     assert sum(event.kind == "message" for event in recording.events) > 80
-    assert batch.columns["collision_with"] == ["blocked_lane1.blocker"]
-    assert batch.columns == row_of_recording(plan, recording)
+    assert row["collision_with"] == ["blocked_lane1.blocker"]
+    assert row == row_of_recording(plan, recording)
+
+
+def test_the_egos_trailer_is_no_other_road_user(tmp_path: Path) -> None:
+    path = tmp_path / "towing.xml"
+    path.write_text(
+        '<scenarios version="1"><scenario name="towing" map="motorway" duration="4" step="0.05">'
+        '<ego speed="25"><start><lane road="1" lane="-2" s="200"/></start></ego>'
+        '<dynamic id="caravan" speed="25"><start><lane road="1" lane="-2" s="150"/></start></dynamic>'
+        '<when><time after="0"/><do><connect_trailer trailer="caravan"/></do></when>'
+        '<criteria><no_collision/><minimum_time_to_collision at_least="1"/></criteria>'
+        "</scenario></scenarios>",
+        encoding="utf-8",
+    )
+    plan = compile_scenario(path, overrides=Overrides(perception="ideal"))
+    recording, row = run_both_ways(plan)
+    assert recording.towed_by[-1].tolist() == [-1, 0]
+    assert (row["result"], row["minimum_distance"]) == (["pass"], [None])
+    assert row == row_of_recording(plan, recording)
 
 
 def test_without_parameters_the_runs_differ_in_their_random_numbers_only(conflict: Path, tmp_path: Path) -> None:

@@ -180,6 +180,7 @@ def random_runs(seed: int, rows: int = 200) -> Traces:
     center = dice.uniform(-0.2, 0.4, entities) * sizes["length"]
     times = {kind: np.full(runs, np.nan) for kind in TIMED_EVENTS}
     nothing["requests"] = np.zeros(runs)
+    nothing["towed_by"] = np.full((runs, rows, entities), -1)
     present = np.moveaxis(present, 0, -1)
     changed: dict[str, Any] = nothing | {
         "t": t,
@@ -190,6 +191,13 @@ def random_runs(seed: int, rows: int = 200) -> Traces:
         "times": times,
     }
     return dataclasses.replace(one, **changed)
+
+
+def with_trailers(runs: Traces) -> Traces:
+    """Return runs in which the ego tows another entity for a while, and that one a third entity for longer."""
+    towed_by = runs.towed_by.copy()
+    towed_by[:3, 20:80, 1], towed_by[:3, 20:110, 2] = 0, 1
+    return dataclasses.replace(runs, towed_by=towed_by)
 
 
 def added_up(runs: Traces) -> RunTotals:
@@ -223,8 +231,9 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
         st.clock[0] = float(runs.t[index][row])
         for name in ("x", "y", "z", "h", "v", "a", "s", "off", "steer", "brake"):
             getattr(st, name)[:] = np.nan_to_num(getattr(runs, name)[index][row]).tolist()
-        for name in ("road", "lane"):
+        for name in ("road", "lane", "towed_by"):
             getattr(st, name)[:] = getattr(runs, name)[index][row].tolist()
+        st.trains[0] = int(max(st.towed_by) >= 0)
         st.present[:] = runs.present[index][row].astype(int).tolist()
         st.takeover_state[0] = int(runs.takeover_state[index][row])
         st.cause[0] = int(runs.cause[index][row])

@@ -12,7 +12,7 @@ import pytest
 
 from scenario_compiler.recording.encroachment import least_encroachment, least_encroachment_total
 from scenario_compiler.recording.recording import Booleans, Floats, Recording
-from tests.recording.made import STEP, Row, added_up, random_runs, record
+from tests.recording.made import STEP, Row, added_up, random_runs, record, with_trailers
 from tests.recording.test_measures import value
 
 
@@ -142,7 +142,7 @@ def test_a_standing_vehicle_has_no_post_encroachment_time() -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_fast_search_finds_the_same_as_comparing_all_rows(seed: int) -> None:
-    runs = random_runs(seed, rows=150)
+    runs = with_trailers(random_runs(seed, rows=150))
     found = least_encroachment(runs)
     assert np.array_equal(least_encroachment_total(added_up(runs)), found, equal_nan=True)
     assert np.isfinite(found).any()

@@ -34,7 +34,7 @@ from scenario_compiler.vocabulary.criteria import (
     TakeoverWithin,
 )
 from scenario_compiler.vocabulary.horizon import HORIZON
-from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_runs, record
+from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_runs, record, with_trailers
 
 IDS = ("ego", "parked")
 BY_NAME = {measure.name: measure for measure in MEASURES}
@@ -558,6 +558,29 @@ def test_distance_between_boxes(x: float, y: float, h: float, distance: float) -
     assert least_box_distance(traces(run)) == pytest.approx(distance)
 
 
+@pytest.mark.parametrize("towing", [(-1, 0, 1), (1, 2, -1)])
+def test_the_vehicles_of_its_own_combination_are_no_other_road_users(towing: tuple[float, ...]) -> None:
+    """The ego tows two trailers, or is towed; the nearer one overlaps it at the coupling, the other one follows."""
+
+    def row(t: float) -> Row:
+        x = 10.0 * t
+        still = dict.fromkeys(("y", "z", "h"), (0.0,) * 3)
+        return {**still, "x": (x, x - 3.5, x - 9.0), "v": (10.0,) * 3, "towed_by": towing}
+
+    def alone(t: float) -> Row:
+        return {**row(t), "towed_by": (-1,) * 3}
+
+    for name in (
+        "minimum_distance",
+        "minimum_time_to_collision",
+        "minimum_time_headway",
+        "maximum_drac",
+        "minimum_post_encroachment_time",
+    ):
+        assert math.isnan(value(name, record(("ego", "a", "b"), 30, row))), name
+        assert value(name, record(("ego", "a", "b"), 30, alone)) in (0.0, STEEPEST), name
+
+
 def test_measures_of_many_runs_at_once_equal_those_of_each() -> None:
     events = [(1.0, "request", "path_blocked"), (3.0, "response", "")]
     runs = [record(IDS, 51, approach(), events), record(IDS, 71, approach(12.0), [(5.0, "collision", "parked")])]
@@ -700,7 +723,7 @@ def test_the_time_off_the_lanes_is_a_number_of_steps() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_engines_totals_equal_the_measures_of_random_recordings(seed: int) -> None:
-    runs = random_runs(seed, rows=120)
+    runs = with_trailers(random_runs(seed, rows=120))
     dice = np.random.default_rng(100 + seed)
     request = dice.uniform(0.0, 5.0, 6)
     times = {

@@ -35,12 +35,13 @@ def header(*entities: str) -> Header:
     )
 
 
-def value_of(column: Column) -> st.SearchStrategy[Any]:
+def value_of(column: Column, entities: int) -> st.SearchStrategy[Any]:
     kinds: dict[str, st.SearchStrategy[Any]] = {
         "float": NUMBERS | st.just(float("nan")),
         "flag": st.integers(0, 1),
         "integer": st.integers(-9, 9),
         "road": st.integers(-1, len(ROADS) - 1),
+        "entity": st.integers(-1, entities - 1),
         "state": st.sampled_from(sorted(TAKEOVER_STATES)),
         "cause": st.sampled_from(sorted(CAUSES)),
         "source": st.sampled_from(sorted(SOURCES)),
@@ -57,7 +58,7 @@ def recordings(draw: st.DrawFn) -> Recording:
     builder = RecordingBuilder(header(*entities), ROADS, live)
     for k in range(draw(st.integers(0, 5))):
         for c in named:
-            live[c.name][:] = [draw(value_of(c)) for _ in live[c.name]]
+            live[c.name][:] = [draw(value_of(c, len(entities))) for _ in live[c.name]]
         if "present" in live and not any(live["present"]):
             live["present"][draw(st.integers(0, len(entities) - 1))] = 1
         builder.append(k * 0.05)
@@ -88,6 +89,7 @@ def two_rows(**changes: list[float]) -> Recording:
         "v": [5.0, 0.0],
         "road": [3, 1],
         "lane": [-1, 2],
+        "towed_by": [-1, 0],
         "takeover_state": [0],
     }
     builder = RecordingBuilder(header("ego", "other"), ROADS, columns)
@@ -104,6 +106,7 @@ def test_rows_of_an_absent_entity_are_left_out_and_codes_are_names(tmp_path: Pat
     assert table["t"] == [0.0, 0.0, 0.05]
     assert table["name"] == ["ego", "other", "ego"]
     assert table["road"] == ["7", "road with, comma", "7"]
+    assert table["towed_by"] == [None, "ego", None]
     assert table["takeover_state"] == ["automated", None, "request"]
 
 

@@ -18,6 +18,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import WAITING, Totals
 from scenario_compiler.engine.motion.collision import SLACK, is_above, overlap
+from scenario_compiler.engine.motion.trailers import coupled
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import wrap_heading
 from scenario_compiler.vocabulary.horizon import HORIZON
@@ -375,7 +376,7 @@ def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
         return
     front = front_of(p, ego)
     for j in range(p.entity_count[0]):
-        if j == ego or st.present[j] == 0:
+        if j == ego or st.present[j] == 0 or coupled(p, st, ego, j) == 1:
             continue
         between = length_of(st.middle_x[j] - st.middle_x[ego], st.middle_y[j] - st.middle_y[ego])
         apart = between - st.reach[ego] - st.reach[j] - SLACK

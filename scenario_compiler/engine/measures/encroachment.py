@@ -20,6 +20,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import TRAIL_ROWS, Totals
 from scenario_compiler.engine.measures.between_rows import rows_too_many
+from scenario_compiler.engine.motion.trailers import coupled
 from scenario_compiler.marker import compiled
 
 ASK_AGAIN = 50.0
@@ -307,7 +308,13 @@ def add_encroachment(p: Program, st: State, m: Totals, ego: int) -> None:
     limit = rows_worth(m)
     if st.present[ego] == 1:
         for j in range(p.entity_count[0]):
-            if j != ego and m.trail_square[j] > 0.0 and st.present[j] == 1:
+            if j == ego or st.present[j] == 0:
+                continue
+            if coupled(p, st, ego, j) == 1:
+                m.free_before[j] = 0.0
+                m.free_behind[j] = 0.0
+                m.strip_for[j] = 0.0
+            elif m.trail_square[j] > 0.0:
                 limit = look_back_where_due(p, st, m, j, ego, limit)
     m.trail_count[0] += 1
     m.trail_at[0] = m.trail_at[0] + 1 if m.trail_at[0] < TRAIL_ROWS - 1 else 0

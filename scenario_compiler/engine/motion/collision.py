@@ -10,6 +10,7 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.trailers import coupled
 from scenario_compiler.marker import compiled
 
 SLACK = 1.0e-3
@@ -150,9 +151,9 @@ def note_crash(st: State, other: int) -> None:
 def note_collision(p: Program, st: State, i: int, j: int) -> None:
     """Log each new contact of the reported vehicle, and the first contact of any two others.
 
-    An entity and its trailer touch at the coupling, which does not count; two standing entities were placed that way.
+    Contacts within a combination of trailers do not count; two standing entities were placed that way.
     """
-    if st.towed[i] == j or st.towed[j] == i:
+    if coupled(p, st, i, j) == 1:
         return
     ego = reported_entity(p)
     if ego in (i, j):

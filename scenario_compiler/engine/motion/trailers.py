@@ -20,6 +20,28 @@ from scenario_compiler.roads.tables import RoadTables
 
 
 @compiled
+def front_of_train(p: Program, st: State, i: int) -> int:
+    """Return the entity that tows i, directly or through other trailers, and is not towed itself; i if none tows it."""
+    at = i
+    for _ in range(p.entity_count[0]):
+        if st.towed_by[at] < 0:
+            return at
+        at = st.towed_by[at]
+    return at
+
+
+@compiled
+def coupled(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 if one of two entities tows the other, directly or through other trailers, or if one entity tows both.
+
+    They are one combination: they touch at the couplings, and neither is another road user to the other.
+    """
+    if st.trains[0] == 0 or front_of_train(p, st, i) != front_of_train(p, st, j):
+        return 0
+    return 1
+
+
+@compiled
 def follow_hitch(n: RoadTables, p: Program, st: State, i: int, j: int, straight: int) -> None:
     """Put trailer j behind i, and in line with it if `straight` is 1."""
     hitch = p.const[p.entity_const[i] + slot.E_HITCH]
