@@ -76,8 +76,9 @@ class EventLog:
         places, news = len(state.log_kind), range(self._read, state.log_count[0])
         if len(news) > places:
             raise RuntimeError(f"a step has logged {len(news)} events, but the log has room for {places}")
-        self._read = news.stop
-        for at in (k % places for k in news):
+        for k in news:
+            self._read = k + 1
+            at = k % places
             t, code, value = state.log_time[at], state.log_kind[at], state.log_value[at]
             if code == op.EVENT_ACTION:
                 yield from self._of_action(t, int(value))

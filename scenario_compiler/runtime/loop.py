@@ -280,6 +280,7 @@ class Execution:
 
     def _break_off(self, reason: StopReason, code: str, message: str) -> None:
         self.broken = reason
+        self._note_events()
         self.builder.event(self.state.clock[0], "broken_off", cause=code, message=message)
 
     @contextmanager
@@ -425,8 +426,8 @@ class Execution:
         return columns | self.lanes
 
     def _picture(self, t: float, kind: str, cause: str) -> None:
-        """Keep the first picture of each kind of event that reports show."""
-        if self.seen is None or self.control is None or self.controller is None:
+        """Keep the first picture of each kind of event that reports show, but none once the run has broken off."""
+        if self.broken or self.seen is None or self.control is None or self.controller is None:
             return
         if kind not in PICTURED or kind in self.pictured:
             return

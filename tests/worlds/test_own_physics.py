@@ -125,6 +125,19 @@ def test_a_lost_world_keeps_the_recording_so_far(plan: Plan, tmp_path: Path) -> 
     assert read_recording(tmp_path / "recording.parquet") == recording
 
 
+def test_what_the_engine_logged_in_the_step_of_the_failure_is_recorded(plan: Plan) -> None:
+    usual = recorded(plan, OwnPhysics)
+    asked = next(event for event in usual.events if event.kind == "request")
+
+    class LostAtTheRequest(LostWorld):
+        ends = asked.t + 0.5 * plan.step
+
+    recording = recorded(plan, LostAtTheRequest)
+    assert recording.events[:-2] == tuple(one for one in usual.events if one.t <= asked.t)
+    assert [one.kind for one in recording.events[-2:]] == ["broken_off", "stop"]
+    assert judge(plan, recording).cause == asked.cause
+
+
 def test_a_world_that_is_lost_at_once_leaves_the_first_row(plan: Plan) -> None:
     class NeverThere(KinematicWorld):
         def reset(self, snapshot: Snapshot, seed: int) -> None:
