@@ -84,18 +84,23 @@ def settled_deviation(traces: Traces) -> Floats:
 
 
 def _deviation(traces: Traces, begin: Floats, end: Floats) -> Floats:
-    """Return the standard deviation of the lateral position in a window; NaN if it is cut short or the lane changes."""
+    """Return the standard deviation of the lateral position in a window.
+
+    It is NaN if the window is cut short, if the lane changes, or if the driver does not drive in it all the time. The
+    row of the response itself belongs to the window.
+    """
     window = traces.between(begin, end)
     left = left_of_centre(traces)
     jumps = np.abs(np.diff(left, axis=-1)) > JUMP
     changes = (jumps & window[..., 1:] & window[..., :-1]).any(axis=-1)
     lasts = np.fmax.reduce(traces.t, axis=-1, initial=np.nan) >= end - 1e-6
     intact = ~(traces.times["collision"] < end - 1e-6)
+    by_driver = ~(window & traces.behind(traces.times["response"]) & ~traces.driven).any(axis=-1)
     count = window.sum(axis=-1)
     mean = _total(np.where(window, left, 0.0)) / np.maximum(count, 1)
     square = _total(np.where(window, (left - mean[..., None]) ** 2, 0.0))
     deviation = np.sqrt(square / np.maximum(count - 1, 1))
-    return np.where(lasts & intact & ~changes & (count > 1), deviation, np.nan)
+    return np.where(lasts & intact & by_driver & ~changes & (count > 1), deviation, np.nan)
 
 
 def _total(values: Floats) -> Floats:

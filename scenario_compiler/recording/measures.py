@@ -515,8 +515,8 @@ MEASURES: tuple[Measure, ...] = (
         "lane_position_deviation",
         "m",
         f"Standard deviation (n - 1) of the lateral position in the lane over the {SETTLING:g} s after the response.",
-        "there was no response or there was a lane change, or the run ended or the vehicle collided within "
-        f"{SETTLING:g} s of the response",
+        "there was no response or there was a lane change, or the run ended, the vehicle collided or control was "
+        f"handed back within {SETTLING:g} s of the response",
         lane_position_deviation,
         total("settling_deviation"),
         "standard deviation of lateral position (SDLP)",
@@ -526,8 +526,8 @@ MEASURES: tuple[Measure, ...] = (
         "m",
         f"Standard deviation (n - 1) of the lateral position in the lane from {SETTLING:g} s to {SETTLED:g} s "
         "after the response.",
-        "there was no response, a lane change in that time, or the run ended or the vehicle collided within "
-        f"{SETTLED:g} s of the response",
+        "there was no response, a lane change in that time, or the run ended, the vehicle collided or control was "
+        f"handed back within {SETTLED:g} s of the response",
         settled_deviation,
         total("settled_deviation"),
         "standard deviation of lateral position (SDLP)",

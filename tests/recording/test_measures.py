@@ -469,6 +469,7 @@ def test_deviation_of_the_lateral_position(direction: float) -> None:
             "s": (500 + direction * 10 * t,),
             "off": (0.2 if k % 2 else -0.2,),
             "road": (0,),
+            "takeover_state": (opcodes.TAKEOVER_MANUAL,),
         }
 
     run = record(("ego",), 130, row, [(1.0, "response", "")])
@@ -506,10 +507,27 @@ def test_lane_keeping_settles_in_the_first_window_from_which_on_it_is_stable() -
 
 def test_deviation_is_not_measured_over_a_lane_change_nor_over_less_than_its_window() -> None:
     def row(t: float) -> Row:
-        return {"x": (t,), "v": (10.0,), "s": (10 * t,), "off": (1.7 if 4 < t < 5 else 0.0,), "road": (0,)}
+        state = (opcodes.TAKEOVER_MANUAL,)
+        off = (1.7 if 4 < t < 5 else 0.0,)
+        return {"x": (t,), "v": (10.0,), "s": (10 * t,), "off": off, "road": (0,), "takeover_state": state}
 
     assert math.isnan(value("lane_position_deviation", record(("ego",), 130, row, [(1.0, "response", "")])))
     assert math.isnan(value("lane_position_deviation", record(("ego",), 60, row, [(1.0, "response", "")])))
+
+
+@pytest.mark.parametrize(
+    ("handed_back", "settling", "settled"), [(8.0, False, False), (30.0, True, False), (63.2, True, True)]
+)
+def test_deviation_is_that_of_the_driver_alone(handed_back: float, settling: bool, settled: bool) -> None:
+    """Response at 3 s; from the given time on the automation drives again, in the middle of the lane."""
+
+    def row(t: float) -> Row:
+        again = {"takeover_state": (opcodes.TAKEOVER_AUTOMATED,), "off": (0.0,)} if t > handed_back else {}
+        return {**weaving(t), **again}
+
+    run = record(("ego",), round(64.0 / STEP) + 1, row, [(1.0, "request", "lane_confidence"), (3.0, "response", "")])
+    assert math.isfinite(value("lane_position_deviation", run)) is settling
+    assert math.isfinite(value("settled_lane_position_deviation", run)) is settled
 
 
 def test_a_road_that_runs_the_other_way_turns_no_offset_into_a_lane_change() -> None:
@@ -521,6 +539,7 @@ def test_a_road_that_runs_the_other_way_turns_no_offset_into_a_lane_change() -> 
             "s": (10 * t if first else 200 - 10 * t,),
             "off": (0.8 if first else -0.8,),
             "road": (0 if first else 1,),
+            "takeover_state": (opcodes.TAKEOVER_MANUAL,),
         }
 
     run = record(("ego",), 130, row, [(1.0, "response", "")])

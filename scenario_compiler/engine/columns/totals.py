@@ -198,7 +198,7 @@ class Totals(Columns):
     """Mean of the lateral position, m, and the sum of squared deviations from it, m2."""
     spread_squares: list[float] = column(SPREAD)
     spread_broken: list[int] = column(SPREAD)
-    """1 once the lane was changed, or the ego was absent, in the window."""
+    """1 once the lane was changed, the ego was absent or the driver did not drive in the window."""
     settling_deviation: list[float] = column(RUN, -1.0)
     """Standard deviation in the first window and in the second, m."""
     settled_deviation: list[float] = column(RUN, -1.0)

@@ -75,7 +75,7 @@ def add_stability(p: Program, m: Totals, position: float) -> None:
 
 @compiled
 def finish_keeping(m: Totals) -> None:
-    """Write the standard deviations of the windows that the run covers without a collision or a lane change."""
+    """Write the standard deviations of the windows in which the driver drives all the time and keeps the lane."""
     for k in range(2):
         end = m.time_response[0] + (SETTLING if k == 0 else SETTLED)
         intact = m.time_collision[0] < 0.0 or m.time_collision[0] >= end - SAME_TIME
@@ -138,7 +138,9 @@ def add_keeping(p: Program, m: Totals, step: int) -> None:
     add_stability(p, m, left + m.aside[0])
     for k in range(2):
         if m.before_inside[k] == 1:
-            if m.before_present[0] == 0 or (m.added_inside[k] == 1 and abs(left - m.added_left[0]) > JUMP):
+            changed = m.added_inside[k] == 1 and abs(left - m.added_left[0]) > JUMP
+            behind = m.before_time[0] > m.time_response[0] + SAME_TIME
+            if changed or m.before_present[0] == 0 or (behind and m.before_driven[0] == 0):
                 m.spread_broken[k] = 1
             add_position(m, k, left)
         m.added_inside[k] = m.before_inside[k]
