@@ -109,8 +109,12 @@ def _event(kind: EventKind) -> tuple[Callable[..., Floats], Callable[..., Boolea
 def _off_road(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
     del reached, limit
     assert isinstance(criterion, StayOnRoad)
-    off = ~traces.on_road & traces.present[..., 0] & traces.until_collision
-    return _first_time(traces, off & criterion.required)
+    return _first_time(traces, _off_the_road(traces) & criterion.required)
+
+
+def _off_the_road(traces: Traces) -> Booleans:
+    """Return the rows off the road up to the first collision, (..., n)."""
+    return ~traces.on_road & traces.present[..., 0] & traces.until_collision
 
 
 def _was_off_road(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
@@ -168,13 +172,13 @@ def _was_requested(criterion: Criterion, runs: Timed, cause: Floats) -> Booleans
 
 def _too_far_off(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
     del criterion, reached
-    far = np.abs(traces.off[..., 0]) > limit[..., None]
+    far = (np.abs(traces.off[..., 0]) > limit[..., None]) | (traces.lane[..., 0] == 0)
     return _first_time(traces, far & traces.present[..., 0] & traces.until_collision)
 
 
 def _was_too_far_off(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
     del criterion, reached
-    return np.asarray(totals.column("greatest_offset") > limit)
+    return np.asarray((totals.column("greatest_offset") > limit) | (totals.raw("rows_off_lanes") > 0))
 
 
 def _too_soon(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
@@ -259,8 +263,11 @@ def _collision_found(recording: Recording, traces: Traces, when: float | None, l
 
 
 def _road_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
-    del recording, traces, limit
-    return "the reference point stayed on the road" if when is None else f"off the road from {when:.2f} s"
+    del recording, limit
+    off = float(_first_time(traces, _off_the_road(traces)))
+    if math.isnan(off):
+        return "the reference point stayed on the road"
+    return f"off the road from {off:.2f} s" + (", which is allowed" if when is None else "")
 
 
 def _destination_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
@@ -313,8 +320,11 @@ def _obstruction_found(recording: Recording, traces: Traces, when: float | None,
 
 def _offset_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
     del recording, when
-    offsets = np.abs(traces.off[..., 0][traces.present[..., 0] & traces.until_collision])
-    return f"the greatest was {float(offsets.max(initial=0.0)):.2f} m, at most {limit:g} m is allowed"
+    counts = traces.present[..., 0] & traces.until_collision
+    off_lanes = float(_first_time(traces, counts & (traces.lane[..., 0] == 0)))
+    greatest = float(np.abs(traces.off[..., 0][counts]).max(initial=0.0))
+    left = "" if math.isnan(off_lanes) else f"off every lane from {off_lanes:.2f} s; on lanes "
+    return f"{left}the greatest was {greatest:.2f} m, at most {limit:g} m is allowed"
 
 
 def _avoidable_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:

@@ -548,7 +548,8 @@ MEASURES: tuple[Measure, ...] = (
         "maximum_lateral_offset",
         "m",
         "Greatest absolute distance, from the request to the end or the first collision, of the reference point from "
-        "the centre of the lane in which it was at the request. Rows off every lane are ignored.",
+        "the centre of the lane in which it was at the request. Rows off every lane are ignored. The criterion of the "
+        "same name is about the centre of the present lane, in the whole run.",
         "there was no request",
         maximum_lateral_offset,
         total("greatest_offset_after"),

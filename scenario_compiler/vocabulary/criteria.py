@@ -87,11 +87,17 @@ class NoObstruction(Word):
 
 
 class MaximumLateralOffset(Word):
-    """The ego vehicle's reference point stays near the middle of a lane, up to its first collision."""
+    """The ego vehicle's reference point stays near the middle of the lane in which it is, up to its first collision.
+
+    Off every lane this does not hold. After a lane change the middle is that of the new lane, whereas the measure of
+    the same name is about the lane in which the vehicle was at the request.
+    """
 
     word: Literal["maximum_lateral_offset"] = "maximum_lateral_offset"
 
-    at_most: Number = attribute("Greatest distance from the middle of the lane, m.", quantity="length", minimum=0)
+    at_most: Number = attribute(
+        "Greatest distance from the middle of the present lane, m.", quantity="length", minimum=0
+    )
 
 
 class NoAvoidableCollision(Word):

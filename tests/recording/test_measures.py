@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.recording.boxes import distance_at, least_box_distance, touching
+from scenario_compiler.recording.criteria import fails
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.on_path import (
     STEEPEST,
@@ -215,6 +216,23 @@ def thrown_about(since: float) -> Row:
 @pytest.mark.parametrize("name", [one.name for one in MEASURES if one.name != "final_speed"])
 def test_what_happens_after_a_collision_changes_no_measure(name: str) -> None:
     assert value(name, crashed(thrown_about)) == pytest.approx(value(name, crashed(at_rest)), nan_ok=True, abs=0.0)
+
+
+@pytest.mark.parametrize(("road", "lane"), [(0, 0), (-1, -1)])
+def test_off_every_lane_no_distance_from_its_middle_is_kept(road: int, lane: int) -> None:
+    def row(t: float) -> Row:
+        off = t > 0.35
+        here = {"lane": (lane if off else -1,), "road": (road if off else 0,), "on_road": (not off,)}
+        return {"x": (t,), "off": (0.0 if off else 0.3,), **here}
+
+    limit, allowed = MaximumLateralOffset(at_most=1.0), StayOnRoad(required=False)
+    run = record(("ego",), 10, row)
+    kept, stayed = judge(plan_of("ego", criteria=(limit, allowed)), run).criteria
+    assert not kept.passed
+    assert kept.when == pytest.approx(0.4)
+    assert kept.why == "off every lane from 0.40 s; on lanes the greatest was 0.30 m, at most 1 m is allowed"
+    assert (stayed.passed, stayed.why) == (True, "off the road from 0.40 s, which is allowed")
+    assert fails(limit, added_up(traces(run)), np.array(False), np.array(1.0)).tolist() == [True]
 
 
 def test_what_happens_after_a_collision_changes_no_criterion() -> None:
