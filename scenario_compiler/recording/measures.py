@@ -16,6 +16,7 @@ import numpy as np
 from scenario_compiler.engine.columns.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
 from scenario_compiler.engine.measures.encroachment import APART, LONGEST
 from scenario_compiler.engine.measures.lane_keeping import BAND, SETTLED, SETTLING, WINDOW
+from scenario_compiler.engine.measures.reversals import cut_off
 from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
@@ -62,7 +63,15 @@ from scenario_compiler.recording.on_path import (
     least_time_to_collision,
 )
 from scenario_compiler.recording.recording import Booleans, Floats
-from scenario_compiler.recording.reversals import LEAST, coarse_rate, coarse_total, fine_rate, fine_total
+from scenario_compiler.recording.reversals import (
+    COARSE,
+    FINE,
+    LEAST,
+    coarse_rate,
+    coarse_total,
+    fine_rate,
+    fine_total,
+)
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.horizon import HORIZON
@@ -301,6 +310,14 @@ def measures_of(plan: Plan) -> tuple[Measure, ...]:
     if not plan.entities:
         return ()
     return tuple(one for one in MEASURES if plan.controller is not None or not one.of_takeover)
+
+
+def _no_rate(variant: int) -> str:
+    """Return when a variant of the steering reversal rate is undefined."""
+    return (
+        f"the driver drove for less than {LEAST:g} s, or the step is {0.5 / cut_off(variant):.3g} s or longer, so that "
+        "it cannot show the filter's frequency"
+    )
 
 
 MEASURES: tuple[Measure, ...] = (
@@ -560,7 +577,7 @@ MEASURES: tuple[Measure, ...] = (
         "Reversals of the steering wheel per minute, of at least 3 degrees after a low-pass filter of 0.6 Hz "
         "(Butterworth, second order, forwards). Only rows in which the driver drives count, from the response until "
         "control is handed back or the first collision.",
-        f"the driver drove for less than {LEAST:g} s",
+        _no_rate(COARSE),
         coarse_rate,
         coarse_total,
         "after Markkula and Engstrom 2006, not verified",
@@ -570,7 +587,7 @@ MEASURES: tuple[Measure, ...] = (
         "1/min",
         "Reversals of the steering wheel per minute, as above, but of at least 0.1 degrees after a low-pass filter of "
         "2 Hz.",
-        f"the driver drove for less than {LEAST:g} s",
+        _no_rate(FINE),
         fine_rate,
         fine_total,
         "after Markkula and Engstrom 2006, not verified",

@@ -31,12 +31,12 @@ def fine_rate(traces: Traces) -> Floats:
 
 def coarse_total(totals: RunTotals) -> Floats:
     """Return the same as `coarse_rate`, (runs,)."""
-    return _a_minute(totals.raw("coarse_reversals"), totals.raw("driven_rows"), totals.step)
+    return _a_minute(totals.raw("coarse_reversals"), totals.raw("driven_rows"), totals.step, COARSE)
 
 
 def fine_total(totals: RunTotals) -> Floats:
     """Return the same as `fine_rate`, (runs,)."""
-    return _a_minute(totals.raw("fine_reversals"), totals.raw("driven_rows"), totals.step)
+    return _a_minute(totals.raw("fine_reversals"), totals.raw("driven_rows"), totals.step, FINE)
 
 
 def _rate(traces: Traces, variant: int) -> Floats:
@@ -48,12 +48,14 @@ def _rate(traces: Traces, variant: int) -> Floats:
         angles, start = wheel[index][traces.driven[index]].tolist(), float(wheel[index][at_response[index]])
         smooth = smoothed(angles, cut_off(variant), traces.step, start)
         found[index], rows[index] = reversals(smooth, least_gap(variant), start), len(angles)
-    return _a_minute(found, rows, traces.step)
+    return _a_minute(found, rows, traces.step, variant)
 
 
-def _a_minute(counts: Floats, rows: Floats, step: float) -> Floats:
+def _a_minute(counts: Floats, rows: Floats, step: float, variant: int) -> Floats:
+    """Return counts per minute; NaN if the rows are too few, or too rare for the filter's frequency (Nyquist)."""
     lasts = rows * step
-    return np.where(lasts >= LEAST - 1e-6, counts / np.where(rows > 0, lasts, 1.0) * 60.0, np.nan)
+    measured = (lasts >= LEAST - 1e-6) & (cut_off(variant) * step < 0.5)
+    return np.where(measured, counts / np.where(rows > 0, lasts, 1.0) * 60.0, np.nan)
 
 
 def smoothed(angles: Sequence[float], limit: float, step: float, start: float) -> list[float]:

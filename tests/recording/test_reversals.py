@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -59,6 +60,25 @@ def test_the_first_turn_counts_although_one_step_completes_it() -> None:
     measure = next(one for one in MEASURES if one.name == "steering_reversal_rate")
     assert float(measure.compute(runs)) == pytest.approx(6.0)
     assert measure.total(added_up(runs))[0] == float(measure.compute(runs))
+
+
+@pytest.mark.parametrize(("step", "coarse", "fine"), [(0.24, True, True), (0.25, True, False), (0.85, False, False)])
+def test_a_rate_is_undefined_if_the_steps_cannot_show_the_frequency_of_its_filter(
+    step: float, coarse: bool, fine: bool
+) -> None:
+    def row(t: float) -> Row:
+        state = opcodes.TAKEOVER_MANUAL if t > 1.05 else opcodes.TAKEOVER_REQUEST
+        return {"x": (t,), "v": (9.0,), "steer": (0.1 * math.sin(t),), "takeover_state": (state,)}
+
+    events = [(1.0, "request", "path_blocked"), (1.0, "response", "")]
+    runs = dataclasses.replace(traces_of(plan_of("ego"), record(("ego",), 111, row, events)), step=step)
+    totals = added_up(runs)
+    for name, defined in (("steering_reversal_rate", coarse), ("fine_steering_reversal_rate", fine)):
+        measure = next(one for one in MEASURES if one.name == name)
+        assert (math.isfinite(float(measure.compute(runs))), math.isfinite(measure.total(totals)[0])) == (
+            defined,
+            defined,
+        )
 
 
 @pytest.mark.parametrize(("degrees", "coarse", "fine"), [(4.0, 24.0, 24.0), (1.0, 0.0, 24.0), (0.02, 0.0, 0.0)])
