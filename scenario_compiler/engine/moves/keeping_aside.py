@@ -45,7 +45,7 @@ def left_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, f
     """
     i = p.action_entity[k]
     j = p.action_other[k]
-    if p.action_mode[k] in (op.FRAME_ENTITY, op.FRAME_WORLD):
+    if p.action_mode[k] == op.FRAME_ENTITY:
         axis = st.h[i] - st.turn[i] if st.road[i] >= 0 else st.h[j]
         left = along_axis(axis, st.x[j] - st.x[i], st.y[j] - st.y[i], op.MEASURE_ACROSS)
         return left, 1.0 if cos(angle_between(st.h[j], axis)) >= 0.0 else -1.0

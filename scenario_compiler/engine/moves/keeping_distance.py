@@ -65,7 +65,7 @@ def ahead_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, 
     i = p.action_entity[k]
     j = p.action_other[k]
     freespace = p.action_flags[k] & op.FLAG_FREESPACE
-    if p.action_mode[k] in (op.FRAME_ENTITY, op.FRAME_WORLD):
+    if p.action_mode[k] == op.FRAME_ENTITY:
         axis = st.h[i]
         if freespace == 0:
             return along_axis(axis, st.x[j] - st.x[i], st.y[j] - st.y[i], op.MEASURE_ALONG), 0.0

@@ -6,6 +6,7 @@ from typing import Any
 
 from lxml import etree
 
+from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.openscenario.actions.dynamics import LIMITS, Transition
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
@@ -27,7 +28,17 @@ from scenario_compiler.vocabulary.actions import (
     SpeedEntry,
     SpeedProfileAction,
 )
-from scenario_compiler.vocabulary.conditions.measuring import COORDINATE_SYSTEMS
+from scenario_compiler.vocabulary.conditions.measuring import COORDINATE_SYSTEMS, OwnSystem
+
+WORLD_AXES = Code(
+    "SC787",
+    "distance-along-world-axes",
+    "An action keeps a distance to another entity in the coordinate system `world`, which exists since 1.3:\n\n"
+    '    <LongitudinalDistanceAction entityRef="Ego" distance="20" coordinateSystem="world" .../>\n\n'
+    "A vehicle moves along its own axes: one that drives along y cannot change its distance along x. The distance is "
+    "kept along the entity's own axes (`entity`) instead. Conditions measure along the world's axes.",
+    Severity.WARNING,
+)
 
 _AROUND = ("PrivateAction", "LongitudinalAction")
 _SPEED = Transition("SpeedActionDynamics")
@@ -99,9 +110,18 @@ class Kept:
         """Return the fields."""
         usual = "any" if node.reading.version == (1, 0) else self.usual
         return {
-            "coordinates": node.choice("coordinateSystem", COORDINATE_SYSTEMS, "entity"),
+            "coordinates": self._system(node),
             "displacement": node.choice("displacement", self.displacements, usual),
         }
+
+    def _system(self, node: Node) -> OwnSystem:
+        system = node.choice("coordinateSystem", COORDINATE_SYSTEMS, "entity")
+        if system == "world":
+            node.report(
+                WORLD_AXES, "no distance is kept along the world's axes; the entity's own are used", "coordinateSystem"
+            )
+            return "entity"
+        return system
 
     def write(self, word: Any, element: etree._Element, output: Output) -> None:
         """Add the attributes that the version has."""

@@ -3,7 +3,7 @@
 from typing import Literal
 
 from scenario_compiler.vocabulary.actions.dynamics import INSTEAD, OVER_TIME, AtRate, Limits, OverDistance, Shape
-from scenario_compiler.vocabulary.conditions.measuring import CoordinateSystem
+from scenario_compiler.vocabulary.conditions.measuring import OwnSystem
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 _SHAPE = "Shape of the lateral motion from one lane to the other."
@@ -90,7 +90,7 @@ class LateralDistanceAction(Word):
     distance: Number | None = attribute("Distance, m; the present one if left out.", default=None, quantity="length")
     freespace: bool = attribute("Whether the distance is measured between the bounding boxes.", default=False)
     continuous: bool = attribute("Whether the distance is kept afterwards.", default=False)
-    coordinates: CoordinateSystem = attribute("Coordinate system of the measurement.", default="lane")
+    coordinates: OwnSystem = attribute("Coordinate system of the measurement.", default="lane")
     displacement: Literal["any", "leftToReferencedEntity", "rightToReferencedEntity"] = attribute(
         "Side of the other entity.", default="any"
     )

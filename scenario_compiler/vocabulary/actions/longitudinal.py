@@ -3,7 +3,7 @@
 from typing import Literal
 
 from scenario_compiler.vocabulary.actions.dynamics import INSTEAD, OVER_TIME, AtRate, Limits, OverDistance, Shape
-from scenario_compiler.vocabulary.conditions.measuring import CoordinateSystem
+from scenario_compiler.vocabulary.conditions.measuring import OwnSystem
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 _SHAPE = "Shape of the change from the present speed to the target."
@@ -85,7 +85,7 @@ class LongitudinalDistanceAction(Word):
     time_gap: Number | None = attribute("Time gap, s, instead of a distance.", default=None, quantity="time")
     freespace: bool = attribute("Whether the distance is measured between the bounding boxes.", default=False)
     continuous: bool = attribute("Whether the distance is kept afterwards.", default=False)
-    coordinates: CoordinateSystem = attribute("Coordinate system of the measurement.", default="road")
+    coordinates: OwnSystem = attribute("Coordinate system of the measurement.", default="road")
     displacement: Displacement = attribute(
         "Side of the other entity; trailing means behind it.", default="trailingReferencedEntity"
     )

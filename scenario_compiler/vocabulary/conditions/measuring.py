@@ -12,6 +12,9 @@ CoordinateSystem = Literal["entity", "lane", "road", "trajectory", "world"]
 COORDINATE_SYSTEMS: tuple[CoordinateSystem, ...] = get_args(CoordinateSystem)
 """Coordinate systems in which a distance is measured."""
 
+OwnSystem = Literal["entity", "lane", "road", "trajectory"]
+"""Coordinate systems in which a distance is kept: those that turn with the entity or its way, along which it moves."""
+
 DistanceType = Literal["euclidianDistance", "longitudinal", "lateral"]
 """Kind of distance: the straight one, or its component along or across."""
 
