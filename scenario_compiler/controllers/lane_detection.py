@@ -195,7 +195,7 @@ class LaneDetectionController(ControllerModel):
         return draw_lanes(image, self._lanes, self._camera)
 
     def _travelled(self, vehicle: VehicleState) -> float:
-        """Return the distance since the last control step, m."""
+        """Return the distance since the last image, m."""
         before, self._place = self._place, (vehicle.x, vehicle.y)
         return 0.0 if before is None else math.dist(before, self._place)
 

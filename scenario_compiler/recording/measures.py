@@ -463,13 +463,13 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "minimum_time_headway",
         "s",
-        "Least time headway over the run: gap divided by the vehicle's own speed, to any entity whose box "
+        "Least time gap over the run: gap divided by the vehicle's own speed, to any entity whose box "
         "overlaps the path ahead, defined as for the time to collision. It is 0 while boxes overlap. Values of "
         f"{HORIZON:g} s or more are ignored.",
         f"nothing in the path was within {HORIZON:g} s",
         least_headway,
         total("least_headway"),
-        "time headway (THW)",
+        "time gap of SAE J2944, whose headway is from front to front",
         of_takeover=False,
     ),
     Measure(

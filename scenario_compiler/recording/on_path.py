@@ -42,7 +42,7 @@ def _within_horizon(times: Floats) -> Floats:
 
 
 def least_headway(traces: Traces) -> Floats:
-    """Return the least time headway of each run, s, (...); NaN if nothing in the path is within `HORIZON`."""
+    """Return the least time gap of each run, s, (...); NaN if nothing in the path is within `HORIZON`."""
 
     def exact(places: Places) -> Floats:
         gap, _ = ahead_at(traces, places)

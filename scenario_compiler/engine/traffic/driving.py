@@ -1,10 +1,11 @@
 """Background traffic: vehicles that keep their lanes, follow, change lanes, turn and yield, and pedestrians.
 
 Vehicles without a start position belong to an action (`swarms`, `sources`), which lets them appear; they disappear when
-they leave the map. Following is the intelligent driver model (see `following`), lane changing is MOBIL (Kesting,
-Treiber and Helbing 2007, Transportation Research Record 1999, 86-94). At a junction a vehicle claims its connecting
-road. It gets the road if no crossing one is claimed or driven on, first come, first served; otherwise it waits at the
-line. Turns are drawn with the counter hash from the seed, the vehicle and the number of its turns so far.
+they leave the map. Following is the intelligent driver model (see `following`). Lane changing is after MOBIL (Kesting,
+Treiber and Helbing 2007, Transportation Research Record 1999, 86-94), with two differences (`change_gain`). At a
+junction a vehicle claims its connecting road. It gets the road if no crossing one is claimed or driven on, first come,
+first served; otherwise it waits at the line. Turns are drawn with the counter hash from the seed, the vehicle and the
+number of its turns so far.
 """
 
 from __future__ import annotations
@@ -70,7 +71,7 @@ THRESHOLD = 0.1
 SAFE = 4.0
 POLITENESS = 0.2
 """Parameters of MOBIL: gain in acceleration that justifies a change, m/s2; greatest deceleration that it may cause the
-vehicle behind, m/s2; weight of the others' gains. The first two are those of Kesting et al. 2007, table 1.
+vehicle behind, m/s2; weight of the loss of the vehicle behind. The first two are those of Kesting et al. 2007, table 1.
 """
 
 CHANGE_TIME = 3.0
@@ -182,7 +183,10 @@ def look(n: RoadTables, st: State, i: int, lane: int, along: int, horizon: float
 
 @compiled
 def change_gain(n: RoadTables, p: Program, st: State, i: int, lane: int, present: float) -> float:
-    """Return MOBIL's gain of a change to a neighbouring lane, m/s2; -FAR if it is not safe.
+    """Return the gain of a change to a neighbouring lane, m/s2; -FAR if it is not safe.
+
+    MOBIL adds to the vehicle's own gain those of the followers in the new and in the old lane, times the politeness.
+    Here the old follower does not count, and the new one only if it loses.
 
     Args:
         n: The roads.
