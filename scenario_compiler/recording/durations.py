@@ -25,12 +25,12 @@ class Timed(Protocol):
         ...
 
 
-def whole_steps(runs: Timed, durations: Floats) -> Floats:
+def whole_steps(step: float, durations: Floats) -> Floats:
     """Return durations as whole numbers of steps times the step, s, so that equal ones are equal numbers."""
-    return np.asarray(np.round(durations / runs.step) * runs.step)
+    return np.asarray(np.round(durations / step) * step)
 
 
 def after_request(runs: Timed, time: Floats) -> Floats:
     """Return the time from the first request to a time, s, (...); NaN if that is before the request."""
-    waited = whole_steps(runs, time - runs.times["request"])
+    waited = whole_steps(runs.step, time - runs.times["request"])
     return np.where(waited >= 0, waited, np.nan)

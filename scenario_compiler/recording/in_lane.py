@@ -174,10 +174,7 @@ def mean_time_to_crossing(traces: Traces) -> Floats:
 
 def heading_error_at_response(traces: Traces) -> Floats:
     """Return the heading relative to the lane's direction in the row of the response, rad, (...); NaN if none."""
-    there = traces.between(traces.times["response"]) & traces.present[..., 0]
-    row = np.argmax(there, axis=-1)[..., None]
-    heading = np.take_along_axis(traces.lane_heading, row, axis=-1)[..., 0]
-    return np.where(there.any(axis=-1), heading, np.nan)
+    return traces.at_response(traces.lane_heading)
 
 
 def time_off_road(traces: Traces) -> Floats:

@@ -12,10 +12,8 @@ from scenario_compiler.recording.traces import Traces
 
 def steering_time(traces: Traces) -> Floats:
     """Time from the request to the driver's first steering after the response, s, (...)."""
-    there = traces.between(traces.times["response"]) & traces.present[..., 0]
-    first = np.argmax(there, axis=-1)[..., None]
     steer = traces.steer[..., 0]
-    turned = np.abs(steer - np.take_along_axis(steer, first, axis=-1)) * traces.inputs.steering_ratio
+    turned = np.abs(steer - traces.at_response(steer)[..., None]) * traces.inputs.steering_ratio
     return _first_after(traces, traces.driven & (turned > traces.inputs.steering))
 
 

@@ -54,10 +54,7 @@ def maximum_lateral_offset(traces: Traces) -> Floats:
 
 def lateral_offset_at_response(traces: Traces) -> Floats:
     """Return the offset to the left of the centre of the lane at the request, in the row of the response, m, (...)."""
-    there = traces.between(traces.times["response"]) & traces.present[..., 0]
-    row = np.argmax(there, axis=-1)[..., None]
-    left = np.take_along_axis(left_of_lane_at_request(traces), row, axis=-1)[..., 0]
-    return np.where(there.any(axis=-1), left, np.nan)
+    return traces.at_response(left_of_lane_at_request(traces))
 
 
 def time_off_lanes(traces: Traces) -> Floats:
@@ -132,4 +129,4 @@ def stabilisation_time_total(totals: RunTotals) -> Floats:
 def _from_request(runs: Timed, windows: Floats) -> Floats:
     """Return the time from the request to the beginning of the window with a number after the response, s, (...)."""
     waited = after_request(runs, runs.times["response"])
-    return whole_steps(runs, waited + windows * rows_of_window(runs.step) * runs.step)
+    return whole_steps(runs.step, waited + windows * rows_of_window(runs.step) * runs.step)

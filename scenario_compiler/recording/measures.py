@@ -166,14 +166,14 @@ def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
     towards, left = (_at_request(traces, values) for values in (traces.blocked_speed, traces.limit_time))
     cause, distance = cause_of_request(traces), limit_distance(traces)
-    return whole_steps(traces, time_to_limit(cause, distance, _speed_at_request(traces), towards, left))
+    return whole_steps(traces.step, time_to_limit(cause, distance, _speed_at_request(traces), towards, left))
 
 
 def _time_budget_total(totals: RunTotals) -> Floats:
     cause, speed, towards, left = (
         totals.column(f"request_{name}") for name in ("cause", "speed", "blocked_speed", "limit_time")
     )
-    return whole_steps(totals, time_to_limit(cause, _limit_distance_total(totals), speed, towards, left))
+    return whole_steps(totals.step, time_to_limit(cause, _limit_distance_total(totals), speed, towards, left))
 
 
 def time_to_limit(cause: Floats, distance: Floats, speed: Floats, towards: Floats, left: Floats) -> Floats:
@@ -220,11 +220,11 @@ def _in_first(rows: Booleans, values: Floats) -> Floats:
 
 def takeover_buffer(traces: Traces) -> Floats:
     """Remaining time budget when the driver responds."""
-    return whole_steps(traces, time_budget(traces) - takeover_time(traces))
+    return whole_steps(traces.step, time_budget(traces) - takeover_time(traces))
 
 
 def _takeover_buffer_total(totals: RunTotals) -> Floats:
-    return whole_steps(totals, _time_budget_total(totals) - takeover_time(totals))
+    return whole_steps(totals.step, _time_budget_total(totals) - takeover_time(totals))
 
 
 def minimum_time_to_collision(traces: Traces) -> Floats:

@@ -21,6 +21,11 @@ TimelineState = Literal[StateName, "collision"]
 EventKind: TypeAlias = str
 """Kind of an event, one of EVENT_TEXTS."""
 
+MOMENTS: tuple[EventKind, ...] = (
+    "warning", "request", "escalation", "response", "minimum_risk", "collision", "standstill",
+)  # fmt: skip
+"""Kinds of events whose first occurrence is pictured and marked in reports."""
+
 StopReason = Literal[
     "", "duration", "trigger", "destination", "standstill", "collision", "error", "world_lost",
     "controller_failed", "user",

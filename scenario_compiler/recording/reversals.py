@@ -42,10 +42,10 @@ def fine_total(totals: RunTotals) -> Floats:
 def _rate(traces: Traces, variant: int) -> Floats:
     wheel = traces.steer[..., 0] * traces.inputs.steering_ratio
     shape = traces.t.shape[:-1]
-    at_response = np.argmax(traces.between(traces.times["response"]) & traces.present[..., 0], axis=-1)
+    at_response = traces.at_response(wheel)
     found, rows = np.zeros(shape), np.zeros(shape)
     for index in np.ndindex(*shape):
-        angles, start = wheel[index][traces.driven[index]].tolist(), float(wheel[index][at_response[index]])
+        angles, start = wheel[index][traces.driven[index]].tolist(), float(at_response[index])
         smooth = smoothed(angles, cut_off(variant), traces.step, start)
         found[index], rows[index] = reversals(smooth, least_gap(variant), start), len(angles)
     return _a_minute(found, rows, traces.step, variant)

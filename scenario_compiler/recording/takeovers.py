@@ -11,6 +11,7 @@ import numpy as np
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.numbers import SAME_TIME
+from scenario_compiler.recording.durations import whole_steps
 from scenario_compiler.recording.measures import distance_to_limit, time_to_limit
 from scenario_compiler.recording.names import BY_HAND, CAUSES, EventKind
 from scenario_compiler.recording.recording import Floats, Recording
@@ -179,8 +180,8 @@ def _fields(
     places: np.ndarray[tuple[int], np.dtype[np.intp]] | None = None,
 ) -> dict[str, list[Any]]:
     """Return the fields of k takeovers, in the order of `Takeover`, from arrays (k,) of their numbers."""
-    answered = np.round((ends["response"] - request) / step) * step
-    budget = np.round(until_limit / step) * step
+    answered = whole_steps(step, ends["response"] - request)
+    budget = whole_steps(step, until_limit)
     numbers = {
         "request_time": request,
         **{f"{kind}_time": times for kind, times in ends.items()},
@@ -188,7 +189,7 @@ def _fields(
         "speed": speed,
         "limit_distance": distance,
         "time_budget": budget,
-        "takeover_buffer": np.round((budget - answered) / step) * step,
+        "takeover_buffer": whole_steps(step, budget - answered),
         **quality,
     }
     none = np.full(len(request), np.nan)

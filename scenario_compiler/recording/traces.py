@@ -183,6 +183,15 @@ class Traces:
         """Return which rows are after a time, (..., n); none if it is NaN."""
         return self.t > begin[..., None] + SAME_TIME
 
+    def at_response(self, values: Floats) -> Floats:
+        """Return values (..., n) in the row of the response, (...): the first one from it on in which the ego is there.
+
+        It is NaN if there is none.
+        """
+        there = self.between(self.times["response"]) & self.present[..., 0]
+        found = np.take_along_axis(values, np.argmax(there, axis=-1)[..., None], axis=-1)[..., 0]
+        return np.where(there.any(axis=-1), found, np.nan)
+
     @cached_property
     def driven(self) -> Booleans:
         """Rows driven by the driver who responded first, until control was handed back, (..., n).

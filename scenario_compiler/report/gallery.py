@@ -16,12 +16,12 @@ from scenario_compiler.plan.model import Plan, StartPose
 from scenario_compiler.plan.painted import lines_beside
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.report.embedding import page_script
-from scenario_compiler.report.palette import WORDS
+from scenario_compiler.report.palette import WORDS, words_of
 from scenario_compiler.report.pictures import Sights, row_at, stills
 from scenario_compiler.report.preview import start_of, way_ahead
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.templates import page_environment
-from scenario_compiler.report.wording import CAUSE_WORDS, decimal
+from scenario_compiler.report.wording import decimal
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import Pose
 from scenario_compiler.runtime.loop import open_world, run
@@ -103,7 +103,7 @@ def moment_of(plan: Plan, network: Network) -> Moment:
         return Moment("at the start", "", start_picture(plan, network))
     sights = Sights(shown, fov=THUMBNAIL_VIEW)
     still = next(stills(shown, [row_at(shown, t)]))
-    cause = CAUSE_WORDS.get(shown.outcome.cause, shown.outcome.cause) if shown.outcome.cause else ""
+    cause = words_of(shown.outcome.cause)
     words = f"{WORDS[kind]} after {decimal(t)} s" + (f": {cause}" if cause else "")
     return Moment(words, cause, encode_png(shrunk(sights.draw(still, labelled=False), SHRINK)))
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.painted import lines_beside, mark_stretches, secondary_lines
+from scenario_compiler.recording.names import MOMENTS
 from scenario_compiler.recording.recording import COLUMNS, Floats, Recording
 from scenario_compiler.report.blocked import blocks_of
 from scenario_compiler.report.palette import (
@@ -32,7 +33,7 @@ from scenario_compiler.report.palette import (
     WORDS,
     words_of,
 )
-from scenario_compiler.report.run import HEALTHY, MOMENTS, Run
+from scenario_compiler.report.run import HEALTHY, Run
 from scenario_compiler.report.surroundings import PAVED, Window, surroundings
 from scenario_compiler.report.wording import unit_words
 from scenario_compiler.roads.network import Network

@@ -5,21 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.names import EventKind
+from scenario_compiler.recording.names import MOMENTS, EventKind
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.roads.network import Network
-
-MOMENTS: tuple[EventKind, ...] = (
-    "warning",
-    "request",
-    "escalation",
-    "response",
-    "minimum_risk",
-    "collision",
-    "standstill",
-)
-"""Kinds of events whose first occurrence has a picture."""
 
 HEALTHY = 0.98
 """Health of the sensor from which curves do not show it."""

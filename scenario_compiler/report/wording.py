@@ -10,6 +10,7 @@ from typing import NamedTuple
 from scenario_compiler.recording.criteria import Where
 from scenario_compiler.recording.names import StandingPlace
 from scenario_compiler.recording.outcome import Outcome
+from scenario_compiler.report.palette import words_of
 from scenario_compiler.report.run import Run
 from scenario_compiler.vocabulary.driver import Driver
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
@@ -17,18 +18,6 @@ from scenario_compiler.vocabulary.scenario import Classification
 from scenario_compiler.vocabulary.takeover import Cause
 from scenario_compiler.vocabulary.taxonomies import TAXONOMIES
 from scenario_compiler.vocabulary.word import QUANTITIES, Number, number_value
-
-CAUSE_WORDS = {
-    "": "none",
-    "lane_confidence": "lane confidence",
-    "sensor_health": "sensor health",
-    "path_blocked": "path blocked",
-    "lane_ends": "lane ends",
-    "no_progress": "no progress",
-    "scheduled": "scheduled",
-    "controller": "controller",
-}
-
 
 STANDS: dict[StandingPlace, str] = {
     "own_lane": "stopped safely in its lane",
@@ -90,7 +79,7 @@ def summary_of(run: Run) -> Summary:
         name=outcome.name,
         number="–" if rated is None else rated.place,
         urgency=(rated.urgency if rated else "") or "–",
-        cause=CAUSE_WORDS.get(outcome.cause, outcome.cause) if outcome.cause else "–",
+        cause=words_of(outcome.cause) if outcome.cause else "–",
         request_time=measured(outcome, "request_time"),
         takeover_time=measured(outcome, "takeover_time"),
         minimum_ttc=measured(outcome, "minimum_time_to_collision"),
@@ -262,7 +251,7 @@ def _cause(cause: Cause, number: Callable[[Number, str], str]) -> str:
     ]
     if cause.count is not None and cause.of is not None:
         parts.append(f"{cause.count} of {cause.of} control steps")
-    return CAUSE_WORDS[cause.kind] + (f" ({', '.join(parts)})" if parts else "")
+    return words_of(cause.kind) + (f" ({', '.join(parts)})" if parts else "")
 
 
 def _driver(run: Run) -> str:

@@ -24,14 +24,22 @@ from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.randomness import whole_number
 from scenario_compiler.recording.break_off import BROKE_OFF, OF_ENTITIES, QUANTITIES, break_off_text
-from scenario_compiler.recording.names import SOURCES, STOP_REASONS, TAKEOVER_STATES, WISHES, EventKind, StopReason
+from scenario_compiler.recording.names import (
+    MOMENTS,
+    SOURCES,
+    STOP_REASONS,
+    TAKEOVER_STATES,
+    WISHES,
+    EventKind,
+    StopReason,
+)
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.recording.versions import processor, versions
 from scenario_compiler.roads import Network
 from scenario_compiler.runtime.engine_fault import ENGINE_BROKE_OFF
 from scenario_compiler.runtime.log import EventLog
 from scenario_compiler.runtime.messages import Messenger
-from scenario_compiler.runtime.pictures import PICTURED, picture_of
+from scenario_compiler.runtime.pictures import picture_of
 from scenario_compiler.runtime.snapshot import entities_of, faults_of
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.criteria import references_in
@@ -429,7 +437,7 @@ class Execution:
         """Keep the first picture of each kind of event that reports show, but none once the run has broken off."""
         if self.broken or self.seen is None or self.control is None or self.controller is None:
             return
-        if kind not in PICTURED or kind in self.pictured:
+        if kind not in MOMENTS or kind in self.pictured:
             return
         self.pictured.add(kind)
         view = self.world.picture(self.snapshot())

@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from scenario_compiler.controllers.data import CameraMounting, Control, SensorData
     from scenario_compiler.controllers.model import ControllerModel
 
-PICTURED = ("warning", "request", "escalation", "response", "minimum_risk", "standstill", "collision")
-"""Kinds of events whose first occurrence is pictured."""
-
 STATES = {"response": "manual", "collision": "collision"}
 
 

@@ -17,7 +17,8 @@ from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.files import split_target
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.outcome import Outcome, judge
-from scenario_compiler.report.wording import CAUSE_WORDS, outcome_words
+from scenario_compiler.report.palette import words_of
+from scenario_compiler.report.wording import outcome_words
 from scenario_compiler.resources import library_folder, templates_from, templates_given
 from scenario_compiler.roads import Network
 from scenario_compiler.runtime import open_world, run
@@ -139,7 +140,7 @@ def _driven(plan: Plan, network: Network, driver: Driver | DriverModel) -> Drive
         outcome = judge(changed, run(changed, world, SEED))
     return Driven(
         result=outcome.result,
-        cause=CAUSE_WORDS.get(outcome.cause, outcome.cause) if outcome.cause else "",
+        cause=words_of(outcome.cause),
         request=_value(outcome, "request_time"),
         takeover_time=_value(outcome, "takeover_time"),
         minimum_ttc=_value(outcome, "minimum_time_to_collision"),

@@ -9,9 +9,10 @@ from collections.abc import Callable
 import pytest
 
 from scenario_compiler.recording.events import EventRow
+from scenario_compiler.recording.names import MOMENTS
 from scenario_compiler.report.palette import MOMENT_COLOURS, WORDS
 from scenario_compiler.report.plots import WIDTH, close_up_map, overview_map
-from scenario_compiler.report.run import MOMENTS, Run
+from scenario_compiler.report.run import Run
 
 Draw = Callable[[Run, str], str]
 
