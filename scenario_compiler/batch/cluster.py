@@ -29,9 +29,6 @@ AHEAD = 3
 CONNECT = 30.0
 """Longest wait for the scheduler and a first worker, s."""
 
-_RUNNERS: dict[tuple[Form, Trust], Runner] = {}
-"""A worker's runners: they stay between parts, with their plans, maps and the compiled engine."""
-
 
 @dataclass(frozen=True)
 class Freight:
@@ -42,9 +39,12 @@ class Freight:
     content: bytes
 
 
-def run_part(form: Form, trust: Trust, part: Part, freight: dict[int, Freight]) -> list[Batch]:
-    """Run a part on a worker; the body of a task."""
-    runner = _RUNNERS.setdefault((form, trust), Runner(form, trust=trust))
+def run_part(runner: Runner, part: Part, freight: dict[int, Freight]) -> list[Batch]:
+    """Run a part on a worker; the body of a task.
+
+    Dask keeps the runner on the worker between the parts of a sweep, with its plans, maps and the compiled engine, and
+    drops it after the sweep.
+    """
     sent = []
     for family, one in freight.items():
         place = cache_folder() / "maps" / sha256(one.content).hexdigest()
@@ -65,7 +65,6 @@ class Cluster:
         Raises:
             SweepError: There is no scheduler at the address, or it has no workers.
         """
-        self._setup = (form, trust or Trust())
         try:
             self._client: Any = distributed.Client(scheduler, timeout=patience)
             self._client.wait_for_workers(1, timeout=patience)
@@ -73,6 +72,7 @@ class Cluster:
             raise SweepError(f"no Dask cluster answers at {scheduler}: {fault}") from None
         except (ValueError, ImportError) as fault:
             raise SweepError(f"'{scheduler}' is not an address such as tcp://host:8786: {fault}") from None
+        self._runner: Any = self._client.submit(Runner, form, trust or Trust(), pure=False)
         self._freight: dict[int, Any] = {}
 
     def run(self, parts: Iterator[Part]) -> Iterator[tuple[int, Batch]]:
@@ -122,7 +122,7 @@ class Cluster:
                 self._freight[sent.family] = self._client.scatter(freight, broadcast=True, hash=True)
         freight_of = {sent.family: self._freight[sent.family] for sent in part.plans}
         bare = replace(part, plans=())
-        return self._client.submit(run_part, *self._setup, bare, freight_of, pure=False, retries=2)
+        return self._client.submit(run_part, self._runner, bare, freight_of, pure=False, retries=2)
 
     def _one_by_one(self, part: Part, why: str) -> Iterator[tuple[int, Batch]]:
         """Run the variants of a part that failed as a whole each on its own."""

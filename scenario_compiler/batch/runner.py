@@ -115,7 +115,7 @@ class Batch:
 
 @dataclass
 class Runner:
-    """Runs the variants of a sweep; there is one in each process.
+    """Runs the variants of a sweep; there is one in each process that works on it.
 
     Attributes:
         form: How they are run.
@@ -125,6 +125,10 @@ class Runner:
     form: Form
     trust: Trust = field(default_factory=Trust)
     _families: dict[int, _Family] = field(default_factory=dict)
+
+    def __reduce__(self) -> tuple[type[Runner], tuple[Form, Trust]]:
+        """Pickle without the plans: each process makes them ready itself."""
+        return Runner, (self.form, self.trust)
 
     def add(self, family: int, plan: Plan, network: Network) -> None:
         """Add a plan; if there are too many, the oldest is dropped."""

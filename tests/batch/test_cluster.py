@@ -82,6 +82,19 @@ def test_a_cluster_gives_the_local_table_though_a_worker_is_killed(
 
 
 @pytest.mark.slow
+def test_each_sweep_on_a_cluster_runs_its_own_plans(
+    conflict: Path, tmp_path: Path, cluster: tuple[str, list[subprocess.Popen[bytes]]]
+) -> None:
+    address, _ = cluster
+    for speed in ("8", "20"):
+        spec = SweepSpec(vary=("distance=grid(20, 350, 48)",), settings={"speed": speed}, perception="ideal")
+        run_sweep(conflict, spec, tmp_path / speed / "local", workers=1, report=False)
+        run_sweep(conflict, spec, tmp_path / speed / "far", scheduler=address, report=False)
+        tables = [(tmp_path / speed / name / "results.parquet").read_bytes() for name in ("local", "far")]
+        assert tables[0] == tables[1]
+
+
+@pytest.mark.slow
 def test_a_missing_cluster_is_reported() -> None:
     from scenario_compiler.batch.cluster import Cluster
 
