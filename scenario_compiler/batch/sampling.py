@@ -2,8 +2,9 @@
 
 A grid axis is crossed with everything else: with `speed=grid(10, 20, 3)` each of the `samples` draws of the other axes
 is tried at three speeds; where there are no other axes, each speed is run `samples` times. Every draw at every point is
-run by `repeats` variants, each with a seed of its own. A random variant's values depend on nothing but the seed and its
-number; a Latin hypercube's on the number of samples too.
+run by `repeats` variants, each with a seed of its own. A random draw depends on nothing but the seed and its number; a
+Latin hypercube's on the number of samples too. A random draw that does not meet a constraint at one point of the grid
+is made again there, and only there.
 """
 
 from __future__ import annotations
@@ -128,7 +129,7 @@ class Sampler:
             values[name] = axis.points[at]
         for column, (name, axis) in enumerate(self.drawn.items()):
             if self.units is None:
-                unit = uniform(self.seed, number, f"sweep/{name}/{attempt}")
+                unit = uniform(self.seed, left, f"sweep/{name}/{attempt}")
             else:
                 unit = float(self.units[left, column])
             values[name] = axis.quantile(unit)

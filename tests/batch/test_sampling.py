@@ -133,11 +133,24 @@ def test_a_random_sample_depends_on_seed_and_index_only() -> None:
     assert short.sample(1) != other.sample(1)
 
 
-def test_a_grid_axis_is_crossed_with_the_draws() -> None:
-    sampler = make_sampler(SweepSpec(vary=("a=grid(1, 3, 3)", "b=grid(0, 10, 2)", "c=uniform(0, 1)"), samples=4))
-    assert sampler.total == 24
-    pairs = [(sampler.sample(k)["a"], sampler.sample(k)["b"]) for k in range(6)]
-    assert pairs == [(1.0, 0.0), (1.0, 10.0), (2.0, 0.0), (2.0, 10.0), (3.0, 0.0), (3.0, 10.0)]
+@pytest.mark.parametrize("method", ["random", "latin", "sobol"])
+def test_a_grid_axis_is_crossed_with_the_draws(method: Method) -> None:
+    vary = ("a=grid(1, 3, 3)", "b=grid(0, 10, 2)", "c=uniform(0, 1)")
+    sampler = make_sampler(SweepSpec(vary=vary, method=method, samples=4))
+    rows = [sampler.sample(k) for k in range(sampler.total)]
+    pairs = [(1.0, 0.0), (1.0, 10.0), (2.0, 0.0), (2.0, 10.0), (3.0, 0.0), (3.0, 10.0)]
+    assert [(row["a"], row["b"]) for row in rows] == 4 * pairs
+    draws = [{row["c"] for row in rows[start : start + 6]} for start in range(0, 24, 6)]
+    assert [len(draw) for draw in draws] == [1, 1, 1, 1]
+    assert len(set.union(*draws)) == 4
+
+
+def test_a_draw_is_made_again_only_where_it_breaks_a_constraint() -> None:
+    vary = ("a=values(0.5, 1)", "c=uniform(0, 1)")
+    free, bound = (make_sampler(SweepSpec(vary=vary, samples=20, where=where)) for where in ((), ("c < a",)))
+    again = [free.sample(k) != bound.sample(k) for k in range(40)]
+    assert again == [float(free.sample(k)["c"]) >= float(free.sample(k)["a"]) for k in range(40)]
+    assert 0 < sum(again) < 20
 
 
 @pytest.mark.parametrize(("first", "last"), [(0.3, 0.9), (0.1, 1.9), (1.1, 6.7), (0.9, 0.3)])
