@@ -159,7 +159,8 @@ class Session(threading.Thread):
             probe_at: Time at which the run stops until `go_on` is called, s; None for never.
             kept: Called in this thread with the run when it has ended and its files are written, before the page is
                 informed; the session itself keeps no run.
-            happened: Called in this thread with each event of the run, in the step in which it occurs.
+            happened: Called in this thread with each event of the run, in the step in which it occurs, and with the
+                last ones before its files are written.
         """
         super().__init__(name=f"run {number}", daemon=True)
         self.drive, self.number, self._show = drive, number, show
@@ -254,7 +255,7 @@ class Session(threading.Thread):
                     trust=drive.trust,
                     person=self.wheel,
                 )
-                self._go(execution)
+                passed_on = self._go(execution)
                 with self._ending:  # from here on, nothing that happens belongs to the run
                     self.going = False
                     if self.wheel is not None and self.wheel.requested:
@@ -262,6 +263,7 @@ class Session(threading.Thread):
                     self._take_down(execution)
                 self._show(Picture({"over": True, "run": self.number}, b"", b""))  # its files take a moment
                 recording = execution.finish("user" if self._stopping.is_set() else "")
+                self._pass_on(execution, passed_on)
                 if drive.found is not None:
                     drive.found(world.findings)
             finished = Run(drive.plan, drive.network, recording, judge(drive.plan, recording))
@@ -310,7 +312,8 @@ class Session(threading.Thread):
             "given_up_ms": round(1e3 * self._slipped, 2),
         }
 
-    def _go(self, execution: Execution) -> None:
+    def _go(self, execution: Execution) -> int:
+        """Execute the steps of the run; return the number of events that were passed on."""
         sight = Sight(execution, self.drive.size, plain=self.drive.plain)
         every = max(1, round(FRAME_TIME / self.drive.plan.step))
         steps, shown_at, events = 0, 0.0, 0
@@ -337,6 +340,7 @@ class Session(threading.Thread):
                     self._publish(execution, sight, late)
                 else:
                     self._lost += 1
+        return events
 
     def _listen(self) -> None:
         """Record, with the next step, when the page falls silent and when it is heard again."""

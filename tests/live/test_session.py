@@ -13,6 +13,7 @@ import pytest
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.live.session import SLOWEST, Drive, Given, Picture, Session
+from scenario_compiler.recording.events import EventRow
 from scenario_compiler.report.run import Run
 from scenario_compiler.worlds import WorldError
 from scenario_compiler.worlds.kinematic import KinematicWorld
@@ -144,6 +145,22 @@ def test_a_run_that_is_aborted_is_kept_and_marked(compiled: Compilation, tmp_pat
     session.run()
     assert kept == [({"aborted"}, "user")]
     assert (folder / "recording.parquet").is_file()
+
+
+def test_each_event_of_a_run_is_passed_on_also_those_of_its_end(compiled: Compilation) -> None:
+    passed_on: list[EventRow] = []
+    runs: list[Run] = []
+
+    def show(picture: Picture) -> bool:
+        if picture.about.get("t", 0.0) > 0.3:
+            session.leave()
+            session.abort()
+        return True
+
+    session = Session(drive(compiled), show, kept=lambda _, run: runs.append(run), happened=passed_on.append)
+    session.run()
+    assert passed_on == [event for run in runs for event in run.recording.events]
+    assert [event.kind for event in passed_on[-2:]] == ["person_left", "stop"]
 
 
 def test_a_watched_run_is_the_variant_that_was_asked_for(compiled: Compilation) -> None:
