@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from errno import ECONNABORTED
 from hashlib import sha256
+from itertools import islice
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -98,15 +99,13 @@ class Cluster:
         """
         under_way: dict[str, Part] = {}
         results: Any = distributed.as_completed()
-
-        def start(part: Part) -> None:
-            future = self._submit(part)
-            under_way[future.key] = part
-            results.add(future)
-
-        for part in self._up_to(parts, AHEAD * self._workers()):
-            start(part)
-        while under_way:
+        while True:
+            for part in islice(parts, max(0, AHEAD * self._workers() - len(under_way))):
+                future = self._submit(part)
+                under_way[future.key] = part
+                results.add(future)
+            if not under_way:
+                return
             future = next(results)
             part = under_way.pop(future.key)
             try:
@@ -117,22 +116,20 @@ class Cluster:
                 for batch in batches:
                     yield part.number, batch
             future.release()
-            for following in self._up_to(parts, 1):
-                start(following)
 
     def close(self) -> None:
         """Leave the cluster as it is."""
         self._client.close()
 
-    def _up_to(self, parts: Iterator[Part], count: int) -> Iterator[Part]:
-        for _ in range(count):
-            part = next(parts, None)
-            if part is None:
-                return
-            yield part
-
     def _workers(self) -> int:
-        return max(1, len(self._client.nthreads()))
+        """Return the number of workers now, at least 1: a cluster may still be starting its workers."""
+        try:
+            return max(1, len(self._client.nthreads()))
+        except OSError as fault:
+            raise self._lost() from fault
+
+    def _lost(self) -> OSError:
+        return OSError(ECONNABORTED, "the cluster has lost the tasks of the sweep", self._address)
 
     def _submit(self, part: Part, priority: int = 0) -> Any:
         for sent in part.plans:
@@ -160,7 +157,7 @@ class Cluster:
         try:
             batches: list[Batch] = future.result()
         except distributed.CancelledError:
-            raise OSError(ECONNABORTED, "the cluster has lost the tasks of the sweep", self._address) from None
+            raise self._lost() from None
         except Exception as fault:
             if isinstance(fault, distributed.KilledWorker) and fault.task == future.key:
                 raise

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.util import find_spec
@@ -17,10 +18,12 @@ from typing import Any
 import pytest
 
 from scenario_compiler.batch.distributions import SweepError
-from scenario_compiler.batch.execute import run_sweep
+from scenario_compiler.batch.execute import prepare, run_sweep
 from scenario_compiler.batch.finished import read_results
+from scenario_compiler.batch.runner import Part
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import Progress
+from scenario_compiler.diagnostics import Diagnostics
 
 pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="needs the extra `cluster`")
 ENDS = """
@@ -143,6 +146,32 @@ def test_a_sweep_whose_scheduler_ends_can_be_resumed(conflict: Path, tmp_path: P
         run_sweep(conflict, _spec(), tmp_path / "far", scheduler=cluster.address, progress=kill, report=False)
     result = run_sweep(conflict, _spec(), tmp_path / "far", resume=True, workers=1, report=False)
     assert (result.tally.runs, result.tally.broken_off) == (96, 0)
+
+
+@pytest.mark.slow
+def test_workers_that_join_later_get_parts_too(conflict: Path, cluster: Dask) -> None:
+    from distributed import Client
+
+    from scenario_compiler.batch.cluster import AHEAD, Cluster
+
+    sweep = prepare(conflict, _spec(vary=("distance=uniform(20, 350)",), samples=160), Diagnostics())
+    taken: list[Part] = []
+
+    def parts() -> Iterator[Part]:
+        for number in range(sweep.parts):
+            taken.append(sweep.part(number)[0])
+            yield taken[-1]
+
+    cluster.start(1)
+    with closing(Cluster(sweep.form, cluster.address)) as far:
+        rows = far.run(parts())
+        next(rows)
+        assert len(taken) == AHEAD
+        cluster.start(1)
+        with Client(cluster.address) as client:
+            client.wait_for_workers(2, timeout=60)
+        next(rows)
+        assert len(taken) == 1 + 2 * AHEAD
 
 
 @pytest.mark.slow
