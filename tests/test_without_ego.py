@@ -10,7 +10,7 @@ import pytest
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.plan.lower import lower
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.plan.store import read_plan, write_plan
+from scenario_compiler.plan.store import read_plan, sealed, write_plan
 from scenario_compiler.recording.outcome import Outcome, judge
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.trajectory import write_trajectory
@@ -90,7 +90,7 @@ def test_init_actions_start_in_order_and_the_first_entity_is_reported() -> None:
 
 
 def test_the_plan_can_be_written_and_read(tmp_path: Path) -> None:
-    plan = planned(highway(), *BOTH, NOWHERE, init=INIT)
+    plan = sealed(planned(highway(), *BOTH, NOWHERE, init=INIT))
     write_plan(plan, tmp_path / "plan.json")
     assert read_plan(tmp_path / "plan.json", Diagnostics()) == plan
 

@@ -70,7 +70,10 @@ def _plain(value: Record | Expression) -> dict[str, Any]:
 
 
 def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:
-    """Read a plan; report each fault and return None if it is not a plan."""
+    """Read a plan; report each fault and return None if it is not a plan.
+
+    Its digest is that of its content, also if the file states another one because somebody has edited it.
+    """
     try:
         raw = read_file(path)
     except OSError as error:
@@ -86,7 +89,7 @@ def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:
         for word in (plan.controller, None if plan.controller is None else plan.controller.detector):
             if word is not None:  # a relative path of a Python file starts from the folder of the file that names it
                 word.written_at(FilePlace(str(path)))
-    return None if plan is None or sink.has_errors else plan
+    return None if plan is None or sink.has_errors else sealed(plan)
 
 
 def _parsed(raw: bytes, place: FilePlace, sink: Diagnostics) -> Plan | None:

@@ -26,6 +26,14 @@ def test_a_plan_is_written_as_its_models_say_and_read_back(repository: Path, tmp
     assert digest_of(read) == plan.digest
 
 
+def test_an_edited_plan_has_another_digest(repository: Path, tmp_path: Path) -> None:
+    plan = compile_scenario(repository / SCENARIOS[0])
+    write_plan(plan.model_copy(update={"duration": 1.0}), tmp_path / "plan.json")
+    read = read_plan(tmp_path / "plan.json", Diagnostics())
+    assert read is not None
+    assert read.digest == digest_of(read) != plan.digest
+
+
 def test_an_open_number_is_written_as_its_expression(repository: Path, tmp_path: Path) -> None:
     plan = compile_scenario(repository / "tests" / "benchmarks" / "cut_in.xml")
     write_plan(plan, tmp_path / "plan.json")
