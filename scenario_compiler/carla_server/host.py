@@ -263,12 +263,15 @@ class Host:
     def change_town(self, town: Town, *, reset: bool) -> None:
         """Begin a new episode on a map.
 
+        Its actors have other ids than those of the episodes before, as in CARLA (`FActorRegistry::ID_COUNTER`): clients
+        keep what they know of an id.
+
         That the map has changed stands in the second snapshot only: on the first one a client may still be busy with
         joining the stream.
         """
         for number in list(self._work):
             self.dismiss(number)
-        before, self.stage = self.stage, Stage(town, self.version)
+        before, self.stage = self.stage, Stage(town, self.version, self.stage.next_id)
         self.stage.remember(before)
         self.episode += 1
         self.finish_recording()

@@ -46,7 +46,7 @@ PLACES = 1024
 
 MOST_ACTORS = 4096
 FIRST_ID = 24
-"""Greatest number of actors, and the id of the first one: CARLA numbers the actors of its map first."""
+"""Greatest number of actors, and the id of the server's first one: CARLA numbers the actors of its map first."""
 
 FARTHEST = 1.0e6
 """Greatest distance from the origin at which clients may put something, m."""
@@ -66,14 +66,15 @@ class Stage:
         version: Version of CARLA whose protocol is spoken.
         gravity: The gravity that inertial units measure, m/s2.
         shapes: The debug shapes of clients.
+        next_id: The id of the next actor.
         simulation: The engine, in which every body has a place.
         driving: Hands the controls of bodies to the engine.
         measured: The states of the actors, as rows of snapshots.
     """
 
-    def __init__(self, town: Town, version: str) -> None:
+    def __init__(self, town: Town, version: str, next_id: int = FIRST_ID) -> None:
         """Begin with the map's own actors: lights, signs and the spectator."""
-        self.town, self.version = town, version
+        self.town, self.version, self.next_id = town, version, next_id
         self.gravity = GRAVITY
         self.shapes = DebugShapes()
         self.simulation = Simulation(town.network.tables, build_stage(PLACES, len(town.network.road_ids), 0.05))
@@ -81,7 +82,6 @@ class Stage:
         self.actors: dict[int, Actor] = {}
         self.collisions: list[tuple[Body, Body, tuple[float, float, float]]] = []
         self.time = 0.0
-        self._next = FIRST_ID
         self._places = list(range(PLACES - 1, -1, -1))
         self._by_place: dict[int, Body] = {}
         self._stale = True
@@ -119,8 +119,8 @@ class Stage:
         """
         if len(self.actors) >= MOST_ACTORS:
             raise CallError(f"unable to spawn actor: there are {MOST_ACTORS} already")
-        actor.id = wanted if wanted > 0 and wanted not in self.actors else self._next
-        self._next = max(self._next, actor.id + 1)
+        actor.id = wanted if wanted > 0 and wanted not in self.actors else self.next_id
+        self.next_id = max(self.next_id, actor.id + 1)
         self.actors[actor.id] = actor
         if actor.blueprint.name == TRIGGER:
             self._triggers.append(actor)

@@ -108,6 +108,15 @@ def test_a_map_is_loaded_and_begins_without_anybody(server: Served, spawn: Any) 
     assert client.load_world("town_grid").get_map().name == "Carla/Maps/town_grid"
 
 
+def test_a_new_episode_does_not_use_ids_again(server: Served, world: Any, spawn: Any) -> None:
+    """A client keeps what it knows of an id: it would take an actor for the one that had its id before."""
+    car = spawn("vehicle.audi.tt")
+    world.tick()
+    before = {actor.id for actor in world.get_actors()}
+    assert car.id in before
+    assert not before & {actor.id for actor in server.client().reload_world(False).get_actors()}
+
+
 def test_maps_are_loaded_again_and_again(server: Served) -> None:
     """The client's process used to end here, one time in six."""
     client = server.client()
