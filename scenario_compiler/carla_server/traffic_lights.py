@@ -94,8 +94,10 @@ class Group:
         return [light for phase in self.phases for light in phase]
 
     def reset(self) -> None:
-        """Begin again with the first phase's green."""
+        """Begin again with the first phase's green; each light has its state from now on."""
         self.phase, self.stage, self.since = 0, GREEN, 0.0
+        for light in self.lights:
+            light.elapsed = 0.0
         self._show()
 
     def step(self, dt: float) -> None:

@@ -51,3 +51,11 @@ def test_the_lights_of_a_controller_have_the_same_times(repository: Path) -> Non
     for _ in range(21):
         group.step(0.05)
     assert [light.state for light in group.phases[0]] == [YELLOW, YELLOW]
+
+
+def test_a_group_that_begins_again_has_shown_its_states_for_no_time(repository: Path) -> None:
+    network = load_network(repository / "maps" / "signal_crossing" / "signal_crossing.xodr", cache=False)
+    (group,) = groups_of(Signals(network))
+    group.step(3.0)
+    group.reset()
+    assert [light.elapsed for light in group.lights] == [0.0] * 4
