@@ -213,24 +213,33 @@ class Car(Body):
         return float(min([1.0, *(max(wheel[0], 0.0) for wheel in self.physics[15])]))
 
     def physics_control(self) -> list[Any]:
-        """Return its physics control: what a client gave, else CARLA's public defaults."""
-        if self.physics is not None:
-            return self.physics
+        """Return its physics control: a client's, or CARLA's public defaults; its wheels are where they are now."""
+        given = self._default_physics() if self.physics is None else self.physics
+        wheels = [[*wheel[:9], place] for wheel, place in zip(given[15], self._wheel_places(), strict=True)]
+        return [*given[:15], wheels, *given[16:]]
+
+    def _default_physics(self) -> list[Any]:
+        wheels = []
+        for front in (True, True, False, False):  # two-wheelers have four in CARLA's physics too
+            steered, held = (MAX_STEER, 0.0) if front else (0.0, 3000.0)
+            wheels.append([3.5, 0.25, steered, 30.0, 1500.0, held, 2.0, 17.0, 1000.0])
+        return [
+            *([[0.0, 500.0], [5000.0, 500.0]], 5000.0, 1.0, 0.15, 2.0, 0.35, True, 0.5, 10.0, 4.0),
+            *([[5.0, 0.5, 0.65]], self.mass, 0.3, [0.0, 0.0, 0.0], [[0.0, 1.0], [120.0, 1.0]], wheels, False),
+        ]
+
+    def _wheel_places(self) -> list[list[float]]:
+        """Return the places of its wheels, front left first, CARLA's axes, cm."""
         length, width = 0.5 * self.shape.wheelbase, 0.4 * self.shape.width
         x, y, z, _, yaw, _ = self.transform
         ahead = (math.cos(math.radians(yaw)), math.sin(math.radians(yaw)))
-        wheels = []
-        for along, across in ((1, -1), (1, 1), (-1, -1), (-1, 1)):  # two-wheelers have four in CARLA's physics too
-            place = [
+        return [
+            [
                 100.0 * (x + along * length * ahead[0] - across * width * ahead[1]),
                 100.0 * (y + along * length * ahead[1] + across * width * ahead[0]),
                 100.0 * (z + 0.3),
             ]
-            steered = MAX_STEER if along > 0 else 0.0
-            wheels.append([3.5, 0.25, steered, 30.0, 1500.0, 0.0 if along > 0 else 3000.0, 2.0, 17.0, 1000.0, place])
-        return [
-            *([[0.0, 500.0], [5000.0, 500.0]], 5000.0, 1.0, 0.15, 2.0, 0.35, True, 0.5, 10.0, 4.0),
-            *([[5.0, 0.5, 0.65]], self.mass, 0.3, [0.0, 0.0, 0.0], [[0.0, 1.0], [120.0, 1.0]], wheels, False),
+            for along, across in ((1, -1), (1, 1), (-1, -1), (-1, 1))
         ]
 
 

@@ -233,6 +233,11 @@ def test_physics_control_is_read_and_applied(world: Any, spawn: Spawn) -> None:
     physics.wheels = wheels[:2]
     car.apply_physics_control(physics)
     assert len(car.get_physics_control().wheels) == 4
+    before = car.get_physics_control().wheels[0].position
+    at = car.get_transform()
+    car.set_transform(carla.Transform(at.location + carla.Location(y=3.0), at.rotation))
+    world.tick()
+    assert car.get_physics_control().wheels[0].position.y == pytest.approx(before.y + 300.0, abs=1.0)
 
 
 def test_a_transform_moves_it_and_physics_can_be_switched_off(world: Any, spawn: Spawn) -> None:
