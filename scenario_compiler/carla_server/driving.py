@@ -16,6 +16,9 @@ STEER_RATE = 3.0
 verified for CARLA's).
 """
 
+FASTEST_WALK = 40.96
+"""Greatest speed of a walker, m/s: CARLA's (`AWalkerController::GetMaximumWalkSpeed`)."""
+
 WALKER_GAIN = 3.0
 """Acceleration and deceleration of a walker after an impact, m/s2."""
 
@@ -53,16 +56,13 @@ class Driving:
         One whose physics is off walks too: in CARLA, a controller switches it off, and characters move without it.
         """
         (x, y, _), speed, _ = walker.control
-        length = math.hypot(x, y)
-        walks = speed > 0.0 and length > 1e-6
+        wanted = _walking_speed(walker)
         if not walker.simulates:
-            self._simulation.let_pose(walker.place, posed=not walks)
-        if walks:
-            dx, dy, _ = vector_from_carla(x, y, 0.0)
+            self._simulation.let_pose(walker.place, posed=wanted == 0.0)
+        if wanted > 0.0:
+            dx, dy, _ = vector_from_carla(x * speed, y * speed, 0.0)
             self._simulation.state.h[walker.place] = math.atan2(dy, dx) % math.tau
-            self.set_speed(walker, speed)
-        else:
-            self.set_speed(walker, 0.0)
+        self.set_speed(walker, wanted)
 
     def advance(self, body: Body, dt: float) -> None:
         """Change a body's speed before a step of the engine by its control, its client and resistance."""
@@ -73,7 +73,7 @@ class Driving:
 
     def _walk_on(self, walker: Walker, dt: float) -> None:
         """Let a walker that an impact has stopped or pushed walk again as before."""
-        wanted, speed = max(walker.control[1], 0.0), self._simulation.state.v[walker.place]
+        wanted, speed = _walking_speed(walker), self._simulation.state.v[walker.place]
         if speed != wanted:
             change = WALKER_GAIN * dt
             self.set_speed(walker, min(max(wanted, speed - change), speed + change))
@@ -111,3 +111,13 @@ class Driving:
         car.gear = -1 if speed < 0.0 else 1
         car.control = [throttle, turned, brake, False, speed < 0.0, False, car.gear]
         self.command(car)
+
+
+def _walking_speed(walker: Walker) -> float:
+    """Return the speed of a walker's control, m/s: as in CARLA, the length of its direction is a factor.
+
+    `AWalkerController` hands both to `APawn::AddMovementInput`; the Unreal Engine ignores the input's vertical part and
+    limits it to the greatest speed.
+    """
+    (x, y, _), speed, _ = walker.control
+    return min(math.hypot(x, y) * abs(float(speed)), FASTEST_WALK)

@@ -21,7 +21,7 @@ from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.debug_shapes import DebugShapes
 from scenario_compiler.carla_server.departed import Departed, Gone
 from scenario_compiler.carla_server.driving import FASTEST, STEER_RATE, Driving
-from scenario_compiler.carla_server.falling import GRAVITY, Fall
+from scenario_compiler.carla_server.falling import GRAVITY, JUMP, Fall
 from scenario_compiler.carla_server.impacts import Footprint, impact
 from scenario_compiler.carla_server.measured import POSE, Measured
 from scenario_compiler.carla_server.signals import Signals
@@ -337,6 +337,8 @@ class Stage:
         for body in self._by_place.values():
             if self._triggers and isinstance(body, Car):
                 self._enter_triggers(body)
+            if isinstance(body, Walker) and body.control[2] and body.place not in self._falling:
+                self._falling[body.place] = Fall(self.pose_of(body), self.time, JUMP)
             self.driving.advance(body, dt)
         self.simulation.set_step(dt)
         self.simulation.step()

@@ -401,6 +401,36 @@ def test_a_walker_walks_where_it_is_commanded(world: Any, spawn: Spawn) -> None:
     assert walker.get_velocity().length() == pytest.approx(1.5, abs=0.01)
 
 
+def test_a_walker_walks_by_the_length_of_its_direction_and_jumps(world: Any, spawn: Spawn) -> None:
+    """As CARLA's `AWalkerController`: the direction times the speed is its movement, and it jumps with 5 m/s."""
+    import carla
+
+    walker = spawn("walker.pedestrian.0005", world.get_map().get_spawn_points()[3])
+    world.tick()
+    for x, y, z, speed, yaw, walks in (
+        (0.0, 0.5, 0.0, 2.0, 90.0, 1.0),
+        (0.0, 0.0, 0.0, 2.0, 90.0, 0.0),
+        (0.6, 0.0, 0.8, 2.0, 0.0, 1.2),
+        (3.0, 0.0, 0.0, 0.5, 0.0, 1.5),
+        (0.0, 1.0, 0.0, -1.0, -90.0, 1.0),
+        (0.0, 1.0, 0.0, 0.0, -90.0, 0.0),
+    ):
+        walker.apply_control(carla.WalkerControl(carla.Vector3D(x, y, z), speed))
+        ticks(world, 20)
+        assert walker.get_velocity().length() == pytest.approx(walks, abs=0.01)
+        assert walker.get_transform().rotation.yaw == pytest.approx(yaw, abs=0.1)
+    ground = walker.get_location().z
+    walker.apply_control(carla.WalkerControl(jump=True))
+    heights = []
+    for _ in range(30):
+        world.tick()
+        heights.append(walker.get_location().z - ground)
+        walker.apply_control(carla.WalkerControl())
+    assert max(heights) == pytest.approx(5.0**2 / (2.0 * 9.81), abs=0.02)
+    assert heights[-1] == pytest.approx(0.0, abs=1e-3)
+    assert sum(height > 0.0 for height in heights) == pytest.approx(2.0 * 5.0 / 9.81 / STEP, abs=1.0)
+
+
 def test_a_walker_that_was_hit_comes_to_rest_and_one_that_was_stopped_walks_on(world: Any, spawn: Spawn) -> None:
     import carla
 
