@@ -6,6 +6,7 @@ import asyncio
 import math
 import struct
 import time
+import traceback
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -75,6 +76,12 @@ PERCENT = (
     "dust_storm",
 )
 """Numbers of a weather that are percentages; others are as a client has given them."""
+
+
+def described(fault: Exception) -> str:
+    """Return where a fault of ours has happened, and its text, for the log."""
+    where = traceback.extract_tb(fault.__traceback__)[-1]
+    return f"at {Path(where.filename).name}:{where.lineno}: {type(fault).__name__}: {str(fault)[:200]}"
 
 
 def sky_of(numbers: Sequence[float]) -> Weather:
@@ -361,7 +368,7 @@ class Host:
                 try:
                     self.tick()
                 except Exception as fault:  # a fault of ours does not stop the clock
-                    self.once(f"a tick failed: {type(fault).__name__}: {str(fault)[:200]}")
+                    self.once(f"a tick failed {described(fault)}")
 
     def tick(self) -> int:
         """Step the world and send the snapshot to all listeners; return the number of the frame."""
@@ -393,7 +400,12 @@ class Host:
             self._bits = 0
         for number, work in list(self._work.items()):
             if self.streams.heard(number) and work.ready.done():
-                self._measure(number, work, dt)
+                try:
+                    self._measure(number, work, dt)
+                except Exception as fault:  # a fault of ours stops this sensor only
+                    del self._work[number]
+                    name = self.stage.actors[number].blueprint.name
+                    self.log(f"sensor {number} ({name}) is stopped: it failed {described(fault)}")
         self._tell_collisions()
 
     def _measure(self, number: int, work: Work, dt: float) -> None:
@@ -405,10 +417,7 @@ class Host:
                 return
             late = sensor.due < self.stage.time - every
             sensor.due = self.stage.time + every if late else sensor.due + every
-        fault = work.ready.exception()
-        if fault is not None:
-            self.once(f"sensor {number} ({sensor.blueprint.name}) cannot work: {fault}")
-            return
+        work.ready.result()
         body = work.instrument.measure(self.stage, sensor, self.frame, dt, self.sky)
         sensor.measured += 1
         if body is not None:

@@ -8,15 +8,13 @@ This table checks the arguments of every call before anything else sees them, ma
 from __future__ import annotations
 
 import asyncio
-import traceback
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 from scenario_compiler.carla_server.answers import actors, batch, lights, looking, records, session, vehicles
 from scenario_compiler.carla_server.call_error import CallError
-from scenario_compiler.carla_server.host import Host
+from scenario_compiler.carla_server.host import Host, described
 from scenario_compiler.carla_server.layouts import (
     ACKERMANN,
     ACKERMANN_SETTINGS,
@@ -378,9 +376,7 @@ class Protocol:
             return self._our_fault(call, fault)
 
     def _our_fault(self, call: Call, fault: Exception) -> Any:
-        where = traceback.extract_tb(fault.__traceback__)[-1]
-        place = f"{Path(where.filename).name}:{where.lineno}"
-        self.host.once(f"call '{call.name}' failed at {place}: {type(fault).__name__}: {str(fault)[:200]}")
+        self.host.once(f"call '{call.name}' failed {described(fault)}")
         return _failed(call, f"{call.name} failed in the server: {type(fault).__name__}")
 
 

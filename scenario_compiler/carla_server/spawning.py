@@ -13,6 +13,20 @@ from scenario_compiler.frames import CarlaTransform
 BOOLS = ("true", "false")
 """Texts that clients read as true or false."""
 
+MOST_PIXELS = 4096 * 4096
+"""Greatest number of pixels of an image."""
+
+LARGEST = 1e30
+LIMITS = {
+    "image_size_x": (1, 32_766),
+    "image_size_y": (1, 32_766),
+    "fov": (1e-3, 170.0),
+    "channels": (1, 1024),
+    "range": (0.0, LARGEST),
+    "points_per_second": (0.0, 1e7),
+}
+"""Greatest magnitude of a sensor's numbers, and the bounds of some: pixels as OpenCV can draw them, degrees, m, 1/s."""
+
 
 def check_attributes(version: str, description: list[Any]) -> None:
     """Refuse attributes that clients cannot read: each client that asked for the world's actors would get an error.
@@ -65,10 +79,27 @@ def new_body(version: str, description: list[Any], transform: CarlaTransform) ->
 
 
 def new_actor(version: str, description: list[Any], transform: CarlaTransform) -> Actor:
-    """Return an actor that is on no stage yet; see `new_body`."""
+    """Return an actor that is on no stage yet; see `new_body`.
+
+    Raises:
+        CallError: As there, or a sensor cannot work with one of its attributes.
+    """
     blueprint = blueprint_of(version, description[1])
     if blueprint.vehicle is not None:
         return new_body(version, description, transform)
-    known = blueprint.name in INSTRUMENTS or blueprint.name in ON_OCCASION
-    made = Sensor if known else Actor
-    return made(0, blueprint, attributes_of(blueprint, description), description, transform)
+    attributes = attributes_of(blueprint, description)
+    if blueprint.name not in INSTRUMENTS and blueprint.name not in ON_OCCASION:
+        return Actor(0, blueprint, attributes, description, transform)
+    sensor = Sensor(0, blueprint, attributes, description, transform)
+    _check_numbers(sensor)
+    return sensor
+
+
+def _check_numbers(sensor: Sensor) -> None:
+    """Refuse numbers with which a sensor could not measure, or not in any useful time."""
+    for name in sensor.attributes:
+        value, (least, most) = sensor.number(name), LIMITS.get(name, (-LARGEST, LARGEST))
+        if not least <= value <= most:
+            raise CallError(f"unable to spawn actor: its attribute '{name}' is {value:g}, not {least:g} to {most:g}")
+    if sensor.number("image_size_x") * sensor.number("image_size_y") > MOST_PIXELS:
+        raise CallError(f"unable to spawn actor: an image has at most {MOST_PIXELS} pixels")

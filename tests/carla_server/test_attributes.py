@@ -95,3 +95,28 @@ def test_what_clients_can_read_passes(version: str) -> None:
     for wrong in (first_kind(version) - 1, first_kind(version) + len(KINDS)):
         with pytest.raises(CallError, match="type"):
             check_attributes(version, [1, "vehicle.audi.tt", [["mine", wrong, ""]]])
+
+
+@pytest.mark.parametrize(
+    ("blueprint", "attributes"),
+    [
+        ("sensor.camera.rgb", {"image_size_x": "100000"}),
+        ("sensor.camera.depth", {"image_size_y": "0"}),
+        ("sensor.camera.dvs", {"image_size_x": "30000", "image_size_y": "30000"}),
+        ("sensor.camera.rgb", {"fov": "175"}),
+        ("sensor.lidar.ray_cast", {"range": "-10"}),
+        ("sensor.lidar.ray_cast_semantic", {"points_per_second": "-1e30"}),
+        ("sensor.lidar.ray_cast", {"channels": "2000"}),
+        ("sensor.other.radar", {"points_per_second": "1e9"}),
+        ("sensor.other.radar", {"range": "-100"}),
+        ("sensor.other.imu", {"noise_accel_stddev_x": "1e308"}),
+    ],
+)
+def test_a_number_with_which_a_sensor_cannot_measure_is_refused(blueprint: str, attributes: dict[str, str]) -> None:
+    with pytest.raises(CallError, match=r"unable to spawn actor: (its attribute '|an image has at most )"):
+        actor(blueprint, **attributes)
+
+
+def test_the_greatest_numbers_of_sensors_can_be_spawned() -> None:
+    actor("sensor.camera.rgb", image_size_x="32766", image_size_y="512", fov="170")
+    actor("sensor.lidar.ray_cast", channels="1024", points_per_second="1e7", range="0")

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.carla_server.actors import Body, Car, Sensor, channels_of
-from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.shared_camera import SEED, SharedCamera
 from scenario_compiler.carla_server.stage import Stage
 from scenario_compiler.carla_server.traffic_lights import GREEN, RED, YELLOW
@@ -30,10 +29,6 @@ Image = NDArray[np.uint8]
 
 IMAGE = struct.Struct("<IIf")
 """Width, height and field of view, before the pixels."""
-
-MOST_PIXELS = 4096 * 4096
-WIDEST = 170.0
-"""Greatest number of pixels of an image, and the widest field of view, degrees."""
 
 CLOSE = 0.3
 """Distance outside its carrier's box up to which a camera does not see its carrier, m."""
@@ -54,15 +49,9 @@ class CameraInstrument:
     """Base class of cameras; the drawing is prepared for each mounting."""
 
     def __init__(self, stage: Stage, sensor: Sensor) -> None:
-        """Read its attributes.
-
-        Raises:
-            CallError: The image would be too large or its field of view too wide.
-        """
-        self.width, self.height = (max(int(sensor.number(f"image_size_{axis}")), 1) for axis in "xy")
+        """Read its attributes."""
+        self.width, self.height = (int(sensor.number(f"image_size_{axis}")) for axis in "xy")
         self.fov = sensor.number("fov")
-        if self.width * self.height > MOST_PIXELS or not 0.0 < self.fov <= WIDEST:
-            raise CallError(f"unable to spawn actor: an image has at most {MOST_PIXELS} pixels and {WIDEST:g} degrees")
         self.town = stage.town
         self._camera: SharedCamera | None = None
         self._mounted: tuple[float, ...] = ()

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.carla_server.actors import Body, Sensor, Walker
-from scenario_compiler.carla_server.call_error import CallError
 from scenario_compiler.carla_server.sensors.instrument import Simple, generator
 from scenario_compiler.carla_server.stage import Stage
 from scenario_compiler.frames import carla_axes
@@ -162,16 +161,10 @@ class Lidar(RayCaster):
     """A lidar that turns, plain or semantic."""
 
     def __init__(self, stage: Stage, sensor: Sensor) -> None:
-        """Begin to turn.
-
-        Raises:
-            CallError: It would cast too many rays.
-        """
+        """Begin to turn."""
         super().__init__(stage, sensor)
-        self.channels = max(int(sensor.number("channels")), 1)
+        self.channels = int(sensor.number("channels"))
         self.semantic = sensor.blueprint.name.endswith("semantic")
-        if self.channels > 1024 or sensor.number("points_per_second") > 20 * MOST_RAYS:
-            raise CallError("unable to spawn actor: the lidar has too many channels or points")
         self._angle = 0.0
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
