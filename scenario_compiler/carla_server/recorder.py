@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -124,8 +125,7 @@ class Recording:
             lines += [f" Collision between {one} and {other}" for one, other in met]
             if every:
                 lines += [f"  {number}: {', '.join(f'{x:.3f}' for x in at)}" for number, at, _ in states]
-        last = self.frames[-1] if self.frames else [0, 0.0]
-        return "\n".join([*lines, "", f"Frames: {len(self.frames)}", f"Duration: {last[1]:g} seconds"])
+        return "\n".join([*lines, "", self._length()])
 
     def collisions(self, first: str, second: str) -> str:
         """Return the collisions between two kinds of actors, in the columns of CARLA's.
@@ -144,24 +144,37 @@ class Recording:
                         lines.append(f"{time:8.1f}  {wanted[0]} {wanted[1]}   {a:>6} {names[0]:<28} {b:>6} {names[1]}")
                         break
             touching = now
-        return "\n".join([*lines, "", f"Frames: {len(self.frames)}"])
+        return "\n".join([*lines, "", self._length()])
 
     def blocked(self, least_time: float, least_distance: float) -> str:
-        """Return the actors that have moved less than a distance for a time, in CARLA's columns."""
+        """Return each stop of an actor, in CARLA's columns, the longest first (`CarlaRecorderQuery::QueryBlocked`).
+
+        Args:
+            least_time: Least duration of a stop, s.
+            least_distance: Distance from where the actor stopped at which the stop is over, cm.
+        """
         lines = [f"{'Time':>8}      Id Actor                                Duration", ""]
-        since: dict[int, tuple[float, list[float]]] = {}
-        told: dict[int, float] = {}
-        for _, time, _, states, _ in self.frames:
-            for number, at, _ in states:
-                begin, where = since.get(number, (time, at))
-                apart = sum((a - b) ** 2 for a, b in zip(at[:3], where[:3], strict=True)) ** 0.5
-                if number not in since or apart > least_distance / 100.0:
-                    since[number], begin = (time, at), time
-                if time - begin >= least_time:
-                    told[number] = time - begin
-        for number, lasted in sorted(told.items()):
-            lines.append(f"{since[number][0]:8.1f}  {number:>6} {self._name(number):<36} {lasted:8.1f}")
-        return "\n".join([*lines, "", f"Frames: {len(self.frames)}"])
+        places: dict[int, list[float]] = {}
+        stops: dict[int, tuple[float, float]] = {}
+        found: list[tuple[float, float, int]] = []
+        for _, time, dt, states, *_ in self.frames:
+            for number, at, *_ in states:
+                if number in places and 100.0 * math.dist(at[:3], places[number]) < least_distance:
+                    begin, lasted = stops.get(number, (time, 0.0))
+                    stops[number] = (begin, lasted + dt)
+                    continue
+                places[number] = at[:3]
+                if number in stops:
+                    found.append((*stops.pop(number), number))
+        found += [(*stop, number) for number, stop in stops.items()]
+        for begin, lasted, number in sorted(found, key=lambda one: -one[1]):
+            if lasted >= least_time:
+                lines.append(f"{begin:8.1f}  {number:>6} {self._name(number):<36} {lasted:8.1f}")
+        return "\n".join([*lines, "", self._length()])
+
+    def _length(self) -> str:
+        last = self.frames[-1] if self.frames else [0, 0.0]
+        return f"Frames: {len(self.frames)}\nDuration: {last[1]:g} seconds"
 
     def _name(self, number: int) -> str:
         name: str = self.actors[number][0][1]
