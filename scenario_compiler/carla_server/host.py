@@ -373,17 +373,17 @@ class Host:
     def tick(self) -> int:
         """Step the world and send the snapshot to all listeners; return the number of the frame."""
         dt = self.step_length
-        if self.replay is not None and not self.replay.pose(self.stage, self.version, dt, self.played):
+        if self.replay is not None and not self.replay.play(self.stage, dt, self.played):
             self.replay.finish(self.stage)
             self.replay = None
-        self.stage.step(dt)
+        self.stage.step(dt, switches=self.replay is None)
         self.frame += 1
+        if self.recorder is not None:
+            self.recorder.note(self.stage, dt)
         for car in self.stage.bodies():
             if isinstance(car, Car) and not car.sticky:
                 car.control = [0.0, 0.0, 0.0, False, False, False, 0]
                 self.stage.driving.command(car)
-        if self.recorder is not None:
-            self.recorder.note(self.stage, dt)
         self._send(dt)
         self._held_for -= 1
         if self._held_for <= 0:

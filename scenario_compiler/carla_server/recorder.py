@@ -1,4 +1,4 @@
-"""Recordings of the server: actors, poses and collisions of each frame, in a format of our own."""
+"""Recordings of the server: bodies, collisions and traffic lights of each frame, in a format of our own."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.frames import CarlaTransform, carla_attached
 from scenario_compiler.outputs import write_whole
 
-MAGIC = "scenario-compiler recording 1"
+MAGIC = "scenario-compiler recording 2"
 MOST_STATES = 2_000_000
-"""Greatest number of states of bodies in a recording, over all frames; later ones are left out."""
+"""Greatest number of states of bodies and lights in a recording, over all frames; later ones are left out."""
 
 BEHIND = CarlaTransform(-10.0, 0.0, 5.0, -25.0, 0.0, 0.0)
 """Transform of a spectator relative to the body that it follows (`CarlaReplayer`)."""
@@ -49,8 +49,9 @@ class Recorder:
         path: File into which it is written when it ends.
         town: Name of the map.
         actors: Bodies that have been there: id to description and kind.
-        frames: Frame, time, step, states (id, transform, speed) and collisions (ids). As in CARLA's recordings, frames
-            are counted from 1, and times from the first frame on.
+        frames: Frame, time, step, states (id, transform, speed, control with the gear that a vehicle is in, bits of its
+            lights), collisions (ids) and traffic lights (signal, state, elapsed time, whether it is frozen). As in
+            CARLA's recordings, frames are counted from 1, and times from the first frame on.
         kept: Number of states recorded so far.
         begin: Time of the first frame in the episode, s.
     """
@@ -72,10 +73,14 @@ class Recorder:
         for body in stage.bodies():
             if body.id not in self.actors:
                 self.actors[body.id] = [body.description, _kind(body)]
-            states.append([body.id, list(stage.transform_of(body)), stage.simulation.state.v[body.place]])
+            speed = stage.simulation.state.v[body.place]
+            states.append([body.id, list(stage.transform_of(body)), speed, *_control_of(body)])
         met = [[one.id, other.id] for one, other, _ in stage.collisions]
-        self.kept += len(states) + 1
-        self.frames.append([len(self.frames) + 1, stage.time - self.begin, dt, states, met])
+        lights = [
+            [light.signal, light.state, light.elapsed, light.frozen] for group in stage.groups for light in group.lights
+        ]
+        self.kept += len(states) + len(lights) + 1
+        self.frames.append([len(self.frames) + 1, stage.time - self.begin, dt, states, met, lights])
 
     def write(self) -> None:
         """Write it."""
@@ -110,21 +115,24 @@ class Recording:
         return cls(name, town, actors, frames)
 
     def info(self, every: bool) -> str:
-        """Return CARLA's text on a recording: the actors as they appear, with `every` also their states by frame."""
+        """Return CARLA's text on a recording: actors as they come and go, with `every` also their states by frame."""
         lines = ["Version: 1", f"Map: {self.town}", ""]
-        known: set[int] = set()
-        for frame, time, _, states, met in self.frames:
-            new = [state[0] for state in states if state[0] not in known]
-            if new or met or every:
+        before: dict[int, None] = {}
+        for frame, time, _, states, met, _ in self.frames:
+            there = {state[0]: None for state in states}
+            new = [number for number in there if number not in before]
+            gone = [number for number in before if number not in there]
+            if new or gone or met or every:
                 lines.append(f"Frame {frame} at {time:g} seconds")
             for number in new:
                 (_, name, attributes), kind = self.actors[number]
                 lines.append(f" Create {number}: {name} ({kind})")
                 lines += [f"  {key} = {value}" for key, _, value in attributes]
-            known.update(new)
+            lines += [f" Destroy {number}" for number in gone]
             lines += [f" Collision between {one} and {other}" for one, other in met]
             if every:
-                lines += [f"  {number}: {', '.join(f'{x:.3f}' for x in at)}" for number, at, _ in states]
+                lines += [f"  {number}: {', '.join(f'{x:.3f}' for x in at)}" for number, at, *_ in states]
+            before = there
         return "\n".join([*lines, "", self._length()])
 
     def collisions(self, first: str, second: str) -> str:
@@ -134,7 +142,7 @@ class Recording:
         """
         lines = [f"{'Time':>8}  Types     Id Actor 1                     Id Actor 2", ""]
         touching: set[tuple[int, int]] = set()
-        for _, time, _, _, met in self.frames:
+        for _, time, _, _, met, _ in self.frames:
             now = {(one, other) for one, other in met}
             for one, other in sorted(now - touching):
                 kinds = [self._letter(number) for number in (one, other)]
@@ -204,14 +212,15 @@ class Played:
 
 @dataclass(eq=False)
 class Replay:
-    """A recording that is played: its bodies are posed frame by frame.
+    """A recording that is played: its bodies and the map's traffic lights get their recorded states frame by frame.
 
     As in CARLA (`CarlaReplayerHelper`, `FActorRegistry::Register`), a body that is still there, with its id and of its
-    blueprint, is used again, another one is spawned with its old id, or with a new one if somebody else has that.
+    blueprint, is used again, another one is spawned with its old id, or with a new one if somebody else has that. A
+    body is removed where it was destroyed in the recording.
 
     Attributes:
         recording: The recording.
-        at: Place of the next frame.
+        at: Place of the present frame.
         time: Time in the recording, s.
         end: Time at which it ends, s.
         followed: Id of the body that the spectator follows, 0 for none.
@@ -227,56 +236,111 @@ class Replay:
     offset: CarlaTransform = BEHIND
     ids: dict[int, int] = field(default_factory=dict)
 
-    def pose(self, stage: Stage, version: str, dt: float, played: Played) -> bool:
-        """Put its bodies at their recorded places; return False if it is over."""
-        frames = self.recording.frames
+    def play(self, stage: Stage, dt: float, played: Played) -> bool:
+        """Go on by a step and show the frame of that time; return False if the recording is over."""
+        frames, place = self.recording.frames, self.at
         self.time += dt * played.pace
-        while self.at < len(frames) and frames[self.at][1] < self.time - 1e-6:
-            self.at += 1
-        if self.at >= len(frames) or self.time > self.end:
+        while place < len(frames) and frames[place][1] < self.time - 1e-6:
+            place += 1
+        self._go_to(stage, place, played)
+        if place >= len(frames) or self.time > self.end + 1e-6:
             return False
-        for number, at, speed in frames[self.at][3]:
-            body = self._body(stage, version, number, CarlaTransform(*at))
-            if body is None or (played.without_hero and self.recording.is_hero(number)):
-                continue
-            self._put(stage, body, CarlaTransform(*at))
-            stage.driving.set_speed(body, speed)
-            if isinstance(body, Car):
-                stage.let_simulate(body, False)
+        for number, at, speed, control, lamps in frames[place][3]:
+            body = stage.actors.get(self.ids.get(number, 0))
+            if isinstance(body, Body) and not self._leaves_out(number, played):
+                self._show(stage, body, CarlaTransform(*at), speed)
+                if isinstance(body, Car):
+                    body.control, body.gear, body.ackermann, body.lights = control, control[6], None, lamps
+                elif isinstance(body, Walker):
+                    body.control = [*control[:2], False]  # its height is recorded
+        lights = {light.signal: light for group in stage.groups for light in group.lights}
+        for signal, state, elapsed, frozen in frames[place][5]:
+            light = lights.get(signal)
+            if light is not None:
+                light.state, light.elapsed, light.frozen = state, elapsed, frozen
         followed = stage.actors.get(self.ids.get(self.followed, 0))
         if followed is not None:
             self._put(stage, stage.spectator, carla_attached(stage.transform_of(followed), self.offset))
         return True
 
-    def _put(self, stage: Stage, actor: Actor, at: CarlaTransform) -> None:
-        """Put an actor at a transform; it stays where it is if that is too far away."""
-        with contextlib.suppress(CallError):
-            stage.put(actor, at)
-
-    def _body(self, stage: Stage, version: str, number: int, at: CarlaTransform) -> Body | None:
-        """Return the body of a recorded id, spawned if necessary; None if there is no room for it."""
-        found = stage.actors.get(self.ids.get(number, number))
-        description, _ = self.recording.actors[number]
-        if not isinstance(found, Body) or found.blueprint.name != description[1]:
-            try:
-                found = stage.add_body(new_body(version, description, at), number)
-            except CallError:
-                return None
-        self.ids[number] = found.id
-        return found
+    def stop(self, stage: Stage, played: Played) -> None:
+        """End it as CARLA does: bodies come and go as in its rest, and vehicles can be driven again."""
+        self._go_to(stage, len(self.recording.frames), played)
+        self.finish(stage)
 
     def finish(self, stage: Stage) -> None:
         """Let physics move its vehicles again, and its walkers stand."""
         for number in self.ids.values():
             body = stage.actors.get(number)
             if isinstance(body, Car):
-                body.control = [0.0, 0.0, 0.0, False, False, False, 0]
+                body.control, body.gear = [0.0, 0.0, 0.0, False, False, False, 0], 1
                 stage.driving.command(body)
                 stage.let_simulate(body, True)
             elif isinstance(body, Walker):
                 body.control = [body.control[0], 0.0, False]
+                stage.simulation.let_pose(body.place, posed=not body.simulates)
                 stage.driving.walk(body)
+
+    def _go_to(self, stage: Stage, place: int, played: Played) -> None:
+        """Spawn and remove bodies as in the frames up to a place; beyond the last frame, up to that."""
+        passed = self.recording.frames[self.at : place + 1]
+        if not passed:
+            return
+        self.at = place
+        there = {number: CarlaTransform(*at) for number, at, *_ in passed[-1][3]}
+        seen = {*self.ids, *(state[0] for frame in passed for state in frame[3])}
+        for number in sorted(seen - there.keys()):
+            body = self._found(stage, number)
+            self.ids.pop(number, None)
+            if body is not None and not self._leaves_out(number, played):
+                stage.destroy(body.id)
+        for number, at in there.items():
+            if number not in self.ids and not self._leaves_out(number, played):
+                self._appear(stage, number, at)
+
+    def _appear(self, stage: Stage, number: int, at: CarlaTransform) -> None:
+        """Find or spawn the body of a recorded id, if there is room for it."""
+        body = self._found(stage, number)
+        if body is None:
+            description, _ = self.recording.actors[number]
+            try:
+                body = stage.add_body(new_body(stage.version, description, at), number)
+            except CallError:
+                return
+        self.ids[number] = body.id
+
+    def _found(self, stage: Stage, number: int) -> Body | None:
+        """Return the body of a recorded id; None if there is none of its blueprint."""
+        body = stage.actors.get(self.ids.get(number, number))
+        (_, name, _), _ = self.recording.actors[number]
+        return body if isinstance(body, Body) and body.blueprint.name == name else None
+
+    def _leaves_out(self, number: int, played: Played) -> bool:
+        return played.without_hero and self.recording.is_hero(number)
+
+    def _show(self, stage: Stage, body: Body, at: CarlaTransform, speed: float) -> None:
+        """Put a body where it was, at its speed; one that is attached goes along with its carrier."""
+        if body.parent in stage.actors:
+            return
+        if isinstance(body, Car):
+            stage.let_simulate(body, False)
+        elif isinstance(body, Walker):
+            stage.simulation.let_pose(body.place, posed=True)
+        self._put(stage, body, at)
+        stage.driving.set_speed(body, speed)
+
+    def _put(self, stage: Stage, actor: Actor, at: CarlaTransform) -> None:
+        """Put an actor at a transform; it stays where it is if that is too far away."""
+        with contextlib.suppress(CallError):
+            stage.put(actor, at)
 
 
 def _kind(body: Body) -> str:
     return "vehicle" if isinstance(body, Car) else "walker" if isinstance(body, Walker) else "other"
+
+
+def _control_of(body: Body) -> tuple[list[Any], int]:
+    """Return the control of a body and the bits of its lights, as recordings have them."""
+    if isinstance(body, Car):
+        return [*body.control[:6], body.gear], body.lights
+    return body.control if isinstance(body, Walker) else [], 0

@@ -70,21 +70,18 @@ async def replay(
     first = recording.frames[0][1] if recording.frames else 0.0
     start_at = first + begin if begin >= 0.0 else last + begin
     end = start_at + duration if duration > 0.0 else last
-    if host.replay is not None:
-        host.replay.finish(host.stage)
+    stop_replay(host, keep=False)
     host.replay = Replay(recording, 0, start_at, end, follow, BEHIND if offset is None else transform_of(offset))
     return f"Replaying File: {name}\n\nReplaying from {begin:g} s, {end - start_at:g} s of {last - first:g} s."
 
 
 def stop_replay(host: Host, keep: bool) -> None:
-    """Stop playing a recording, and remove its bodies unless the client wants to keep them."""
+    """Stop playing a recording; without `keep`, the bodies that its rest destroys are removed, as in CARLA."""
     playing, host.replay = host.replay, None
     if playing is not None and keep:
         playing.finish(host.stage)
     elif playing is not None:
-        for number in playing.ids.values():
-            if number in host.stage.actors:
-                host.stage.destroy(number)
+        playing.stop(host.stage, host.played)
 
 
 def set_pace(host: Host, factor: float) -> None:
