@@ -273,8 +273,7 @@ class Host:
         Its actors have other ids than those of the episodes before, as in CARLA (`FActorRegistry::ID_COUNTER`): clients
         keep what they know of an id.
 
-        That the map has changed stands in the second snapshot only: on the first one a client may still be busy with
-        joining the stream.
+        Its first snapshot says that the map has changed, as CARLA's does: before, a client of 0.9.15 has the old one.
         """
         for number in list(self._work):
             self.dismiss(number)
@@ -286,10 +285,10 @@ class Host:
         if reset:
             self.settings = Settings()
             self._free.set()
+        self._bits |= MAP_CHANGED
         asyncio.get_running_loop().run_in_executor(None, town.prepare)
         self.tick()
         self._let_managers_go()
-        self._bits |= MAP_CHANGED
 
     def change_town_when_joined(self, town: Town, *, reset: bool) -> None:
         """Begin a new episode on a map as soon as the client that asked for it listens to the snapshots again."""
