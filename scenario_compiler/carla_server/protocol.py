@@ -158,7 +158,7 @@ CALLS = (
         "spring arms are stiff, sockets are not known; a vehicle or a walker does not go along",
         before=(DESCRIPTION, TRANSFORM, U32, U32),
     ),
-    Call("destroy_actor", (U32,), BOOL, actors.destroy),
+    Call("destroy_actor", (U32,), BOOL, actors.destroy, "lights, signs and the spectator stay, which is an error"),
     Call("get_actors_by_id", (array(U32),), array(ACTOR), actors.actors_by_id),
     Call("get_spectator", (), ACTOR, actors.spectator),
     Call("get_actor_bounding_box", (U32,), BOX, actors.bounding_box, since="0.9.16"),
@@ -232,7 +232,7 @@ CALLS = (
     ignored("enable_chrono_physics", "Chrono is not part of this server", U32, U64, REAL, TEXT, TEXT, TEXT, TEXT),
     ignored("restore_physx_physics", "the physics is never changed", U32, since="0.9.16"),
     # Walkers.
-    Call("apply_control_to_walker", (U32, WALKER_CONTROL), NOTHING, vehicles.walk),
+    Call("apply_control_to_walker", (U32, WALKER_CONTROL), NOTHING, vehicles.walk, "jumps begin on the ground only"),
     Call("get_bones_transform", (U32,), BONES_OUT, vehicles.bones, "those that were set"),
     Call("set_bones_transform", (U32, BONES), NOTHING, vehicles.set_bones, "kept, not drawn"),
     ignored("blend_pose", BONELESS, U32, REAL),
