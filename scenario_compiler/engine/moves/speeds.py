@@ -2,8 +2,9 @@
 
 The speed is taken at the progress after the step, so it changes in the first step already. A relative target is
 evaluated again in every step. A change by a rate keeps its rate while the target moves, so its duration is computed
-again for the whole change ("rate: change per second", ASAM OpenSCENARIO, DynamicsDimension). A change that exceeds the
-entity's limits takes longer; accelerations that still exceed them are limited. After esmini 3.6.
+again for the whole change ("rate: change per second", ASAM OpenSCENARIO, DynamicsDimension); a target that has been
+reached is then followed exactly. A change that exceeds the entity's limits takes longer; accelerations that still
+exceed them are limited. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -148,7 +149,8 @@ def step_speed(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
     continuous = p.action_flags[k] & op.FLAG_CONTINUOUS
     if p.action_other[k] >= 0:
         st.action_change[k] = wanted_speed(p, st, k) - st.action_from[k]
-        st.action_span[k] = span_to_moving_target(p, st, k)
+        if st.action_progress[k] < st.action_span[k] - op.TOLERANCE:
+            st.action_span[k] = span_to_moving_target(p, st, k)
     elif st.action_span[k] <= 0.0:
         return 1
     span = st.action_span[k]

@@ -111,6 +111,17 @@ def test_a_continuous_target_is_followed(tmp_path: Path) -> None:
     assert [run.at("A", time).v for time in (8.0, 9.0)] == pytest.approx([7.5, 8.0])
 
 
+def test_a_continuous_target_that_was_reached_is_followed_exactly(tmp_path: Path) -> None:
+    """A reaches 20 m/s at 5 m/s2; B then brakes at 8 m/s2 to less than A had at the start."""
+    actors = {"B": Actor(lane=-2, s=400.0, speed=20.0), "A": Actor()}
+    events = [
+        Event("B", speed(4.0, by("linear", "rate", 8.0)), 5.0),
+        Event("A", relative_speed("B", 0.0, by("linear", "rate", 5.0), continuous="true")),
+    ]
+    run = play(tmp_path, actors, events)
+    assert [run.at("A", time).v for time in (2.0, 3.0, 6.0, 6.5, 7.0)] == pytest.approx([15.0, 20.0, 12.0, 8.0, 4.0])
+
+
 def profile(following: str, entries: str, limits: str = "", other: str = "") -> str:
     """Return a profile of speeds; entries as `speed` or `speed@time`."""
     told = ""
