@@ -2,7 +2,8 @@
 
 Without limits the entity is put at the distance and takes the other's speed; with limits a critically damped spring
 moves it there. The distance is measured along the roads, the centre line of the entity's lane, the trajectory that it
-follows or its own axis, between the reference points or the boxes. After esmini 3.6.
+follows or its own axis, between the reference points or the boxes. After esmini 3.6, except that the distance does not
+depend on which of the two entities an action moves first in a step.
 """
 
 from __future__ import annotations
@@ -105,7 +106,11 @@ def start_keep_distance(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Advance towards the distance; return 1 if the step begins near enough to one that need not be kept."""
+    """Advance towards the distance; return 1 if the step begins near enough to one that need not be kept.
+
+    If an action has already moved one of the two entities in this step, the other one still has its way of the step to
+    go.
+    """
     i = p.action_entity[k]
     j = p.action_other[k]
     if j < 0 or (p.entity_motion[i] != op.MOTION_SCRIPTED and i != p.ego[0]):
@@ -117,6 +122,7 @@ def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) 
     wanted = st.action_b[k]
     if flags & op.FLAG_TIME_GAP != 0:
         wanted = wanted * abs(st.v[j])
+    ahead = ahead + (st.moved[i] - st.moved[j]) * st.v[j] * dt
     error = gap_beyond(ahead, reach) - st.action_a[k] * wanted
     done = 1 if flags & op.FLAG_CONTINUOUS == 0 and abs(error) < NEAR_ENOUGH else 0
     if flags & op.FLAG_LIMITED != 0:

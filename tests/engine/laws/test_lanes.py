@@ -377,6 +377,22 @@ def test_a_distance_is_kept_along_the_trajectory_that_is_followed(tmp_path: Path
     assert run.at("A", 40.0).y == pytest.approx(48.25 - (5.0 if freespace == "true" else 0.0), abs=0.05)
 
 
+@pytest.mark.parametrize("limits", ["", 'maxAcceleration="5" maxDeceleration="5" maxSpeed="40"'])
+@pytest.mark.parametrize("mover", ["change", "trajectory"])
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("who", ["A", "B"])
+def test_a_kept_distance_does_not_depend_on_the_order_of_the_actions(
+    tmp_path: Path, who: str, order: int, mover: str, limits: str
+) -> None:
+    """A begins 20 m behind B; one of them changes lane or follows a trajectory from 1 s on."""
+    keep = Event("A", distance('distance="20" freespace="false" continuous="true"', limits))
+    lane_by_lane = lane_change(RIGHT, by("linear", "time", 100.0))
+    moved = lane_by_lane if mover == "change" else follow(polyline(f"{60 if who == 'A' else 80} -1.75", "900 -1.75"))
+    actors = {"B": Actor(s=70.0), "A": Actor()}
+    run = play(tmp_path, actors, [keep, Event(who, moved)][::order], seconds=8.0)
+    assert run.at("B", 8.0).x - run.at("A", 8.0).x == pytest.approx(20.0, abs=1e-3)
+
+
 def test_a_lateral_distance_that_is_not_given_is_0(tmp_path: Path) -> None:
     """A drives in the lane beside B's and is put into line with it: "missing value is interpreted as 0"."""
     beside = (
