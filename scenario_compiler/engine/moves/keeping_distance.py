@@ -32,6 +32,7 @@ from scenario_compiler.engine.motion.spring import spring_acceleration
 from scenario_compiler.engine.motion.tracks import track_followed
 from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
 from scenario_compiler.engine.moves.speeds import push_speed, set_speed
+from scenario_compiler.engine.moves.trajectories import keeps_times, move_on_track
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
@@ -105,6 +106,17 @@ def start_keep_distance(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 
 @compiled
+def shift_ahead(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None:
+    """Move a scripted entity a signed distance forwards at once, along its trajectory without times or its lane."""
+    follows = track_followed(p, st, i)
+    if follows < 0:
+        glide(n, p, st, i, distance)
+        place_scripted(n, st, i)
+    elif keeps_times(p, st, follows) == 0:
+        move_on_track(n, p, st, follows, distance)
+
+
+@compiled
 def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
     """Advance towards the distance; return 1 if the step begins near enough to one that need not be kept.
 
@@ -129,8 +141,7 @@ def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) 
         drive_to_distance(p, st, k, error, dt)
     else:
         if p.entity_motion[i] == op.MOTION_SCRIPTED:
-            glide(n, p, st, i, error)
-            place_scripted(n, st, i)
+            shift_ahead(n, p, st, i, error)
         set_speed(p, st, i, st.v[j])
     return done
 

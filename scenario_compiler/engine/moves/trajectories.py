@@ -145,17 +145,16 @@ def step_by_time(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int
 
 
 @compiled
-def step_by_speed(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Move an entity along its trajectory at its speed; return 1 if it has reached an end of it.
+def move_on_track(n: RoadTables, p: Program, st: State, k: int, distance: float) -> int:
+    """Move an entity a signed distance forwards along its trajectory; return 1 if it has reached an end of it.
 
-    If the vertices have headings, the part of a step beyond the end goes in the direction that the entity faces, even
-    if it reverses.
+    If the vertices have headings, the part of the distance beyond the end goes in the direction that the entity faces,
+    even if it reverses.
     """
-    i = p.action_entity[k]
     track = p.action_other[k]
     length = track_length(p, st, track)
     sense = st.action_change[k]
-    ds = sense * st.v[i] * dt
+    ds = sense * distance
     s = st.action_a[k] + ds
     if p.track_closed[track] == 1 and length > op.TOLERANCE:
         put_on_track(n, p, st, k, s % length, 0.0)
@@ -180,7 +179,7 @@ def step_trajectory(n: RoadTables, p: Program, st: State, k: int, dt: float) -> 
     if keeps_times(p, st, k) == 1:
         done = step_by_time(n, p, st, k, dt)
     else:
-        done = step_by_speed(n, p, st, k, dt)
+        done = move_on_track(n, p, st, k, st.v[i] * dt)
     if done == 1 and st.road[i] < 0:
         st.ended[i] = 1
     return done

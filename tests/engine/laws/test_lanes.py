@@ -377,6 +377,15 @@ def test_a_distance_is_kept_along_the_trajectory_that_is_followed(tmp_path: Path
     assert run.at("A", 40.0).y == pytest.approx(48.25 - (5.0 if freespace == "true" else 0.0), abs=0.05)
 
 
+def test_a_distance_without_limits_moves_an_entity_along_its_trajectory(tmp_path: Path) -> None:
+    """The trajectory leads to y = -5.25 at x = 160; A is put there, 20 m behind B, from x = 70."""
+    path = follow(polyline("60 -1.75", "160 -5.25", "900 -5.25"))
+    keep = distance('distance="20" freespace="false" continuous="true"')
+    run = play(tmp_path, {"B": Actor(s=300.0, speed=10.0), "A": Actor()}, [Event("A", path), Event("A", keep, 2.0)])
+    assert [run.at("A", time).y for time in (3.0, 9.0)] == pytest.approx([-5.25, -5.25])
+    assert [run.at("B", time).x - run.at("A", time).x for time in (3.0, 9.0)] == pytest.approx([20.0, 20.0])
+
+
 @pytest.mark.parametrize("limits", ["", 'maxAcceleration="5" maxDeceleration="5" maxSpeed="40"'])
 @pytest.mark.parametrize("mover", ["change", "trajectory"])
 @pytest.mark.parametrize("order", [1, -1])
