@@ -19,6 +19,10 @@ HOLDS_LANE = 2
 entity, wherever it stands in the storyboard (esmini 3.6).
 """
 
+RELATIVE_AT_START = 1
+RELATIVE_THROUGHOUT = 2
+"""When an action depends on the other entity of its row: only at its start, or in each of its steps."""
+
 
 @compiled
 def nothing_to_start(n: RoadTables, p: Program, st: State, k: int) -> None:
@@ -58,6 +62,8 @@ class Entry(NamedTuple):
         holds: The domains of its entity's motion that it controls, as bits.
         ends: The domains in which it ends other actions without controlling them itself, as bits: those of its entity,
             or, if it belongs to the run, those of the other entity that it refers to.
+        relative: Whether it depends on the other entity of its row, if there is one: 0, or a code RELATIVE_... If this
+            entity is absent when it is needed, the action ends without an effect.
         whose: Whether it belongs to an entity ("entity"), to the run as a whole ("run"), or to the run on behalf of the
             ego ("ego"). The last two are executed once, regardless of the number of actors.
         told: The log entry at its start; None if it is not logged.
@@ -70,6 +76,7 @@ class Entry(NamedTuple):
     step: Callable[[RoadTables, Program, State, int, float], int] = done_at_once
     holds: int = 0
     ends: int = 0
+    relative: int = 0
     whose: Literal["entity", "run", "ego"] = "entity"
     told: Told | None = None
     refers: Mapping[str, Allowed] = MappingProxyType({})

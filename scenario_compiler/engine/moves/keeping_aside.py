@@ -21,7 +21,7 @@ from scenario_compiler.engine.motion.entities import drift_angle, glide, place_s
 from scenario_compiler.engine.motion.spring import spring_acceleration
 from scenario_compiler.engine.motion.steering import plan_shift, shift_distance
 from scenario_compiler.engine.motion.watching import WATCH_MOTION
-from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
+from scenario_compiler.engine.moves.entry import HOLDS_LANE, RELATIVE_THROUGHOUT, Entry
 from scenario_compiler.engine.moves.keeping_distance import limit_or, within_jerk
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
@@ -193,5 +193,6 @@ KEEP_LATERAL_DISTANCE = Entry(
     start_keep_aside,
     step_keep_aside,
     holds=HOLDS_LANE,
+    relative=RELATIVE_THROUGHOUT,
     refers={"other": index(ENTITY)},
 )

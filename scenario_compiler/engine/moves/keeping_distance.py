@@ -30,7 +30,7 @@ from scenario_compiler.engine.motion.distances import (
 from scenario_compiler.engine.motion.entities import glide, place_scripted
 from scenario_compiler.engine.motion.spring import spring_acceleration
 from scenario_compiler.engine.motion.tracks import track_followed
-from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
+from scenario_compiler.engine.moves.entry import HOLDS_SPEED, RELATIVE_THROUGHOUT, Entry
 from scenario_compiler.engine.moves.speeds import push_speed, set_speed
 from scenario_compiler.engine.moves.trajectories import keeps_times, move_on_track
 from scenario_compiler.forms.declaration import index
@@ -120,8 +120,7 @@ def shift_ahead(n: RoadTables, p: Program, st: State, i: int, distance: float) -
 def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
     """Advance towards the distance; return 1 if the step begins near enough to one that need not be kept.
 
-    If an action has already moved one of the two entities in this step, the other one still has its way of the step to
-    go.
+    If an action has already moved one of the two entities in this step, the other one has yet to move as far.
     """
     i = p.action_entity[k]
     j = p.action_other[k]
@@ -198,5 +197,6 @@ KEEP_DISTANCE = Entry(
     start_keep_distance,
     step_keep_distance,
     holds=HOLDS_SPEED,
+    relative=RELATIVE_THROUGHOUT,
     refers={"other": index(ENTITY)},
 )

@@ -22,7 +22,7 @@ from scenario_compiler.engine.motion.entities import drift_angle, glide, place_s
 from scenario_compiler.engine.motion.path import measure_path, set_path
 from scenario_compiler.engine.motion.shapes import shape_slope, shape_value, transition_span
 from scenario_compiler.engine.motion.steering import plan_shift, shift_distance
-from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
+from scenario_compiler.engine.moves.entry import HOLDS_LANE, RELATIVE_AT_START, Entry
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_centre, lane_exists
 from scenario_compiler.roads.tables import RoadTables
@@ -235,5 +235,7 @@ def lane_change_to_row(draft: ProgramDraft, word: LaneChangeToAction, actor: int
     return ActionRow((word.offset, value), shape=shape, dimension=dimension, lanes=word.lane, mode=LANE_BY_ID)
 
 
-LANE_CHANGE = Entry(("lane_change",), lane_change_row, start_lane_change, step_lane_change, holds=HOLDS_LANE)
+LANE_CHANGE = Entry(
+    ("lane_change",), lane_change_row, start_lane_change, step_lane_change, holds=HOLDS_LANE, relative=RELATIVE_AT_START
+)
 LANE_CHANGE_TO = Entry(("lane_change_to",), lane_change_to_row, start_lane_change, step_lane_change, holds=HOLDS_LANE)

@@ -21,7 +21,7 @@ from scenario_compiler.engine.motion.beside import settle_in_lane
 from scenario_compiler.engine.motion.entities import place_scripted
 from scenario_compiler.engine.motion.shapes import shape_slope, shape_value, transition_span
 from scenario_compiler.engine.motion.steering import plan_shift, shift_distance
-from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
+from scenario_compiler.engine.moves.entry import HOLDS_LANE, RELATIVE_AT_START, Entry
 from scenario_compiler.engine.moves.lane_changes import OFFSET_ACCELERATION, step_lane_change
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_centre
@@ -120,7 +120,8 @@ def start_limited_offset(n: RoadTables, p: Program, st: State, k: int) -> None:
 def step_limited_offset(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
     """Advance a move limited by its lateral acceleration; return 1 if it is complete; a continuous one never is.
 
-    An absolute offset stays on the side that it had at the start, also on a road with the opposite direction of s.
+    A continuous offset from an entity ends when that is absent. An absolute offset stays on the side that it had at the
+    start, also on a road with the opposite direction of s.
     """
     i = p.action_entity[k]
     if p.entity_motion[i] != op.MOTION_SCRIPTED or st.road[i] < 0:
@@ -131,7 +132,10 @@ def step_limited_offset(n: RoadTables, p: Program, st: State, k: int, dt: float)
     if progress >= span - op.TOLERANCE:
         st.turn[i] = 0.0
         left = st.action_from[k] + st.action_change[k]
-        if continuous == 1 and p.action_other[k] >= 0 and p.action_other[k] != i:
+        of = p.action_other[k]
+        if continuous == 1 and of >= 0 and of != i:
+            if st.present[of] == 0:
+                return 1
             left = st.facing[i] * offset_aimed_at(n, p, st, k)
         st.kept_off[i] = st.facing[i] * left
         place_scripted(n, st, i)
@@ -167,5 +171,10 @@ def limited_lane_offset_row(draft: ProgramDraft, word: LimitedLaneOffsetAction, 
 
 LANE_OFFSET = Entry(("lane_offset",), lane_offset_row, start_lane_offset, step_lane_change, holds=HOLDS_LANE)
 LIMITED_LANE_OFFSET = Entry(
-    ("limited_lane_offset",), limited_lane_offset_row, start_limited_offset, step_limited_offset, holds=HOLDS_LANE
+    ("limited_lane_offset",),
+    limited_lane_offset_row,
+    start_limited_offset,
+    step_limited_offset,
+    holds=HOLDS_LANE,
+    relative=RELATIVE_AT_START,
 )

@@ -12,7 +12,7 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft, Slot, flags_of, limits_of
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
+from scenario_compiler.engine.moves.entry import HOLDS_SPEED, RELATIVE_AT_START, Entry
 from scenario_compiler.engine.moves.speed_plans import pieces_needed, plan_speeds
 from scenario_compiler.engine.moves.speeds import set_speed, speed_before
 from scenario_compiler.marker import compiled
@@ -61,4 +61,6 @@ def speed_profile_row(draft: ProgramDraft, word: SpeedProfileAction, actor: int)
     )
 
 
-SPEED_PROFILE = Entry(("speed_profile",), speed_profile_row, start_profile, step_profile, holds=HOLDS_SPEED)
+SPEED_PROFILE = Entry(
+    ("speed_profile",), speed_profile_row, start_profile, step_profile, holds=HOLDS_SPEED, relative=RELATIVE_AT_START
+)

@@ -18,7 +18,7 @@ from scenario_compiler.engine.columns.program import ENTITY, Program
 from scenario_compiler.engine.columns.rows import SHAPES, ActionRow, ProgramDraft, dynamics_of, flags_of
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.shapes import shape_peak, shape_value, transition_span
-from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
+from scenario_compiler.engine.moves.entry import HOLDS_SPEED, RELATIVE_THROUGHOUT, Entry
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
@@ -196,5 +196,11 @@ def relative_speed_row(draft: ProgramDraft, word: RelativeSpeedAction, actor: in
 
 SPEED = Entry(("speed",), speed_row, start_speed, step_speed, holds=HOLDS_SPEED)
 RELATIVE_SPEED = Entry(
-    ("relative_speed",), relative_speed_row, start_speed, step_speed, holds=HOLDS_SPEED, refers={"other": index(ENTITY)}
+    ("relative_speed",),
+    relative_speed_row,
+    start_speed,
+    step_speed,
+    holds=HOLDS_SPEED,
+    relative=RELATIVE_THROUGHOUT,
+    refers={"other": index(ENTITY)},
 )

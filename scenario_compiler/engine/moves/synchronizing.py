@@ -21,7 +21,7 @@ from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.distances import distance_to, place_now
 from scenario_compiler.engine.motion.tracks import nearest_on_track, track_followed
-from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
+from scenario_compiler.engine.moves.entry import HOLDS_SPEED, RELATIVE_THROUGHOUT, Entry
 from scenario_compiler.engine.moves.speeds import push_speed, related_speed, set_speed
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
@@ -275,5 +275,6 @@ SYNCHRONIZE = Entry(
     start_synchronize,
     step_synchronize,
     holds=HOLDS_SPEED,
+    relative=RELATIVE_THROUGHOUT,
     refers={"other": index(ENTITY), "position": index(POSITION)},
 )

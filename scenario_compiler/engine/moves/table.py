@@ -43,8 +43,11 @@ STARTS = tuple(entry.start for entry in ACTIONS)
 STEPS = tuple(entry.step for entry in ACTIONS)
 HOLDS = tuple(entry.holds for entry in ACTIONS)
 ENDS = tuple(entry.holds | entry.ends for entry in ACTIONS)
+RELATIVE = tuple(entry.relative for entry in ACTIONS)
 TOLD = tuple(1 if entry.told is not None else 0 for entry in ACTIONS)
-"""By opcode: start, step, controlled domains, domains in which it ends other actions, and whether it is logged."""
+"""By opcode: start, step, controlled domains, domains in which it ends other actions, when it depends on another
+entity, and whether it is logged.
+"""
 
 NUMBERS: dict[str, int] = {tag: number for number, entry in enumerate(ACTIONS) for tag in entry.words}
 """Opcode of the action to which a word is lowered, by the word's tag."""

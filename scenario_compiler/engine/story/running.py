@@ -5,7 +5,9 @@ from __future__ import annotations
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.moves.entry import RELATIVE_THROUGHOUT
 from scenario_compiler.engine.moves.table import STEPS
+from scenario_compiler.engine.story.acting import lacks_reference
 from scenario_compiler.engine.story.storyboard import action_done
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
@@ -13,8 +15,9 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def step_action(n: RoadTables, p: Program, st: State, k: int, dt: float) -> None:
-    """Advance one running action, and complete it if it is done."""
-    if STEPS[p.action_op[k]](n, p, st, k, dt) == 1:
+    """Advance one running action, and complete it if it is done, or if the entity on which it depends is absent."""
+    over = 1 if st.action_state[k] == op.COMPLETE else lacks_reference(p, st, k, RELATIVE_THROUGHOUT)
+    if over == 1 or STEPS[p.action_op[k]](n, p, st, k, dt) == 1:
         action_done(p, st, k, 2 * (st.frame[0] + 1))
 
 

@@ -12,6 +12,7 @@ from tests.engine.laws.told import (
     Actor,
     Event,
     by,
+    condition,
     lane_change,
     lane_offset,
     lane_position,
@@ -400,6 +401,34 @@ def test_a_kept_distance_does_not_depend_on_the_order_of_the_actions(
     actors = {"B": Actor(s=70.0), "A": Actor()}
     run = play(tmp_path, actors, [keep, Event(who, moved)][::order], seconds=8.0)
     assert run.at("B", 8.0).x - run.at("A", 8.0).x == pytest.approx(20.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("limits", ["", '<DynamicConstraints maxAcceleration="5" maxDeceleration="5" maxSpeed="40"/>'])
+def test_a_distance_is_no_longer_kept_when_its_reference_is_deleted(tmp_path: Path, limits: str) -> None:
+    gone = '<GlobalAction><EntityAction entityRef="B"><DeleteEntityAction/></EntityAction></GlobalAction>'
+    told = 'entityRef="B" freespace="false" continuous="true" coordinateSystem="road" distance="3"'
+    ahead = f"<LongitudinalAction><LongitudinalDistanceAction {told}>{limits}</LongitudinalDistanceAction>"
+    aside = f"<LateralAction><LateralDistanceAction {told}>{limits}</LateralDistanceAction></LateralAction>"
+    events = [Event("A", f"{ahead}</LongitudinalAction>"), Event("A", aside), Event("A", gone, 2.0)]
+    run = play(tmp_path, {"B": Actor(lane=-2, s=70.0), "A": Actor()}, events)
+    for start in (2.05, 6.0):
+        assert run.at("A", start + 2.0).v == run.at("A", start).v
+        assert run.at("A", start + 2.0).x - run.at("A", start).x == pytest.approx(2.0 * run.at("A", start).v)
+        assert run.at("A", start + 2.0).y == run.at("A", start).y
+
+
+def test_an_action_without_its_reference_ends_at_once(tmp_path: Path) -> None:
+    """B is deleted before A's actions begin, and while A keeps an offset from it."""
+    gone = '<GlobalAction><EntityAction entityRef="B"><DeleteEntityAction/></EntityAction></GlobalAction>'
+    beside = '<RelativeTargetLane entityRef="B" value="0"/>'
+    aside = lane_offset('<RelativeTargetLaneOffset entityRef="B" value="0.5"/>', "step", continuous="true")
+    element = 'storyboardElementType="event" storyboardElementRef="it"'
+    ended = condition(f'<StoryboardElementStateCondition {element} state="completeState"/>')
+    for action, begin, y in ((lane_change(beside, STEPWISE), 3.0, -1.75), (aside, 3.0, -1.75), (aside, 1.0, -4.75)):
+        events = [Event("A", gone, 2.0), Event("A", action, begin, name="it"), Event("A", speed(3.0), ended)]
+        run = play(tmp_path, {"B": Actor(lane=-2, s=70.0), "A": Actor()}, events, seconds=5.0)
+        assert run.at("A", 5.0).y == pytest.approx(y)
+        assert run.acts("A", 3.0) == pytest.approx(max(begin, 2.0) + 0.1)
 
 
 def test_a_lateral_distance_that_is_not_given_is_0(tmp_path: Path) -> None:

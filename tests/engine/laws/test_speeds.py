@@ -356,6 +356,33 @@ def test_a_deleted_entity_keeps_its_speed(tmp_path: Path) -> None:
     assert run.at("A", 5.0).x - run.at("A", 4.5).x == pytest.approx(5.0)
 
 
+@pytest.mark.parametrize("deleted", [2.0, 1.0])
+def test_a_change_of_speed_ends_when_its_reference_is_deleted(tmp_path: Path, deleted: float) -> None:
+    """B is deleted during A's change or before it; then A keeps its speed, and the next event starts."""
+    gone = '<GlobalAction><EntityAction entityRef="B"><DeleteEntityAction/></EntityAction></GlobalAction>'
+    ended = '<StoryboardElementStateCondition storyboardElementType="event" storyboardElementRef="first" state="{}"/>'
+    for action in (relative_speed("B", 4.0, by("linear", "time", 4.0)), synchronize(absolute(12.0), 150.0)):
+        events = [
+            Event("A", gone, deleted),
+            Event("A", action, 1.0, name="first"),
+            Event("C", speed(3.0), condition(ended.format("completeState"))),
+        ]
+        run = play(tmp_path, {**A_AND_B, "C": Actor(lane=2, s=900.0)}, events, seconds=5.0)
+        assert run.at("A", 5.0).v == run.at("A", deleted).v
+        assert run.acts("C", 3.0) == pytest.approx(deleted + 0.1)
+
+
+def test_a_change_of_speed_of_a_deleted_entity_goes_on(tmp_path: Path) -> None:
+    """As in esmini: from 10 m/s at 1 s to 20 m/s at 5 s; A is away from 2 s to 4 s."""
+    entity = '<GlobalAction><EntityAction entityRef="A">{}</EntityAction></GlobalAction>'
+    gone = entity.format("<DeleteEntityAction/>")
+    back = entity.format(f"<AddEntityAction>{lane_position(-1, 300.0)}</AddEntityAction>")
+    ramp = Event("A", speed(20.0, by("linear", "time", 4.0)))
+    run = play(tmp_path, A_AND_B, [ramp, Event("B", gone, 2.0), Event("B", back, 4.0)])
+    assert run.at("A", 4.05).v == pytest.approx(17.625)
+    assert run.acts("A", 20.0) == pytest.approx(5.0)
+
+
 def test_a_peak_rate_above_the_vehicles_limit_takes_longer(tmp_path: Path) -> None:
     run = changed(tmp_path, speed(40.0, by("sinusoidal", "time", 1.0)))
     assert run.acts("A", 40.0) == pytest.approx(1.0 + 30.0 * pi / (2.0 * 10.0), abs=0.05 + 1e-9)
