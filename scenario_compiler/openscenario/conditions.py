@@ -28,6 +28,7 @@ from scenario_compiler.openscenario.spelling import (
     regular,
     text,
 )
+from scenario_compiler.openscenario.variables import variable_of_parameter
 from scenario_compiler.vocabulary.conditions import (
     AccelerationCondition,
     AngleCondition,
@@ -301,9 +302,9 @@ def _variable_tag(version: Version) -> str:
 
 
 def _read_variable(node: Node) -> VariableCondition:
-    named = "variableRef" if node.tag == "VariableCondition" else "parameterRef"
+    name = node.text("variableRef") if node.tag == "VariableCondition" else variable_of_parameter(node)
     return VariableCondition.model_construct(
-        variable=node.text(named), rule=node.choice("rule", _RULES), value=node.text("value")
+        variable=name, rule=node.choice("rule", _RULES), value=node.text("value")
     ).written_at(node.origin)
 
 

@@ -152,6 +152,7 @@ def _scenario(root: Node, name: str, given: Given, settled: Collection[str], var
     declared = declared_parameters(root, given, settled)
     report_unknown(given, declared, root)
     root = root.inner(declared)
+    root.reading.known.parameters = declared
     root.reading.known.catalogs = read_catalog_locations(root)
     road = read_map(root)
     controllers = read_signal_controllers(root)
@@ -160,7 +161,7 @@ def _scenario(root: Node, name: str, given: Given, settled: Collection[str], var
     written = root.required("Storyboard")
     storyboard = Storyboard.model_construct() if written is None else read_storyboard(written, entities.first)
     report_empty_ranges([storyboard], root.reading.sink)
-    variables_used = used_variables(storyboard, variables, root.scope, root.reading.sink)
+    variables_used = used_variables(storyboard, variables, root)
     for one in (root, *root.reading.known.entries.values()):
         report_unread(one)
     scenario = Scenario.model_construct(

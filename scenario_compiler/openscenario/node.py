@@ -43,6 +43,8 @@ class Known:
         selections: Members of each EntitySelection.
         catalogs: The catalogs in the folders that the scenario lists.
         entries: The catalog entries to which references refer.
+        parameters: The scenario's own parameters.
+        inner: Parameters of inner elements that actions change or conditions read, by the names of their variables.
         places: Where each entity and each selection is named.
     """
 
@@ -50,6 +52,8 @@ class Known:
     selections: dict[str, tuple[str, ...]] = field(default_factory=dict)
     catalogs: CatalogFolders | None = None
     entries: dict[etree._Element, Node] = field(default_factory=dict)
+    parameters: Mapping[str, Bound] = field(default_factory=dict)
+    inner: dict[str, Bound] = field(default_factory=dict)
     places: dict[str, Place] = field(default_factory=dict)
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from scenario_compiler.vocabulary.actions import SetVariableAction
+from scenario_compiler.vocabulary.conditions import VariableCondition
+from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.variables import Variable
 from tests.openscenario.made import condition, declarations, event, expanded, scenario_text, story
 
@@ -59,3 +62,26 @@ def test_unknown_names_stand_for_an_empty_text(element: str, reference: str) -> 
 
 def test_a_variable_is_declared_once() -> None:
     assert expanded(scenario_text(declared=_variables("int", "3") + _variables("int", "4")))[1].count("SC216") == 1
+
+
+def test_a_parameter_is_known_where_it_is_declared_and_below() -> None:
+    """The scenario, the story and one of its maneuvers declare a parameter of the same name."""
+    set_p = '<GlobalAction><ParameterAction parameterRef="p"><SetAction value="8"/></ParameterAction></GlobalAction>'
+    reads = '<ParameterCondition parameterRef="p" rule="equalTo" value="3"/>'
+    start = condition(f"<ByValueCondition>{reads}</ByValueCondition>")
+    maneuvers = (
+        f'<Maneuver name="inner">{declarations("p:double=${$p + 1}")}{event(start=start, action=set_p)}</Maneuver>'
+        f'<Maneuver name="outer">{event(start=start, action=set_p)}</Maneuver>'
+    )
+    inside = story(maneuver=maneuvers, declared=declarations("p:double=3"))
+    outside = story(event(start=start, action=set_p)).replace('name="story"', 'name="other"')
+    scenario, codes = expanded(scenario_text(inside, outside, declared=declarations("p:double=1")))
+    assert codes == []
+    values = {one.name: one.value for one in scenario.variables}
+    named = [
+        [one.variable for one in walk(event) if isinstance(one, SetVariableAction | VariableCondition)]
+        for story in scenario.storyboard.stories
+        for maneuver in story.acts[0].groups[0].maneuvers
+        for event in maneuver.events
+    ]
+    assert [[values[name] for name in names] for names in named] == [["4", "4"], ["3", "3"], ["1", "1"]]

@@ -11,6 +11,7 @@ from scenario_compiler.openscenario.motion import read_position, write_position
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.spelling import Form, made, nested, regular, text
+from scenario_compiler.openscenario.variables import variable_of_parameter
 from scenario_compiler.vocabulary.actions import (
     AddEntityAction,
     CommandAction,
@@ -56,7 +57,7 @@ def _write_delete(word: DeleteEntityAction, output: Output) -> etree._Element:
 
 
 def _read_variable(node: Node) -> SetVariableAction | ModifyVariableAction | None:
-    name = node.text("variableRef" if node.tag == "VariableAction" else "parameterRef")
+    name = node.text("variableRef") if node.tag == "VariableAction" else variable_of_parameter(node)
     inner = node.required("SetAction", "ModifyAction")
     if inner is None:
         return None
