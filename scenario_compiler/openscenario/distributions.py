@@ -101,16 +101,27 @@ def check_variation(variation: Variation, types: Mapping[str, str], sink: Diagno
         for name in sorted(names & varied):
             sink.add(BAD_DISTRIBUTION, f"the parameter '{name}' is varied twice", axis.origin)
         varied |= names
-        if sets is not None:
-            given = ((name, text) for values in sets for name, text in values.items())
-        else:
-            given = ((axis.parameter, text) for text in (axis.of if isinstance(axis, Choice) else ()))
-        for name, text in given:
+        for name, text in _listed(variation, axis):
             if name in types and not fits(Bound(types[name], text), types[name]):
                 message = f"'{text}', a value of '{name}', is not of the type {types[name]}"
                 sink.add(BAD_DISTRIBUTION, message, axis.origin)
         if sets is None and axis.parameter in types and not isinstance(axis, Choice):
             _check_numbers(axis, types[axis.parameter], sink)
+
+
+def _listed(variation: Variation, axis: Axis) -> list[tuple[str, str]]:
+    """Return (parameter, value) of the values that an axis lists."""
+    if axis.parameter in variation.sets:
+        return [pair for values in variation.sets[axis.parameter] for pair in values.items()]
+    return [(axis.parameter, text) for text in axis.of] if isinstance(axis, Choice) else []
+
+
+def varied_values(variation: Variation) -> Iterator[tuple[str, str, Place]]:
+    """Yield (parameter, value, place) of each listed value, and of the limits of ranges and of drawn values."""
+    for axis in variation.vary.axes:
+        listed = _listed(variation, axis)
+        for name, text in listed or [(axis.parameter, format_value(number)) for number in axis.extent()]:
+            yield name, text, axis.origin
 
 
 def _check_numbers(axis: Axis, kind: str, sink: Diagnostics) -> None:

@@ -15,12 +15,13 @@ from scenario_compiler.markup.values import COMMAND_LINE
 from scenario_compiler.openscenario.catalogs import read_catalog_locations
 from scenario_compiler.openscenario.codes import NO_SCENARIO_FILE, NOT_READ
 from scenario_compiler.openscenario.contents import OpenScenario, Variation, parameter_types
-from scenario_compiler.openscenario.distributions import check_variation, read_variation
+from scenario_compiler.openscenario.distributions import check_variation, read_variation, varied_values
 from scenario_compiler.openscenario.entities import read_entities
 from scenario_compiler.openscenario.files import VERSIONS, beside, read_forgiving, read_version
 from scenario_compiler.openscenario.node import FileContext, Node
 from scenario_compiler.openscenario.parameters import (
     Given,
+    check_constraints,
     declared_name,
     declared_parameters,
     given_parameters,
@@ -39,7 +40,6 @@ from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.structural import structural_parameters
 from scenario_compiler.vocabulary.traversal import parameters_in
-from scenario_compiler.vocabulary.variation import Vary
 from scenario_compiler.vocabulary.weather import USUAL_WEATHER, Weather, weather_preset
 
 LONGEST = 600.0
@@ -105,12 +105,11 @@ def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str,
     given = given_parameters(chosen, places) | given_parameters(
         {one: text for one, text in arguments.items() if one not in counters}
     )
-    vary = None if variation is None else variation.vary
     settled: set[str] = set()
     while True:
         attempt = Diagnostics()
         root = _root(source.document, attempt)
-        scenario = _scenario(root, name, given, settled, vary)
+        scenario = _scenario(root, name, given, settled, variation)
         root.scope.structural.update(structural_parameters(scenario))
         if root.scope.structural <= settled:
             sink.take(_with_structure(source.document, attempt))
@@ -148,11 +147,26 @@ def _root(document: Document, sink: Diagnostics) -> Node:
     return Node(document.root, replace(reading, version=version), root.scope)
 
 
-def _scenario(root: Node, name: str, given: Given, settled: Collection[str], vary: Vary | None) -> Scenario:
+def _check_varied(root: Node, declared: Mapping[str, Bound], given: Given, variation: Variation) -> None:
+    """Report values of a variation that meet no constraint group, beside the given ones, which are checked already."""
+    declarations = {
+        declared_name(one): one
+        for group in root.children("ParameterDeclarations")
+        for one in group.children("ParameterDeclaration")
+    }
+    for name, text, place in varied_values(variation):
+        known = given.get(name)
+        if name in declarations and (known is None or (known.text != text and known.place != COMMAND_LINE)):
+            check_constraints(declarations[name], name, Bound(declared[name].type, text), place)
+
+
+def _scenario(root: Node, name: str, given: Given, settled: Collection[str], variation: Variation | None) -> Scenario:
     declared = declared_parameters(root, given, settled)
     report_unknown(given, declared, root)
     root = root.inner(declared)
     root.reading.known.parameters = declared
+    if variation is not None:
+        _check_varied(root, declared, given, variation)
     root.reading.known.catalogs = read_catalog_locations(root)
     road = read_map(root)
     controllers = read_signal_controllers(root)
@@ -173,7 +187,7 @@ def _scenario(root: Node, name: str, given: Given, settled: Collection[str], var
         vehicles=tuple(entities.vehicles.values()),
         variables=variables_used,
         signal_controllers=controllers,
-        vary=vary,
+        vary=None if variation is None else variation.vary,
         storyboard=storyboard,
     ).written_at(root.origin)
     scenario = with_traffic_vehicles(restored(scenario, root), root)

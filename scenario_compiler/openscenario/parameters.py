@@ -114,7 +114,7 @@ def _declared(declaration: Node, name: str, given: Given) -> Bound:
         message = f"'{value.text}', the value of '{name}', is not of the type {kind}"
         declaration.reading.sink.add(WRONG_TYPE, message, place)
         return Bound("string", value.text)
-    _check_constraints(declaration, name, value, place)
+    check_constraints(declaration, name, value, place)
     return value
 
 
@@ -131,7 +131,8 @@ def variable_type(kind: str) -> VariableType:
     return next((one for one in known if one == kind), "integer" if kind == "int" else "string")
 
 
-def _check_constraints(declaration: Node, name: str, value: Bound, place: Place) -> None:
+def check_constraints(declaration: Node, name: str, value: Bound, place: Place) -> None:
+    """Report a value of a parameter that meets none of the constraint groups of its declaration."""
     groups = declaration.children("ConstraintGroup")
     for group in groups:
         group.read_whole()

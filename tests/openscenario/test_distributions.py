@@ -288,6 +288,41 @@ def test_values_of_another_type_than_the_parameter_are_reported(file: Path, insi
     assert all((one.code.id, one.place.file) == ("SC755", str(file)) for one in sink)
 
 
+@pytest.mark.parametrize(
+    ("inside", "reported"),
+    [
+        (f"<Deterministic>{_single('v', _listed('8', '30', '100'))}</Deterministic>", ["30"]),
+        (f"<Deterministic>{_single('v', _listed('30', '8'))}</Deterministic>", ["30"]),
+        (f"<Deterministic>{_sets('v=8 n=2', 'v=4')}</Deterministic>", ["4"]),
+        (f"<Deterministic>{_single('v', RANGE.replace('0.1', '2').replace('1.3', '9'))}</Deterministic>", ["1"]),
+        (
+            f"<Stochastic numberOfTestRuns='4'>{_drawn('v', f'<UniformDistribution>{LIMITS}</UniformDistribution>')}"
+            "</Stochastic>",
+            ["1", "4"],
+        ),
+    ],
+)
+def test_values_that_meet_no_constraint_group_are_reported(file: Path, inside: str, reported: list[str]) -> None:
+    base = file.parent / "scenarios" / "base.xosc"
+    rules = (("greaterThan", 5), ("lessThan", 25)), (("equalTo", 100),)
+    groups = "".join(
+        "<ConstraintGroup>"
+        + "".join(f'<ValueConstraint rule="{rule}" value="{value}"/>' for rule, value in group)
+        + "</ConstraintGroup>"
+        for group in rules
+    )
+    text = base.read_text(encoding="utf-8")
+    declared = '<ParameterDeclaration name="v" parameterType="double" value="2"'
+    assert f"{declared}/>" in text
+    constrained = f"{declared.replace('2', '10')}>{groups}</ParameterDeclaration>"
+    base.write_text(text.replace(f"{declared}/>", constrained), encoding="utf-8")
+    _write(file, inside)
+    sink = Diagnostics()
+    assert compile_target(file, {}, sink) is not None
+    assert [one.message.split()[2].rstrip(",") for one in sink if one.code.id == "SC742"] == reported
+    assert all(one.place.file == str(file) for one in sink if one.code.id == "SC742")
+
+
 def test_draws_of_fractions_for_an_integer_are_reported(file: Path) -> None:
     uniform, poisson = (
         f"<UniformDistribution>{LIMITS}</UniformDistribution>",
