@@ -9,6 +9,7 @@ truncates a distribution.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -21,6 +22,7 @@ from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.parameters import fits
 from scenario_compiler.openscenario.scope import Bound
 from scenario_compiler.vocabulary.variation import (
+    FARTHEST,
     GREATEST_MEAN,
     Axis,
     Choice,
@@ -267,15 +269,20 @@ def _normal(node: Node, name: str) -> Normal | str:
 
 
 def _lognormal(node: Node, name: str) -> Lognormal | str:
+    """Return the distribution; a lower limit that is not above 0 cuts nothing off, as one far below the median does."""
     mean, variance = node.float("expectedValue"), node.float("variance")
     least, greatest = _limits(node) or (None, None)
     if mean <= 0.0 or variance <= 0.0:
         return "its expected value and its variance must be above 0"
     if variance / mean > MOST_VALUES * mean:
         return "its variance is too great for its expected value"
+    if greatest is not None and greatest <= 0.0:
+        return "its range contains no value above 0"
     spread = math.log1p(variance / mean / mean)
-    mu = math.log(mean) - spread / 2.0
-    return Lognormal(parameter=name, mu=mu, sigma=math.sqrt(spread), least=least, greatest=greatest)
+    mu, sigma = math.log(mean) - spread / 2.0, math.sqrt(spread)
+    if least is not None and least <= 0.0:
+        least = max(math.exp(mu - FARTHEST * sigma), sys.float_info.min)
+    return Lognormal(parameter=name, mu=mu, sigma=sigma, least=least, greatest=greatest)
 
 
 def _poisson(node: Node, name: str) -> Poisson | str:

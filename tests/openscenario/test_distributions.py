@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from statistics import NormalDist
 
 import pytest
 
+from scenario_compiler.batch.distributions import parse_distribution
 from scenario_compiler.batch.sampling import make_sampler
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.compiler import compile_target, read_source, variation_of
@@ -167,6 +169,19 @@ def test_a_lognormal_distribution_has_the_moments_of_its_values(file: Path) -> N
     assert math.expm1(axis.sigma**2) * math.exp(2 * axis.mu + axis.sigma**2) == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("lower", [0.0, -1.0])
+def test_a_lognormal_distribution_may_be_cut_off_at_or_below_0(file: Path, lower: float) -> None:
+    """That limit has no effect: a third of the draws are in the lower third of all values below 5."""
+    inside = f"<Range lowerLimit='{lower}' upperLimit='5'/>"
+    drawn = f"<LogNormalDistribution expectedValue='2' variance='1'>{inside}</LogNormalDistribution>"
+    _write(file, f"<Stochastic numberOfTestRuns='4'>{_drawn('v', drawn)}</Stochastic>")
+    (axis,) = _vary(file).axes
+    assert isinstance(axis, Lognormal)
+    of_all = NormalDist(axis.mu, axis.sigma)
+    quantile = parse_distribution(axis.spelling().partition("=")[2]).quantile(1.0 / 3.0)
+    assert quantile == pytest.approx(math.exp(of_all.inv_cdf(of_all.cdf(math.log(5.0)) / 3.0)))
+
+
 def test_a_range_cuts_a_poisson_distribution_off(file: Path) -> None:
     inside = f"<PoissonDistribution expectedValue='2'>{LIMITS}</PoissonDistribution>"
     _write(file, f"<Stochastic numberOfTestRuns='60'>{_drawn('v', inside)}</Stochastic>")
@@ -223,6 +238,11 @@ LATER = "lowerLimit='3' upperLimit='4'"
         ("<NormalDistribution expectedValue='1' variance='0'/>", "its variance must be above 0"),
         ("<LogNormalDistribution expectedValue='0' variance='1'/>", "its expected value and its variance"),
         ("<LogNormalDistribution expectedValue='1e-4' variance='1'/>", "too great for its expected value"),
+        (
+            "<LogNormalDistribution expectedValue='2' variance='1'><Range lowerLimit='-2' upperLimit='0'/>"
+            "</LogNormalDistribution>",
+            "its range contains no value above 0",
+        ),
         ("<PoissonDistribution expectedValue='-1'/>", "its expected value must be above 0"),
         (
             "<PoissonDistribution expectedValue='2'><Range lowerLimit='1.2' upperLimit='1.8'/></PoissonDistribution>",
