@@ -99,7 +99,7 @@ OUT_OF_RANGE = Code(
     "have these ranges, so the file is valid; a run uses the number as far as it can be used:\n\n"
     '    <Condition name="start" delay="-1" .../>     a delay is at least 0 s\n'
     '    <Sun elevation="45" .../>     angles are in radians, not in degrees\n\n'
-    "The range is that of the class model, which ASAM's reference implementation checks too. Values of parameters are "
-    "not checked.",
+    "The range is that of the class model, which ASAM's reference implementation checks too, or that of the quantity: "
+    "lengths, durations and tolerances are not negative. Values of parameters are not checked.",
     Severity.WARNING,
 )

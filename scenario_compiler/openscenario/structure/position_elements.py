@@ -71,20 +71,20 @@ Vertex
     time?1.1-:Double
     = Position
 Clothoid
-    curvature:Double curvatureDot?1.1-:Double length:Double startTime?:Double[0,inf) stopTime?:Double(0,inf)
+    curvature:Double curvatureDot?1.1-:Double length:Double[0,inf) startTime?:Double[0,inf) stopTime?:Double(0,inf)
     curvaturePrime?:Double@1.1-
     = Position
 ClothoidSpline
     timeEnd?:Double
     = ClothoidSplineSegment+
 ClothoidSplineSegment
-    curvatureStart:Double curvatureEnd:Double length:Double hOffset?:Double timeStart?:Double
+    curvatureStart:Double curvatureEnd:Double length:Double[0,inf) hOffset?:Double timeStart?:Double
     = PositionStart=Position?
 Nurbs
     order:UnsignedInt
     = ControlPoint{2,} Knot{2,}
 ControlPoint
-    time?:Double[0,inf) weight?:Double
+    time?:Double[0,inf) weight?:Double(0,inf)
     = Position
 Knot
     value:Double

@@ -86,9 +86,9 @@ RelativeSpeedToMaster
     speedTargetValueType:SpeedTargetValueType value:Double
     = (TargetDistanceSteadyState | TargetTimeSteadyState)?@1.1-
 TargetDistanceSteadyState
-    distance:Double
+    distance:Double[0,inf)
 TargetTimeSteadyState
-    time:Double
+    time:Double[0,inf)
 """
 
 ROUTING_ACTION_ELEMENTS = """
@@ -97,7 +97,7 @@ RoutingAction
 AssignRouteAction
     = (Route | CatalogReference)?-1.2
 FollowTrajectoryAction
-    initialDistanceOffset?:Double@1.1-
+    initialDistanceOffset?:Double[0,inf)@1.1-
     = & Trajectory? CatalogReference? TimeReference TrajectoryFollowingMode TrajectoryRef?@1.1-
 TimeReference
     = (None | Timing)?-1.2

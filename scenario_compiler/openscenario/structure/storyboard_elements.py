@@ -99,9 +99,9 @@ RelativeClearanceCondition
 RelativeLaneRange
     from?:Int to?:Int
 AngleCondition
-    angleType:AngleType angle:Double angleTolerance:Double coordinateSystem?:CoordinateSystem
+    angleType:AngleType angle:Double angleTolerance:Double[0,inf) coordinateSystem?:CoordinateSystem
 RelativeAngleCondition
-    entityRef angleType:AngleType angle:Double angleTolerance:Double coordinateSystem?:CoordinateSystem
+    entityRef angleType:AngleType angle:Double angleTolerance:Double[0,inf) coordinateSystem?:CoordinateSystem
 """
 
 VALUE_CONDITION_ELEMENTS = """

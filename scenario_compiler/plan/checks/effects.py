@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.expressions import Value
@@ -31,6 +32,7 @@ from scenario_compiler.vocabulary.actions import (
     TrafficSwarmAction,
 )
 from scenario_compiler.vocabulary.horizon import TOLERANCE
+from scenario_compiler.vocabulary.positions import Clothoid, ClothoidSpline, FreePosition, Polyline, Trajectory
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.takeover import Automation
 from scenario_compiler.vocabulary.traversal import walk
@@ -42,7 +44,8 @@ WITHOUT_EFFECT = Code(
     "An action or an attribute has no effect: an <activate_controller> or an <environment> that changes nothing, the "
     "`deceleration` of an automation that does not slow down, a pedal beyond its limit or a speed "
     "above the greatest one of the vehicle (`maxSpeed`), which acts as the limit, a "
-    "<timing> of a trajectory without times, a rate of 0, which acts as a step, a swarm whose `inner_radius` "
+    "<timing> of a trajectory without times, a start beyond the end of a trajectory, which acts as its end, a rate of "
+    "0, which acts as a step, a swarm whose `inner_radius` "
     "contains its whole ellipse, so that no vehicle appears, one whose directions both have the weight 0, or an action "
     "that would move a trailer which is towed in the whole scenario.\n\n"
     '    <automation after="follow" deceleration="2"/>     only after="slow_down" uses it\n'
@@ -88,6 +91,7 @@ def check_effects(plan: Plan, network: Network, sink: Diagnostics) -> None:
             _check_swarm(word, values, sink)
         elif isinstance(word, FollowTrajectoryAction):
             _check_timing(word, sink)
+            _check_begin(word, values, sink)
         elif isinstance(word, CHANGES):
             _check_rate(word, values, sink)
 
@@ -126,6 +130,32 @@ def _check_timing(word: FollowTrajectoryAction, sink: Diagnostics) -> None:
     if word.timing is not None and all(time is None for _, time in word.trajectory.times):
         message = "the trajectory has no times, so the entity follows it at its own speed"
         sink.add(WITHOUT_EFFECT, message, word.timing.origin, hint="give the trajectory times, or leave the timing out")
+
+
+def _check_begin(word: FollowTrajectoryAction, values: Mapping[str, Value], sink: Diagnostics) -> None:
+    length = _length_of(word.trajectory, values)
+    begin = number_value(word.begin, values)
+    if length is not None and begin > length + TOLERANCE:
+        message = f"the trajectory is {length:g} m long: a start after {begin:g} m acts as its end"
+        sink.add(WITHOUT_EFFECT, message, word.place_of("begin"))
+
+
+def _length_of(trajectory: Trajectory, values: Mapping[str, Value]) -> float | None:
+    """Return the length of a trajectory, m; None of a closed one, and if only a run knows it."""
+    shape = trajectory.shape
+    if trajectory.closed:
+        return None
+    if isinstance(shape, Clothoid):
+        return number_value(shape.length, values)
+    if isinstance(shape, ClothoidSpline):
+        return sum(number_value(one.length, values) for one in shape.segments)
+    if not isinstance(shape, Polyline):
+        return None
+    places = [one.position for one in shape.vertices if isinstance(one.position, FreePosition)]
+    if len(places) < len(shape.vertices):
+        return None
+    points = [(number_value(one.x, values), number_value(one.y, values)) for one in places]
+    return sum(math.dist(one, other) for one, other in pairwise(points))
 
 
 def _check_rate(
