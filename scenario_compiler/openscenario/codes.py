@@ -186,3 +186,14 @@ PARAMETER_IN_TEXT = Code(
     "Declare a parameter for the whole text, or write a backslash before the $ if the text is meant as it is.",
     Severity.WARNING,
 )
+CONTINUOUS_OVER_TIME = Code(
+    "SC762",
+    "continuous-speed-over-time",
+    "A speed that is kept relative to another entity's (`continuous`) is to be reached over a time or a distance. By "
+    "the standard, `continuous` may not be used together with these dimensions. Here the speed is reached as given, "
+    "and then follows the target exactly; other programs may do otherwise.\n\n"
+    '    <SpeedActionDynamics dynamicsShape="linear" dynamicsDimension="rate" value="2"/>     give a rate\n'
+    '    <RelativeTargetSpeed entityRef="Lead" continuous="true" .../>                        or do not keep it\n\n'
+    "A step needs no dimension and is not reported.",
+    Severity.WARNING,
+)

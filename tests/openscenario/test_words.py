@@ -23,11 +23,13 @@ from scenario_compiler.openscenario.positions import POSITIONS
 from scenario_compiler.vocabulary.actions import (
     Action,
     AssignControllerAction,
+    AtRate,
     EnvironmentAction,
     FinalSpeed,
     LaneChangeAction,
     LateralDistanceAction,
     OverrideControllerAction,
+    RelativeSpeedAction,
     SynchronizeAction,
     WeatherAction,
 )
@@ -103,6 +105,8 @@ def _read(word: Word, element: etree._Element, version: Version, sink: Diagnosti
 
 def _settled(word: Word) -> Word:
     """Return a word with only one of the fields that exclude each other."""
+    if isinstance(word, RelativeSpeedAction) and not isinstance(word.dynamics, AtRate):
+        word = word.model_copy(update={"continuous": False})
     if getattr(word, "dynamics", None) is not None:
         return word.model_copy(update={"over_time": 0.0})
     if isinstance(word, CollisionCondition):

@@ -8,6 +8,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.openscenario.actions.dynamics import LIMITS, Transition
+from scenario_compiler.openscenario.codes import CONTINUOUS_OVER_TIME
 from scenario_compiler.openscenario.node import Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.spelling import (
@@ -22,6 +23,7 @@ from scenario_compiler.openscenario.spelling import (
     regular,
 )
 from scenario_compiler.vocabulary.actions import (
+    AtRate,
     LongitudinalDistanceAction,
     RelativeSpeedAction,
     SpeedAction,
@@ -53,11 +55,15 @@ def _read_speed(node: Node) -> SpeedAction | RelativeSpeedAction | None:
         return None
     if inner.tag == "AbsoluteTargetSpeed":
         return SpeedAction.model_construct(to=inner.number("value"), **fields).written_at(node.origin)
+    continuous = inner.boolean("continuous")
+    if continuous and fields["shape"] != "step" and not isinstance(fields.get("dynamics"), AtRate):
+        message = "a relative speed that is kept (continuous) is reached at a rate, not over a time or a distance"
+        inner.report(CONTINUOUS_OVER_TIME, message, "continuous")
     return RelativeSpeedAction.model_construct(
         to=inner.entity("entityRef"),
         value=inner.number("value"),
         kind=inner.choice("speedTargetValueType", ("delta", "factor")),
-        continuous=inner.boolean("continuous"),
+        continuous=continuous,
         **fields,
     ).written_at(node.origin)
 
