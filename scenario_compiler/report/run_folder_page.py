@@ -47,7 +47,7 @@ _HEAD = """# The run folder
 
 | file | content |
 |---|---|
-| `plan.json` | the plan that was run; `run DIR/plan.json` repeats the run |
+| `plan.json` | the plan of the run; `run DIR/plan.json --seed N --variant K` repeats the run of this seed and variant |
 | `map.xodr` | the road file, so that the folder is complete on another machine; left out if it changed during the run |
 | `recording.parquet` | all motion and measurements, row by row |
 | `events.csv` | the events with their times |
