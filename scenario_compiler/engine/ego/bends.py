@@ -6,7 +6,7 @@ centre. On a slippery road both accelerations are smaller (`comfort`).
 
 A bend may be drawn as straight lines with corners. Its curvature is the change of heading over 8 m. A single corner may
 be cut by e: an arc with the radius R that turns by the small angle w passes the corner at R w^2 / 8, so that its
-curvature is w^2 / (8 e). The joint of two roads may be such a corner.
+curvature is w^2 / (8 e). The smaller of the two curvatures counts. The joint of two roads may be such a corner.
 """
 
 from __future__ import annotations
