@@ -11,7 +11,7 @@ from scenario_compiler.perception.calibration.figures import Asked, Figures, Wor
 from scenario_compiler.perception.calibration.montage import montage
 from scenario_compiler.perception.confidence import Confidence
 from scenario_compiler.perception.detectors import DetectorName
-from scenario_compiler.perception.machine import drawn_by
+from scenario_compiler.recording.versions import versions
 from scenario_compiler.report.reliability_plot import write_reliability_plot
 from scenario_compiler.report.wording import percent
 
@@ -81,7 +81,7 @@ def _page(figures: Figures, measured: Measured, stem: str) -> str:
         INTRODUCTIONS[measured.detector],
         "## How far it can be trusted\n",
         f"Measured by `{measured.command}` in {measured.minutes:.0f} minutes on {measured.processes} cores, with "
-        f"OpenCV {drawn_by()['opencv']}: {measured.looks}. The tables show {whose}. *Single images* are detected "
+        f"OpenCV {versions()['opencv']}: {measured.looks}. The tables show {whose}. *Single images* are detected "
         "without memory of earlier ones; *driving* counts the images of a clip from the fourth on, detected with "
         "memory.\n",
         f"![Reliability diagram](images/{stem}_reliability.png)\n",
