@@ -17,6 +17,7 @@ from scenario_compiler.engine.columns.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE
 from scenario_compiler.engine.measures.encroachment import APART, LONGEST
 from scenario_compiler.engine.measures.lane_keeping import BAND, SETTLED, SETTLING, WINDOW
 from scenario_compiler.engine.measures.reversals import cut_off
+from scenario_compiler.engine.measures.rows import STILL
 from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
@@ -441,8 +442,9 @@ MEASURES: tuple[Measure, ...] = (
         "s",
         "Least time to collision over the run: gap divided by closing speed, to any entity whose box overlaps "
         "the path ahead. The path is as wide as the vehicle and has the curvature that it drives at that "
-        "moment, which is known from the second row on. The gap is measured to the part of the box within the "
-        f"path; it is 0 while boxes overlap. Values of {HORIZON:g} s or more are ignored.",
+        f"moment, which is known from the second row on; at {STILL:g} m/s or less it counts as straight. The gap is "
+        "measured to the part of the box within the path; it is 0 while boxes overlap. Values of "
+        f"{HORIZON:g} s or more are ignored.",
         f"nothing in the path would ever be reached within {HORIZON:g} s",
         minimum_time_to_collision,
         total("least_time_to_collision"),
