@@ -567,8 +567,10 @@ MEASURES: tuple[Measure, ...] = (
         "maximum_lateral_offset",
         "m",
         "Greatest absolute distance, from the request to the end or the first collision, of the reference point from "
-        "the centre of the lane in which it was at the request. Rows off every lane are ignored. The criterion of the "
-        "same name is about the centre of the present lane, in the whole run.",
+        "the centre of the lane in which it was at the request. When the reference point enters another lane, it is "
+        "taken to move across in that step as in the step before; from then on the centre keeps its distance from that "
+        "of the present lane, also where a lane becomes wider or narrower. Rows off every lane are ignored. The "
+        "criterion of the same name is about the centre of the present lane, in the whole run.",
         "there was no request",
         maximum_lateral_offset,
         total("greatest_offset_after"),
@@ -634,7 +636,8 @@ MEASURES: tuple[Measure, ...] = (
         "deepest_lane_departure",
         "m",
         "Greatest distance of a corner of the box beyond the edge of the lane that it left, in lane departures, with "
-        "the lane's width at that place. Rows off every lane are ignored.",
+        "the lane's width where the departure began. When the reference point enters another lane, the edge is "
+        "continued as the centre is for `maximum_lateral_offset`. Rows off every lane are ignored.",
         "there was no lane departure",
         deepest_departure,
         total("deepest_departure"),
