@@ -27,9 +27,7 @@ CAUSE_DEFAULTS: dict[CauseKind, dict[str, float | int]] = {
     "no_progress": {"after": 5.0},
     "controller": {"count": 1, "of": 1},
 }
-"""Defaults in SI units. Their order is that of `Takeover.causes` if none is written; the first cause to request is
-named.
-"""
+"""Defaults in SI units. Their order is that of `Takeover.causes` if none is written."""
 
 
 def complete_takeover(written: Takeover) -> Takeover:

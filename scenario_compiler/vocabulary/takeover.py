@@ -240,7 +240,11 @@ class Takeover(Word):
         quantity="time",
         minimum=0,
     )
-    causes: tuple[Cause, ...] = child("The enabled causes; all causes if none is given.", default=())
+    causes: tuple[Cause, ...] = child(
+        "The enabled causes; all causes if none is given. If several hold at the same control step, the request is for "
+        "sensor_health if it is one of them, otherwise for the one that is written first.",
+        default=(),
+    )
     driver: Driver | DriverModel = child("The driver who responds.", default_factory=Driver.model_construct)
     messages: tuple[Message, ...] = child("How the automation informs the driver.", default=())
     automation: Automation = child(

@@ -57,7 +57,7 @@ from scenario_compiler.vocabulary.storyboard import (
     Trigger,
     TriggerCondition,
 )
-from scenario_compiler.vocabulary.takeover import Cause, Takeover
+from scenario_compiler.vocabulary.takeover import Cause, CauseKind, Takeover
 from scenario_compiler.vocabulary.weather import Weather
 from tests.engine.make import Draft, highway
 
@@ -159,6 +159,17 @@ def test_every_number_of_a_plan_has_its_slot() -> None:
     assert p.entity_order == [0, 2, 1]
     assert p.element_end == [8, 8, 8, 8, 8, 6, 7, 8]
     assert p.ring_count == [len(CONDITIONS) - 1]
+
+
+@pytest.mark.parametrize(
+    "written",
+    [("lane_confidence", "path_blocked", "sensor_health"), ("sensor_health", "lane_confidence", "path_blocked")],
+)
+def test_a_failed_camera_is_the_first_cause_wherever_it_is_written(written: tuple[CauseKind, ...]) -> None:
+    network = highway()
+    takeover = Takeover(causes=tuple(Cause(kind=kind) for kind in written), driver=DriverModel(name="one"))
+    p = build_program(plan_on(network).model_copy(update={"takeover": takeover}), network)
+    assert p.cause_order == [op.CAUSE_SENSOR_HEALTH, op.CAUSE_LANE_CONFIDENCE, op.CAUSE_PATH_BLOCKED]
 
 
 def test_a_variant_differs_only_in_numbers_that_depend_on_its_parameters() -> None:

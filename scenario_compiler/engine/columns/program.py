@@ -325,4 +325,7 @@ class Program(Columns):
     cause_on: list[int] = column(CAUSE, 0, FLAG)
     """1 for each cause of a takeover request that is switched on."""
     cause_order: list[int] = column(ASKING, 0, whole(1, op.CAUSES))
-    """The causes that are switched on; if several ask at the same time, the first one is reported."""
+    """The causes that are switched on; if several ask at the same time, the first one is reported.
+
+    The camera's health is always the first of them, because the confidence falls with it.
+    """

@@ -95,7 +95,7 @@ def add_takeover(draft: ProgramBuilder) -> None:
     p.before_request[0] = BEHAVIOURS[takeover.automation.before]
     p.after_request[0] = BEHAVIOURS[takeover.automation.after]
     k[slot.K_SLOW_DOWN] = takeover.automation.deceleration
-    for kind in given or CAUSE_DEFAULTS:
+    for kind in sorted(given or CAUSE_DEFAULTS, key=lambda kind: kind != "sensor_health"):
         p.cause_on[REQUEST_CAUSES[kind]] = 1
         p.cause_order.append(REQUEST_CAUSES[kind])
     p.cause_count[0] = len(p.cause_order)
