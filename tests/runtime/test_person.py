@@ -106,6 +106,9 @@ def test_a_person_answers_and_stops_by_their_own_brake(compiled: Compilation) ->
     assert (recording.brake[after, 0] == 0.5).all()
     assert recording.v[-1, 0] == pytest.approx(0.0, abs=0.01)
     assert "collision" not in kinds
+    stop = next(event for event in recording.events if event.kind == "standstill")
+    assert (stop.cause, stop.message) == ("driver", "across_edge")
+    assert stop.t == recording.t[np.argmax((recording.v[:, 0] == 0.0) & after)]
     assert recording.stop_reason == "duration"
 
 

@@ -118,15 +118,14 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
 
 @compiled
 def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
-    """End a run whose ego has stood for a while after a stop that ends the conflict; after a person's stop it goes on.
+    """Log where a driver stops, and end a run whose ego has stood for a while after a stop that ends the conflict.
 
-    A driver model that waits before a red signal, in a moving queue or for a gap in the traffic drives on later. An ego
-    that creeps on from where it stopped is not logged as stopping again.
+    A person's stop does not end it. A driver model that waits before a red signal, in a moving queue or for a gap in
+    the traffic drives on later. An ego that creeps on from where it stopped is not logged as stopping again.
     """
     ego = p.ego[0]
     state = st.takeover_state[0]
-    by_model = state == op.TAKEOVER_MANUAL and p.person[0] == 0
-    ended = st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL or by_model
+    ended = st.crashed[0] == 1 or state in (op.TAKEOVER_STANDSTILL, op.TAKEOVER_MANUAL)
     if st.v[ego] >= CREEPING or not ended:
         st.still_noted[0] = 0
     if st.v[ego] >= op.STANDING or not ended:
@@ -138,7 +137,7 @@ def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
         if driven and st.still_noted[0] == 0:
             st.still_noted[0] = 1
             log_standstill(n, p, st, ego, 1)
-    if driven and (waits_in_queue(p, st, ego) == 1 or waits_for_gap(st) == 1):
+    if driven and (p.person[0] == 1 or waits_in_queue(p, st, ego) == 1 or waits_for_gap(st) == 1):
         st.still_since[0] = st.clock[0]
     if st.clock[0] - st.still_since[0] >= STANDING_TIME - op.TOLERANCE:
         st.stop[0] = op.STOP_COLLISION if st.crashed[0] == 1 else op.STOP_STANDSTILL
