@@ -10,7 +10,7 @@ from typing import Literal, get_args
 from lxml import etree
 
 from scenario_compiler.controllers.named import check_controller
-from scenario_compiler.diagnostics import CompileError, Diagnostics, FilePlace
+from scenario_compiler.diagnostics import Code, CompileError, Diagnostics, FilePlace, Severity
 from scenario_compiler.document import UNREADABLE, Document
 from scenario_compiler.files import is_plan_file, split_target
 from scenario_compiler.languages import (
@@ -42,6 +42,19 @@ from scenario_compiler.vocabulary.takeover import Message
 from scenario_compiler.vocabulary.variation import Vary
 from scenario_compiler.vocabulary.weather import is_clear
 
+ROUNDED_PERIOD = Code(
+    "SC256",
+    "rounded-control-period",
+    "The time between two control steps of the scenario is not a whole number of time steps of the given length, so it "
+    "is rounded to one. The automation then looks and decides at other times. Choose a time step that divides the time "
+    "between two control steps, or another `control_every` in the scenario.\n\n"
+    '    <scenario ... step="0.05">  --dt 0.02     control steps every 0.04 s in place of 0.05 s',
+    Severity.NOTE,
+)
+
+SLACK = 1.0e-5
+"""Largest change of the time between two control steps that is not reported, as a share of it."""
+
 
 @dataclass(frozen=True)
 class Compilation:
@@ -60,9 +73,9 @@ class Overrides:
         perception: Source of the lane confidence: "camera", "ideal" or "surrogate".
         controller: Name of the ego vehicle's controller, package.module:Class or file.py:Class. The properties in the
             scenario belong to the controller that the scenario names; another one does not get them.
-        step: Length of a time step, s; 0.001 to 1. The time between two control steps stays that of the scenario, as
-            nearly as whole time steps allow: how often the automation looks and decides does not depend on how finely
-            motion is computed.
+        step: Length of a time step, s; 0.001 to 1. The time between two control steps stays that of the scenario,
+            rounded to a whole number of time steps: how often the automation looks and decides does not depend on how
+            finely motion is computed.
         duration: Latest end of the run, s; above 0 and below 1e6.
         driven_by: Who takes over and drives: a "person", or the driver "model".
         messages: Messages of the automation to the driver.
@@ -225,7 +238,9 @@ def compile_expanded(
 
     If parts of the scenario could not be read, the plan is not checked for missing parts.
     """
-    scenario = overrides.applied(scenario)
+    applied = overrides.applied(scenario)
+    _check_period(scenario, applied, sink)
+    scenario = applied
     network = open_map(scenario.map, document.folder, map_place(scenario, document), sink, maps)
     if network is None:
         return None
@@ -249,6 +264,17 @@ def compile_expanded(
 
         check_at_first(plan, network, sink)
     return Compilation(plan, network, scenario)
+
+
+def _check_period(scenario: Scenario, applied: Scenario, sink: Diagnostics) -> None:
+    """Report a time between two control steps that another length of the time step has changed."""
+    own, period = (one.step * one.control_every for one in (scenario, applied))
+    if abs(period - own) > SLACK * own:
+        message = (
+            f"with time steps of {applied.step:g} s, control steps are {period:.6g} s apart in place of {own:.6g} s"
+        )
+        hint = f"a time step of {own / applied.control_every:.6g} s keeps their times"
+        sink.add(ROUNDED_PERIOD, message, scenario.place_of("step"), hint=hint)
 
 
 def _may_see_less(plan: Plan) -> bool:

@@ -37,6 +37,7 @@ WITHOUT_CASE = {
     "SC378": "speaks of map.toml files: tests/roads",
     "SC232": "needs a chain of files: tests/hostile/test_hostile.py",
     "SC523": "speaks of runs: tests/runtime/test_break_off.py",
+    "SC256": "speaks of --dt: tests/plan/test_findings.py",
     "SC407": "speaks of --perception: tests/test_events.py",
     "SC514": "speaks of --perception: tests/plan/test_findings.py",
     "SC506": "speaks of --perception: tests/plan/test_findings.py",

@@ -113,7 +113,10 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     )
     add_trust(parser)
     parser.add_argument(
-        "--dt", type=step_length, metavar="S", help="length of a time step, s; control steps keep their times"
+        "--dt",
+        type=step_length,
+        metavar="S",
+        help="length of a time step, s; the time between control steps is rounded to a whole number of them",
     )
     parser.add_argument("--duration", type=positive, metavar="S", help="latest end of the run, s")
 

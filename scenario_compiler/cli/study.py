@@ -77,7 +77,8 @@ def add(commands: Commands) -> None:
         "--dt",
         type=step_length,
         metavar="S",
-        help="length of a time step, s; control steps keep their times (default: 0.02)",
+        help="length of a time step, s; the time between control steps is rounded to a whole number of them "
+        "(default: 0.02)",
     )
     parser.add_argument("--size", choices=SIZES, default="1280x720", help="size of the view ahead in pixels")
     parser.add_argument(

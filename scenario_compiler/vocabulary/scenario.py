@@ -167,7 +167,8 @@ class Scenario(Word):
     )
     step: float = attribute("Length of a time step, s.", default=0.05, quantity="time", minimum=0.001, maximum=1)
     control_every: int = attribute(
-        "Number of time steps between two control steps. `--dt` changes it, so that the time between them stays.",
+        "Number of time steps between two control steps. `--dt` changes it, so that the time between them stays, "
+        "rounded to a whole number of time steps.",
         default=1,
         minimum=1,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -139,6 +140,23 @@ def test_surrogate_perception_cannot_replace_a_users_own_controller(tmp_path: Pa
     assert [one.message for one in sink if one.code.id == "SC514"] == [
         "surrogate perception cannot replace the controller 'own.py:Steering'"
     ]
+
+
+@pytest.mark.parametrize(
+    ("step", "message"), [(0.025, ""), (0.02, "0.04 s apart in place of 0.05 s"), (0.03, "0.06 s")]
+)
+def test_a_time_step_that_does_not_divide_the_time_between_control_steps_is_noted(
+    tmp_path: Path, step: float, message: str
+) -> None:
+    sink = Diagnostics()
+    assert compile_target(_file(tmp_path, ""), {}, sink, overrides=Overrides(step=step)) is not None
+    found = [one for one in sink if one.code.id == "SC256"]
+    assert [message in one.message for one in found] == [True] * bool(message)
+    for one in found:
+        kept = float(re.findall(r"a time step of (\S+) s keeps", one.hint)[0])
+        sink = Diagnostics()
+        compile_target(_file(tmp_path, ""), {}, sink, overrides=Overrides(step=kept))
+        assert not [other for other in sink if other.code.id == "SC256"]
 
 
 @pytest.mark.parametrize(
