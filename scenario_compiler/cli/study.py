@@ -58,9 +58,9 @@ def add(commands: Commands) -> None:
         "study",
         help="take participants through a study in a browser, pilot it, export its data (needs the extra 'study')",
         description="`study STUDY.xml -o DIR` serves a page for the participants and one for the experimenter; started "
-        "again, it continues where it ended. With `--pilot`, driver models go through the study in place of people. "
-        "`study plan STUDY.xml` prints the order of conditions for each participant. `study export DIR -o table.csv` "
-        "writes one table of all runs.",
+        "again with the same `--perception` and `--dt`, it continues where it ended. With `--pilot`, driver models go "
+        "through the study in place of people. `study plan STUDY.xml` prints the order of conditions for each "
+        "participant. `study export DIR -o table.csv` writes one table of all runs.",
     )
     parser.add_argument(
         "action", nargs="?", choices=("run", "plan", "export"), default="run", help="what to do with the study"

@@ -92,6 +92,12 @@ def test_another_study_does_not_go_on_in_its_folder(piloted: Path, capsys: pytes
     assert "another study" in capsys.readouterr().err
 
 
+def test_a_study_does_not_go_on_with_other_options(piloted: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ("--perception", "surrogate", "--dt", "0.025")
+    assert call("study", piloted / "study.xml", "--pilot", *options, "-o", piloted / "data") == 2
+    assert "holds the data of this study with other options: --perception ideal, --dt 0.02" in capsys.readouterr().err
+
+
 def test_export_makes_one_tidy_table(piloted: Path) -> None:
     table = piloted / "table.csv"
     assert call("study", "export", piloted / "data", "-o", table) == 0
