@@ -158,7 +158,7 @@ CALLS = (
         "spring arms are stiff, sockets are not known; a vehicle or a walker does not go along",
         before=(DESCRIPTION, TRANSFORM, U32, U32),
     ),
-    Call("destroy_actor", (U32,), BOOL, actors.destroy, "lights, signs and the spectator stay, which is an error"),
+    Call("destroy_actor", (U32,), BOOL, actors.destroy, "lights, signs and the spectator stay: false"),
     Call("get_actors_by_id", (array(U32),), array(ACTOR), actors.actors_by_id),
     Call("get_spectator", (), ACTOR, actors.spectator),
     Call("get_actor_bounding_box", (U32,), BOX, actors.bounding_box, since="0.9.16"),
