@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import TypeVar
 
 from scenario_compiler.carla_server.actors import Sensor
 from scenario_compiler.carla_server.host import SNAPSHOTS, Host
@@ -18,6 +21,15 @@ from scenario_compiler.frames import CarlaTransform
 from scenario_compiler.vocabulary.weather import Weather
 
 HERE = CarlaTransform(0.0, 0.0, 2.0, 0.0, 0.0, 0.0)
+
+
+Result = TypeVar("Result")
+
+
+def finished(work: Coroutine[None, None, Result]) -> Result:
+    """Return the result of a coroutine; it runs in a thread because tests in a browser leave a loop in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, work).result()
 
 
 class Broken(Simple):
@@ -83,7 +95,7 @@ def test_a_sensor_that_fails_stops_only_itself(tmp_path: Path) -> None:
             assert HEADER.unpack_from(await message(reader))[1] == frame
         await closed(host, server, broken, works)
 
-    asyncio.run(run())
+    finished(run())
     (line,) = lines
     assert "is stopped: it failed at test_host.py:" in line
     assert line.endswith("ValueError: broken")
@@ -103,4 +115,4 @@ def test_the_first_snapshot_of_an_episode_says_that_the_map_has_changed(tmp_path
         await closed(host, server, writer)
         return [(episode, bits) for episode, *_, bits in told]
 
-    assert asyncio.run(run()) == [(2, MAP_CHANGED), (2, 0)]
+    assert finished(run()) == [(2, MAP_CHANGED), (2, 0)]
