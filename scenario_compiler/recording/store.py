@@ -80,6 +80,9 @@ def read_recording(path: Path) -> Recording:
         about = json.loads(metadata.get(KEY, b"{}"))
         if about.get("format") != FORMAT:
             raise RecordingError(f"{path} is not a recording of the format {FORMAT}")
+        lacking = sorted({c.name for c in COLUMNS if c.name != "present"} - set(table.column_names))
+        if lacking:
+            raise RecordingError(f"{path} lacks columns that this version needs ({', '.join(lacking)}); repeat the run")
         return _decoded(table, about, metadata)
     except RecordingError:
         raise

@@ -174,6 +174,15 @@ def test_a_table_that_is_not_a_recording_is_refused(tmp_path: Path) -> None:
         read_recording(tmp_path / "r.parquet")
 
 
+def test_a_recording_of_a_version_with_fewer_columns_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "r.parquet"
+    write_recording(two_rows(), path)
+    written = pq.read_table(path)
+    pq.write_table(written.drop_columns(["towed_by"]).replace_schema_metadata(pq.read_metadata(path).metadata), path)
+    with pytest.raises(RecordingError, match=r"lacks columns that this version needs \(towed_by\); repeat the run$"):
+        read_recording(path)
+
+
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match=r"none.parquet cannot be read: No such file or directory$"):
         read_recording(tmp_path / "none.parquet")
